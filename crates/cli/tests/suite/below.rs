@@ -1,0 +1,348 @@
+//! Bodies below a surface whose mean level has no stiffness: every stress has the mean of the surface, from every kind of result;
+//! and numbers that such a level does not have.
+
+use std::path::Path;
+
+use crate::common::{gfmd, json};
+use gfmd_files::Reader;
+use ndarray::{Array2, Array3};
+use serde_json::Value;
+
+fn run(folder: &Path, flags: &str) -> Value {
+    json(folder, &flags.split_whitespace().collect::<Vec<_>>())
+}
+
+/// The line of the error of a command that must be refused.
+fn refused(folder: &Path, flags: &str) -> String {
+    let output = gfmd(folder, &flags.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(output.status.code(), Some(2), "{flags}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
+const SURFACE: &str = "--n 16 --eps-f-inv 4 --seed 3";
+const BODY: &str = "--young 1 --poisson 0.3";
+
+/// The traction [xz, yz, zz] (a line: [xz, zz]) on the surface of a result, as its file has it; components that it has not are 0.
+fn tractions(file: &Reader) -> Vec<Vec<f64>> {
+    if file.contains("/fields/traction") {
+        let traction: Vec<f64> = file.values("/fields/traction").unwrap();
+        let components = *file.shape("/fields/traction").unwrap().last().unwrap();
+        return (0..components).map(|c| traction.iter().skip(c).step_by(components).copied().collect()).collect();
+    }
+    let shape = file.shape("/fields/pressure").unwrap();
+    let pressure: Vec<f64> = file.slab("/fields/pressure", shape[0] - 1).unwrap();
+    let shear = |name: &str| -> Vec<f64> {
+        let path = format!("/fields/{name}");
+        if file.contains(&path) { file.slab(&path, shape[0] - 1).unwrap() } else { vec![0.0; pressure.len()] }
+    };
+    let normal = pressure.iter().map(|p| -p).collect();
+    if shape[2] == 1 { vec![shear("shear_x"), normal] } else { vec![shear("shear_x"), shear("shear_y"), normal] }
+}
+
+/// The mean of σ_xz and σ_zz is that of the surface at every depth, and σ_zz of the surface is the pressure, point by point, so that
+/// open points bear none.
+#[test]
+fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let base = Array3::from_shape_fn((16, 16, 3), |(i, j, c)| 0.004 * ((i + 3 * j + c) as f64 * 0.7).sin() + 0.001);
+    ndarray_npy::write_npy(folder.join("base.npy"), &base).unwrap();
+    let contact = |flags: &str| format!("contact {SURFACE} {BODY} --p-star 0.05,0.3 {flags}");
+    let path = |flags: &str| format!("path {SURFACE} {BODY} --p-star 0.3 --steps 2 {flags}");
+    for (made, depths) in [
+        (contact(""), "0,0.3,1"),
+        (format!("contact --dim 2 --n 64 --eps-f-inv 16 {BODY} --p-star 0.05,0.3"), "0,0.3,1"),
+        (contact("--components held"), "0,0.3,1"),
+        (contact("--components all"), "0,0.3,1"),
+        (contact("--hardness 0.06"), "0,0.3,1"),
+        (contact("--law exponential --param gamma=1e-4,range=4e-3"), "0,0.3,1"),
+        (contact("--finite-slope --rms-gradient 0.2"), "0,0.3,1"),
+        (contact("--finite-slope --rms-gradient 0.2 --height 0.3"), "0,0.1,0.3"),
+        (contact("--second-body 3,0.2"), "0,0.3,1"),
+        (contact("--second-body 3,0.2,0.2"), "0,0.3,1"),
+        (contact("--height 0.3 --second-body 3,0.2"), "0,0.1,0.3"),
+        (contact("--height 0.1 --base half-space --base-young 5 --base-poisson 0.2"), "0,0.1,1"),
+        (contact("--height 0.3"), "0,0.1,0.3"),
+        (format!("contact {SURFACE} --young 1 --poisson 0.5 --height 0.3 --p-star 0.2"), "0,0.1,0.3"),
+        (
+            format!("contact {SURFACE} --young 1 --poisson 0.5 --height 0.3 --p-star 0.2 --base-displacement base.npy"),
+            "0,0.1,0.3",
+        ),
+        (contact("--height 0.3 --base-displacement base.npy"), "0,0.1,0.3"),
+        (path("--friction 0.3 --lateral 0.003"), "0,0.3,1"),
+        (path("--friction 0.3 --lateral 0.003 --height 0.3"), "0,0.1,0.3"),
+        (
+            format!(
+                "path {SURFACE} --young 1 --poisson 0.5 --p-star 0.1 --steps 2 --shear-strength 0.05 --lateral 0.003"
+            ),
+            "0,0.3,1",
+        ),
+        (path("--hardness 0.06"), "0,0.3,1"),
+        ("punch --n 16 --height inf".into(), "0,0.3,1"),
+        ("punch --n 16 --height inf --contact frictionless".into(), "0,0.3,1"),
+        ("punch --n 16 --height inf --shift 0.002,0".into(), "0,0.3,1"),
+        ("punch --n 16 --poisson 0.5 --height 0.5".into(), "0,0.1,0.5"),
+        ("punch --dim 2 --n 32 --height inf --shift 0.002".into(), "0,0.3,1"),
+    ] {
+        run(folder, &format!("{made} --out source.h5 --json"));
+        let report = run(folder, &format!("body --surface source.h5 --depths {depths} --out below.h5 --json"));
+        let [source, below] = ["source.h5", "below.h5"].map(|name| Reader::open(folder.join(name)).unwrap());
+        let surface = tractions(&source);
+        let components = *below.shape("/fields/stress").unwrap().last().unwrap();
+        // Rows xx, yy, zz, yz, xz, xy; of a line xx, zz, xz.
+        let (zz, xz) = if components == 4 { (2, 3) } else { (2, 4) };
+        let mut shear = mean(&surface[0]);
+        if source.contains("/loads/mean_shear_x") {
+            shear = source.values::<f64>("/loads/mean_shear_x").unwrap()[1];
+            assert!(shear != 0.0);
+        }
+        let normal = &surface[surface.len() - 1];
+        let stress: Vec<f64> = below.values("/fields/stress").unwrap();
+        let planes = below.shape("/fields/stress").unwrap()[0];
+        // Between two layers there are two planes.
+        assert!(planes >= 3);
+        let scale = largest(normal);
+        for plane in stress.chunks_exact(stress.len() / planes) {
+            let of = |k: usize| plane.iter().skip(k).step_by(components).copied().collect::<Vec<f64>>();
+            let [found_zz, found_xz] = [zz, xz].map(|k| mean(&of(k)));
+            assert!((found_zz - mean(normal)).abs() < 1e-12 * scale, "{made}: {found_zz} {}", mean(normal));
+            assert!((found_xz - shear).abs() < 1e-12 * scale, "{made}: {found_xz} {shear}");
+        }
+        let top: Vec<f64> = stress.iter().skip(zz).step_by(components).take(normal.len()).copied().collect();
+        // Tractions of a path, a law and a punch are those of the displacement to the tolerance of their search.
+        let is_searched = ["law", "punch"].iter().any(|word| made.contains(word));
+        let bound = if is_searched { 1e-6 } else { 1e-11 };
+        for (found, wanted) in top.iter().zip(normal) {
+            assert!((found - wanted).abs() < bound * scale, "{made}: {found} {wanted}");
+        }
+        let stated: Vec<f64> = below.values("/fields/mean_traction").unwrap();
+        assert!(
+            (stated[stated.len() - 1] - mean(normal)).abs() < 1e-12 * scale
+                && (stated[0] - shear).abs() < 1e-12 * scale
+        );
+        assert_eq!(report["mean_traction"], serde_json::json!(stated));
+        let check = run(folder, "check below.h5 --json");
+        assert_eq!(check["differing"], 0, "{made}: {check}");
+    }
+}
+
+/// The mean strain energy and the mean von Mises stress of a half-space below a deep plane are those of a column that is confined
+/// laterally, to which a high slab comes close.
+#[test]
+fn a_half_space_is_the_limit_of_high_slabs_also_in_the_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let levels = |height: &str| {
+        run(folder, &format!("contact {SURFACE} {BODY} --p-star 1 --height {height} --out c.h5 --json"));
+        run(folder, "body --surface c.h5 --depths 0,0.3,2 --json")["levels"].clone()
+    };
+    let (endless, high) = (levels("inf"), levels("6"));
+    for (endless, high) in endless.as_array().unwrap().iter().zip(high.as_array().unwrap()) {
+        for key in ["max_von_mises", "mean_energy_density"] {
+            let [endless, high] = [endless, high].map(|level| level[key].as_f64().unwrap());
+            assert!((endless / high - 1.0).abs() < 1e-6, "{key}: {endless} {high}");
+        }
+    }
+    let pressure = Reader::open(folder.join("c.h5")).unwrap().values::<f64>("/loads/mean_pressure").unwrap()[0];
+    // (1 - 2 nu)/(1 - nu) p, and (1 + nu)(1 - 2 nu)/(1 - nu) p^2/(2 E).
+    let deep = &endless[2];
+    for (key, wanted) in
+        [("max_von_mises", 0.4 / 0.7 * pressure), ("mean_energy_density", 1.3 * 0.4 / 0.7 * 0.5 * pressure * pressure)]
+    {
+        assert!((deep[key].as_f64().unwrap() / wanted - 1.0).abs() < 1e-3, "{key}: {deep} {wanted}");
+    }
+}
+
+/// An array of displacements does not say the mean traction of a half-space: it is given, or 0 with a warning.
+#[test]
+fn the_mean_traction_below_an_array_is_given_or_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let profile = Array2::from_shape_fn((32, 2), |(i, c)| 0.01 * ((i + 7 * c) as f64 * 0.3).sin());
+    ndarray_npy::write_npy(folder.join("line.npy"), &profile).unwrap();
+    let body = |rest: &str| format!("body --surface line.npy {BODY} --depths 0,0.5 {rest} --json");
+    let silent = run(folder, &body("--height inf"));
+    assert_eq!(silent["warnings"][0]["code"], "mean-traction", "{silent}");
+    assert_eq!(silent["mean_traction"], serde_json::json!([0.0, 0.0]));
+    let given = run(folder, &body("--height inf --mean-traction=0.02,-0.1 --out given.h5"));
+    assert!(given["warnings"].as_array().is_none_or(Vec::is_empty), "{given}");
+    let stress: Vec<f64> = Reader::open(folder.join("given.h5")).unwrap().slab("/fields/stress", 1).unwrap();
+    let of = |k: usize| mean(&stress.iter().skip(k).step_by(4).copied().collect::<Vec<f64>>());
+    assert!((of(2) + 0.1).abs() < 1e-12 && (of(3) - 0.02).abs() < 1e-12, "{} {}", of(2), of(3));
+    assert_eq!(run(folder, "check given.h5 --json")["differing"], 0);
+    for (flags, named) in [
+        ("--height inf --mean-traction=0.1", "--mean-traction is [0.1]; it must be 2 numbers, x and z"),
+        ("--height 0.6 --mean-traction=0,5", "--mean-traction: the mean traction along x is 0"),
+        ("--height inf --mean-traction=nan,0", "--mean-traction"),
+    ] {
+        let text = refused(folder, &body(flags));
+        assert!(text.contains(named) && text.lines().count() == 1, "{flags}: {text}");
+    }
+    run(folder, &format!("contact {SURFACE} {BODY} --p-star 0.1 --out c.h5 --json"));
+    let text = refused(folder, "body --surface c.h5 --depths 0 --mean-traction=0,0,-0.1");
+    assert!(text.contains("--mean-traction") && text.contains("left out"), "{text}");
+}
+
+/// With a base that moves, p*, the rms gradient, the rms height and kappa are of the surface that it displaces: those of the
+/// contact of that surface with the base at rest.
+#[test]
+fn over_a_base_that_moves_all_numbers_are_of_the_displaced_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let wave = Array2::from_shape_fn((16, 16), |(i, _)| 0.03 * (std::f64::consts::TAU * i as f64 / 16.0).cos());
+    ndarray_npy::write_npy(folder.join("base.npy"), &wave).unwrap();
+    let body = "--young 1 --poisson 0.3 --height 0.2 --p-star 0.02,0.2";
+    let moved = run(folder, &format!("contact {SURFACE} {body} --base-displacement base.npy --out c.h5 --json"));
+    let reader = Reader::open(folder.join("c.h5")).unwrap();
+    let [height, lift] = ["/surface/height", "/base/lift"].map(|name| reader.values::<f64>(name).unwrap());
+    let sum = height.iter().zip(&lift).map(|(h, lift)| h + lift).collect();
+    ndarray_npy::write_npy(folder.join("sum.npy"), &Array2::from_shape_vec((16, 16), sum).unwrap()).unwrap();
+    let rest = run(folder, &format!("contact --surface sum.npy --length 1 {body} --json"));
+    let same = |a: &Value, b: &Value, what: &str| {
+        let [a, b] = [a, b].map(|value| value.as_f64().unwrap_or_else(|| panic!("{what} {value}")));
+        assert!((a - b).abs() < 1e-7 * b.abs(), "{what}: {a} {b}");
+    };
+    for key in ["rms_gradient", "rms_height", "max_slope"] {
+        same(&moved[key], &rest[key], key);
+    }
+    for (moved, rest) in moved["loads"].as_array().unwrap().iter().zip(rest["loads"].as_array().unwrap()) {
+        for key in ["p_star", "mean_pressure", "kappa", "area_fraction", "max_pressure", "mean_gap"] {
+            same(&moved[key], &rest[key], key);
+        }
+    }
+    assert_eq!(run(folder, "check c.h5 --rerun --json")["differing"], 0);
+    let text = refused(folder, &format!("contact {SURFACE} {body} --base-displacement base.npy --boundary free"));
+    assert!(text.contains("--boundary is free; it must be periodic with --base-displacement"), "{text}");
+}
+
+/// The names of the columns of a load that are null, all of which have a reason.
+fn nulls(load: &Value) -> Vec<String> {
+    let all = load.as_object().unwrap().iter();
+    let null: Vec<String> = all.filter(|(_, value)| value.is_null()).map(|(key, _)| key.clone()).collect();
+    for key in &null {
+        assert!(load["undefined"][key].as_str().is_some_and(|reason| reason.len() > 10), "{key} of {load}");
+    }
+    null
+}
+
+/// A line with free boundaries on a half-space is displaced by a logarithm that has no level: what depends on it has no value.
+#[test]
+fn a_line_without_a_level_has_no_approach_and_no_energy() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "--dim 2 --n 32 --eps-f-inv 8 --boundary free --young 1 --poisson 0.3";
+    let without = ["displacement", "elastic_energy", "stiffness", "stiffness_error"];
+    for law in ["", "--hardness 0.05", "--law morse --param gamma=1e-3,range=0.03"] {
+        let report = run(folder, &format!("contact {line} {law} --p-star 0.05,0.1 --out c.h5 --json"));
+        for load in report["loads"].as_array().unwrap() {
+            let found = nulls(load);
+            assert!(without.iter().all(|key| found.iter().any(|name| name == key)), "{law}: {found:?}");
+        }
+        let reader = Reader::open(folder.join("c.h5")).unwrap();
+        for key in ["displacement", "elastic_energy"] {
+            let path = format!("/loads/{key}");
+            assert!(reader.values::<f64>(&path).unwrap().iter().all(|value| value.is_nan()));
+            assert!(reader.text(&path, "undefined").unwrap().contains("known up to a constant"));
+        }
+        assert_eq!(run(folder, "check c.h5 --rerun --json")["differing"], 0, "{law}");
+        let words = format!("contact {line} {law} --p-star 0.05");
+        let output = gfmd(folder, &words.split_whitespace().collect::<Vec<_>>());
+        assert!(String::from_utf8_lossy(&output.stdout).contains("known up to a constant"));
+    }
+    for action in ["", "--hardness 0.05", "--law morse --param gamma=1e-3,range=0.03"] {
+        let report = run(folder, &format!("path {line} {action} --p-star 0.05,0.1 --steps 2 --out p.h5 --json"));
+        for step in report["steps"].as_array().unwrap() {
+            for key in ["displacement", "elastic_energy"] {
+                assert!(step[key].is_null(), "{action}: {step}");
+                assert!(step["undefined"][key].as_str().unwrap().contains("known up to a constant"), "{step}");
+            }
+            assert!(step["mean_gap"].as_f64().is_some());
+        }
+        let reader = Reader::open(folder.join("p.h5")).unwrap();
+        assert!(reader.values::<f64>("/path/displacement").unwrap().iter().all(|value| value.is_nan()));
+        assert!(reader.text("/path/elastic_energy", "undefined").unwrap().contains("known up to a constant"));
+        assert_eq!(run(folder, "check p.h5 --rerun --json")["differing"], 0, "{action}");
+        let text = refused(folder, &format!("path {line} {action} --displacement 0.01 --steps 2"));
+        assert!(text.contains("--displacement"), "{text}");
+    }
+    // A slab has a level.
+    let report = run(folder, &format!("contact {line} --height 0.3 --p-star 0.1 --json"));
+    assert!(report["loads"][0]["displacement"].is_number() && report["loads"][0]["elastic_energy"].is_number());
+}
+
+/// Every stiffness that is not there says why.
+#[test]
+fn every_stiffness_without_a_value_has_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (flags, reason) in [
+        ("--law morse --param gamma=1e-3,range=0.03 --p-star 0.1", "law"),
+        ("--components all --p-star 0.1", "components"),
+        ("--finite-slope --p-star 0.1", "slope"),
+        ("--height 0.3 --lower-seed 5 --p-star 0.1", "two surfaces"),
+        ("--p-star 9", "full contact"),
+    ] {
+        let load = run(folder, &format!("contact {SURFACE} {flags} --out c.h5 --json"))["loads"][0].clone();
+        let found = nulls(&load);
+        assert!(
+            found.contains(&"stiffness".to_owned()) && found.contains(&"stiffness_error".to_owned()),
+            "{flags}: {found:?}"
+        );
+        assert!(load["undefined"]["stiffness"].as_str().unwrap().contains(reason), "{flags}: {load}");
+        let reader = Reader::open(folder.join("c.h5")).unwrap();
+        assert!(reader.values::<f64>("/loads/stiffness").unwrap()[0].is_nan(), "{flags}");
+        assert!(reader.text("/loads/stiffness", "undefined").unwrap().contains(reason), "{flags}");
+        assert_eq!(run(folder, "check c.h5 --rerun --json")["differing"], 0, "{flags}");
+    }
+    let load = run(folder, &format!("contact {SURFACE} --p-star 0.1 --json"))["loads"][0].clone();
+    assert!(nulls(&load).is_empty() && load["stiffness"].is_number());
+}
+
+/// The program and its check pose one contact, in units of its own size: every number is met to the last bit.
+#[test]
+fn the_check_poses_the_contact_of_the_program_in_any_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let reduced = |flags: &str, young: f64, length: f64| -> Vec<f64> {
+        let flags = format!("contact {SURFACE} --young {young:e} --length {length:e} {flags} --out c.h5 --json");
+        let load = run(folder, &flags)["loads"][0].clone();
+        let check = run(folder, "check c.h5 --json");
+        assert_eq!((&check["differing"], &check["rounded"]), (&0.into(), &0.into()), "{flags}: {check}");
+        let of = |key: &str, unit: f64| load[key].as_f64().unwrap_or(f64::NAN) / unit;
+        [
+            of("area_fraction", 1.0),
+            of("mean_pressure", young),
+            of("max_pressure", young),
+            of("mean_gap", length),
+            of("displacement", length),
+            of("elastic_energy", young * length),
+        ]
+        .into()
+    };
+    for flags in [
+        "--p-star 0.05",
+        "--p-star 0.05 --components held",
+        "--p-star 0.05 --components all",
+        "--p-star 0.05 --finite-slope",
+    ] {
+        let wanted = reduced(flags, 1.0, 1.0);
+        // Units within the range of the program, in which E* times the rms gradient is 1e-140 to 1e140.
+        for (young, length) in [(1e-130, 1.0), (1e130, 1.0), (1e-60, 1e-60), (1e60, 1e60)] {
+            for (found, wanted) in reduced(flags, young, length).iter().zip(&wanted) {
+                assert!((found / wanted - 1.0).abs() < 1e-6, "{flags} {young:e} {length:e}: {found} {wanted}");
+            }
+        }
+        for young in ["1e-200", "1e200"] {
+            let text = refused(folder, &format!("contact {SURFACE} --young {young} {flags}"));
+            assert!(text.contains(&format!("--young is {young}; it must be between 1e-140 and 1e140")), "{text}");
+        }
+    }
+}

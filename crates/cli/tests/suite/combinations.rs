@@ -1,0 +1,207 @@
+//! Combinations at random: body x boundary x interaction x components x hardness x slopes x load x lower surface x outlets. The program
+//! solves small problems as a user would ask for them, and every number that comes out is compared with its definition, written anew here:
+//! plain loops, direct Fourier sums, layered bodies wave by wave, Gaussian elimination (docs/reliability.md, "Random combinations").
+//!
+//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` takes so many (default: 300) and prints
+//! counts; `GFMD_COMBINATION=N` runs the case N alone and keeps its folder.
+
+#![expect(clippy::print_stdout, reason = "the counts of cases")]
+
+mod contact;
+mod draw;
+mod elastic;
+mod found;
+mod numbers;
+mod outlets;
+mod path;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use crate::common::gfmd;
+use draw::Case;
+use found::Found;
+use gfmd_files::Reader;
+use serde_json::Value;
+
+/// The number of cases of the default run.
+const CASES: u64 = 300;
+
+/// Cases of longer runs in which the program or a definition was wrong: the default run takes them too.
+const ONCE_WRONG: [u64; 16] =
+    [2035, 2116, 3319, 3609, 3801, 3926, 4075, 7036, 10375, 11128, 11906, 12359, 14683, 15879, 17026, 19643];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum End {
+    Solved,
+    Refused,
+    Failed,
+}
+
+/// The first words of a refusal, which name the flag.
+fn reason(told: &str) -> String {
+    let told = told.trim_start_matches("error: ");
+    told.split([':', ' ', ',']).next().unwrap_or_default().to_owned()
+}
+
+/// Runs a case and checks all that comes out.
+fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
+    let out = format!("out{}.h5", case.index);
+    let mut words: Vec<&str> = case.words.iter().map(String::as_str).collect();
+    let bare = words.clone();
+    words.extend(["--json", "-q", "--threads", "1", "--out", &out]);
+    if let Some(vtk) = &case.vtk {
+        words.extend(["--vtk", vtk]);
+    }
+    let output = gfmd(folder, &words);
+    let (told, text) = (String::from_utf8_lossy(&output.stderr), String::from_utf8_lossy(&output.stdout));
+    let lines: Vec<&str> = told.trim_end().lines().collect();
+    match output.status.code() {
+        Some(2) => {
+            let names = ["--", ".npy"].iter().any(|name| lines[0].contains(name));
+            let one = lines.len() == 1 && lines[0].starts_with("error") && names && lines[0].len() < 700;
+            found.must(one && text.is_empty(), || format!("a refusal of {} lines: {told}", lines.len()));
+            found.must(!folder.join(&out).exists(), || "a refused case has a file".into());
+            return (End::Refused, reason(&told));
+        }
+        Some(1) => {
+            let says = lines.last().is_some_and(|line| {
+                line.starts_with("error")
+                    && ["converge", "search", "part", "finite", "separate", "touch"]
+                        .iter()
+                        .any(|word| line.contains(word))
+            });
+            found.must(says && !told.contains("panicked"), || format!("an unexpected failure: {told}"));
+            return (End::Failed, lines.last().unwrap_or(&"").to_string());
+        }
+        Some(0) => {}
+        status => {
+            found.complain(format!("status {status:?}: {told}"));
+            return (End::Failed, String::new());
+        }
+    }
+    let Ok(report) = serde_json::from_str::<Value>(&text) else {
+        found.complain(format!("no JSON: {text}"));
+        return (End::Solved, String::new());
+    };
+    let file = Reader::open(folder.join(&out)).unwrap();
+    found.must(matches!(file.is_intact(), Ok(Some(true))), || "the file does not have its checksum".into());
+    let (key, group) = if case.is_path { ("steps", "/path") } else { ("loads", "/loads") };
+    let records = report[key].as_array().unwrap();
+    if case.is_path {
+        path::check(found, case, folder, &report, &file);
+    } else {
+        contact::check(found, case, &report, &file);
+    }
+    outlets::file(found, records, &file, group);
+    if let Some(vtk) = &case.vtk {
+        outlets::vtk(found, case, &std::fs::read(folder.join(vtk)).unwrap(), &file);
+    }
+    if case.index.is_multiple_of(3) {
+        let mut words = bare;
+        words.extend(["--threads", "1"]);
+        let output = gfmd(folder, &words);
+        found.must(output.status.success(), || "the table: another status".into());
+        outlets::table(found, &String::from_utf8_lossy(&output.stdout), records, case.is_path);
+    }
+    if case.threshold {
+        outlets::threshold(found, case, folder, &report);
+    }
+    outlets::further(found, case, folder, &out, &report);
+    (End::Solved, String::new())
+}
+
+#[derive(Default)]
+struct Counts {
+    ends: BTreeMap<(String, End), usize>,
+    refused: BTreeMap<String, usize>,
+    undefined: BTreeMap<String, usize>,
+    compared: usize,
+    bad: Vec<String>,
+}
+
+#[test]
+fn every_number_of_a_random_combination_is_its_definition() {
+    let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number of cases"));
+    let alone = number("GFMD_COMBINATION");
+    let cases = number("GFMD_COMBINATIONS").unwrap_or(CASES);
+    let started = Instant::now();
+    let drawn: Vec<u64> = match alone {
+        Some(alone) => vec![alone],
+        None => (0..cases).chain(ONCE_WRONG.into_iter().filter(|index| *index >= cases)).collect(),
+    };
+    let next = AtomicUsize::new(0);
+    let counts = Mutex::new(Counts::default());
+    let threads = std::thread::available_parallelism().map_or(2, usize::from).max(2);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some(index) = drawn.get(next.fetch_add(1, Ordering::Relaxed)).copied() {
+                    let folder = tempfile::tempdir().unwrap();
+                    let case = Case::draw(index, folder.path());
+                    let mut found = Found::default();
+                    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                        run(&case, folder.path(), &mut found)
+                    }));
+                    let (ended, why) = outcome.unwrap_or_else(|_| {
+                        found.complain("the test panicked".into());
+                        (End::Failed, String::new())
+                    });
+                    let words = case.words.join(" ");
+                    if alone.is_some() {
+                        println!("{words}\n{ended:?} {why}, in {}", folder.keep().display());
+                    }
+                    let mut counts = counts.lock().unwrap();
+                    counts.compared += found.compared;
+                    for kind in case.kinds().into_iter().chain(["all"]) {
+                        *counts.ends.entry((kind.into(), ended)).or_default() += 1;
+                    }
+                    if ended == End::Refused {
+                        *counts.refused.entry(why).or_default() += 1;
+                    }
+                    for (reason, count) in found.undefined {
+                        *counts.undefined.entry(reason).or_default() += count;
+                    }
+                    if !found.complaints.is_empty() {
+                        let all = found.complaints.len();
+                        let shown: Vec<String> = found.complaints.into_iter().take(4).collect();
+                        counts.bad.push(format!(
+                            "GFMD_COMBINATION={index}: gfmd {words} [{}]\n    {all}: {}",
+                            case.further,
+                            shown.join("\n    ")
+                        ));
+                    }
+                }
+            });
+        }
+    });
+    let Counts { ends, refused, undefined, compared, bad } = counts.into_inner().unwrap();
+    println!(
+        "{} cases in {:.0} s, {compared} comparisons, {} bad",
+        drawn.len(),
+        started.elapsed().as_secs_f64(),
+        bad.len()
+    );
+    let of = |kind: &str, end: End| ends.get(&(kind.to_owned(), end)).copied().unwrap_or(0);
+    let mut kinds: Vec<&String> = ends.keys().map(|(kind, _)| kind).collect();
+    kinds.dedup();
+    for kind in kinds {
+        println!(
+            "{kind:>24}: {} solved, {} refused, {} not converged",
+            of(kind, End::Solved),
+            of(kind, End::Refused),
+            of(kind, End::Failed)
+        );
+    }
+    println!("refused by: {refused:?}\nnull for a reason: {undefined:#?}");
+    assert!(bad.is_empty(), "{} of {} cases are bad:\n{}", bad.len(), drawn.len(), bad.join("\n"));
+    if alone.is_none() && cases >= CASES {
+        assert!(of("all", End::Solved) * 2 > cases as usize, "most problems can be solved");
+        for (kind, _) in ends.keys() {
+            assert!(of(kind, End::Solved) > 0, "{kind}: nothing solved");
+        }
+    }
+}

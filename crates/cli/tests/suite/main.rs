@@ -1,0 +1,31 @@
+//! The tests of `gfmd-cli` as one program: those of one file by `cargo test -p gfmd-cli --test suite FILE::`.
+
+mod bad_input;
+mod below;
+mod bodies;
+mod body;
+mod check;
+mod cluster;
+mod combinations;
+mod common;
+mod conductance;
+mod contact;
+mod crash;
+mod damping;
+mod extreme;
+mod free;
+mod golden;
+mod help;
+mod interoperability;
+mod law;
+mod pictures;
+mod plastic;
+mod punch;
+mod report;
+mod scan;
+mod seams;
+mod second;
+mod squeezed;
+mod sweep;
+mod theory;
+mod trust;

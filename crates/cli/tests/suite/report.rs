@@ -1,0 +1,248 @@
+//! `report`: pages of results, of hostile strings, of files without fields, of damaged files.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use crate::common::{SWEEP, gfmd, json};
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
+
+fn make(folder: &Path, words: &str) -> Option<i32> {
+    gfmd(folder, &words.split_whitespace().collect::<Vec<_>>()).status.code()
+}
+
+fn page(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join(name)).unwrap()
+}
+
+/// The values of an attribute, in the order of the page.
+fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
+    let start = format!(" {attribute}=\"");
+    page.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
+}
+
+/// Fails unless the tags are balanced, the ids differ, no script is there and nothing is fetched.
+fn check_page(page: &str) {
+    assert!(page.starts_with("<!DOCTYPE html><html lang=\"en\">") && page.ends_with("</html>"));
+    let lower = page.to_lowercase();
+    assert!(!lower.contains("<script") && !lower.contains("javascript:") && !lower.contains("@import"));
+    for source in values(page, "src").into_iter().chain(values(page, "href")) {
+        assert!(source.starts_with('#') || source.starts_with("data:image/png;base64,"), "{source}");
+    }
+    let addresses = lower.matches("http").count();
+    let allowed = lower.matches("http://www.w3.org/2000/svg").count() + lower.matches("http-equiv").count();
+    assert_eq!(addresses, allowed, "no address is named but that of the format SVG");
+    let ids = values(page, "id");
+    assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len(), "{ids:?}");
+    for link in values(page, "href").iter().filter_map(|link| link.strip_prefix('#')) {
+        assert!(ids.contains(&link), "{link}");
+    }
+    let (_, body) = page.split_once("<body>").unwrap();
+    let mut open = vec!["html", "body"];
+    for tag in body.split('<').skip(1) {
+        let tag = tag.split('>').next().unwrap();
+        let name = tag.split([' ', '\n']).next().unwrap();
+        match name.strip_prefix('/') {
+            Some(closed) => assert_eq!(open.pop(), Some(closed), "{tag}"),
+            None if name == "br" || tag.ends_with('/') => {}
+            None => open.push(name),
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+}
+
+/// The sections, and the number of figures and tables: the outline that readers and programs may rely on.
+fn outline(page: &str) -> (Vec<&str>, usize, usize) {
+    let sections = page.split("<section id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    (sections, page.matches("<figure>").count(), page.matches("<table>").count())
+}
+
+#[test]
+fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
+    let all = ["answer", "asked", "figures", "numbers", "certificates", "cost", "repeat", "cite"];
+
+    let contact = json(
+        folder,
+        &["contact", "--n", "32", "--eps-f-inv", "8", "--p-star", "0.02,0.1", "--out", "c.h5", "--json", "-q"],
+    );
+    let report = json(folder, &["report", "c.h5", "--json", "-q"]);
+    assert_eq!((report["kind"].as_str(), report["figures"].as_u64()), (Some("contact"), Some(5)));
+    let made = page(folder, "c.html");
+    check_page(&made);
+    assert_eq!(outline(&made), (all.to_vec(), 5, 2));
+    let area = 100.0 * contact["loads"][1]["area_fraction"].as_f64().unwrap();
+    assert!(made.contains(&format!("<p class=\"headline\">{area:.3} %")), "{area}");
+    assert!(made.contains("Every residual is within its bound") && made.contains("gfmd check c.h5 --rerun"));
+    assert!(made.contains("--p-star=0.02,0.1") && made.contains("The checksum of the content holds"));
+
+    let words = "path --n 24 --eps-f-inv 6 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 3 --out p.h5 -q";
+    assert_eq!(make(folder, words), Some(0));
+    assert_eq!(make(folder, "report p.h5 --out path.html -q"), Some(0));
+    let made = page(folder, "path.html");
+    check_page(&made);
+    assert_eq!(outline(&made), (all.to_vec(), 6, 2));
+    assert!(made.contains("Section along"));
+
+    let sweep = json(folder, &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--json", "-q"]);
+    assert_eq!(make(folder, "report s.h5 -q"), Some(0));
+    let made = page(folder, "s.html");
+    check_page(&made);
+    let (sections, figures, tables) = outline(&made);
+    assert_eq!((figures, tables), (6, 3));
+    assert!(all.iter().all(|section| sections.contains(section)), "{sections:?}");
+    let kappa = sweep["fit"]["kappa_tfc"].as_f64().unwrap();
+    assert!(made.contains(&format!("<sub>TFC</sub> = {kappa:.4}")), "{kappa}");
+    // The page depends on the file alone.
+    assert_eq!(make(folder, "report s.h5 --out again.html -q --threads 1"), Some(0));
+    assert_eq!(page(folder, "again.html"), made);
+}
+
+/// A file with one load and no fields, in whose texts `text` stands.
+fn write_bare(path: &Path, text: &str) {
+    let output = Output::claim(path).unwrap();
+    let provenance = Provenance {
+        program: text.into(),
+        version: text.into(),
+        git_commit: text.into(),
+        command: text.into(),
+        created: text.into(),
+        config: format!("law = {text:?}\nsolver = {text:?}\ntol = 1e-8\n"),
+        machine: text.into(),
+        ..Provenance::default()
+    };
+    let mut archive = Archive::create(&output, &provenance).unwrap();
+    let load = Dimension::index("load", 1, "load");
+    for name in ["mean_pressure", "p_star", "area_fraction", "residual_load"] {
+        let variable = Variable { dimensions: &[&load], units: text, long_name: text };
+        archive.write(&format!("/loads/{name}"), &variable, &[1e-9]).unwrap();
+    }
+    archive.attribute("/not_converged", "why", text).unwrap();
+    archive.attribute("/not_converged", "criteria", text).unwrap();
+    archive.attribute("/not_converged", "advice", text).unwrap();
+    archive.finish().unwrap();
+}
+
+#[test]
+fn texts_of_a_file_are_shown_and_never_obeyed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (index, text) in [
+        "</style></code></pre><script>alert(1)</script>",
+        "<img src=x onerror=alert(1)>",
+        "\"><svg/onload=alert(1)>",
+        "&lt;b&gt; ' \" -->",
+        "\u{202e}gnp.exe\u{1b}[31m",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let name = format!("f{index}.h5");
+        write_bare(&folder.join(&name), text);
+        assert_eq!(make(folder, &format!("report {name} -q")), Some(0), "{text}");
+        let made = page(folder, &format!("f{index}.html"));
+        check_page(&made);
+        assert_eq!(
+            outline(&made).0,
+            ["answer", "asked", "numbers", "certificates", "remarks", "cost", "repeat", "cite"]
+        );
+        assert!(!made.contains(text), "{text}");
+        assert!(!made.contains('\u{202e}') && !made.contains('\u{1b}'));
+    }
+    let made = page(folder, "f0.html");
+    assert!(made.contains("&lt;script&gt;alert(1)&lt;/script&gt;"), "it is shown as it is");
+}
+
+/// The modulus of the map follows from another load.
+#[test]
+fn a_load_of_zero_has_its_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let words =
+        "contact --n 24 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=5e-3 --p-star 0.05,0 --out c.h5 -q";
+    assert_eq!(make(folder.path(), words), Some(0));
+    let report = json(folder.path(), &["report", "c.h5", "--json", "-q"]);
+    assert_eq!(
+        (report["figures"].as_u64(), report["remarks"].as_array().map(Vec::len)),
+        (Some(5), Some(0)),
+        "{report}"
+    );
+}
+
+#[test]
+fn a_search_that_failed_is_said_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = "contact --n 32 --eps-f-inv 8 --p-star 0.05 --max-iter 2 --out c.h5 -q";
+    assert_eq!(make(folder.path(), words), Some(1));
+    assert_eq!(make(folder.path(), "report c.h5 -q"), Some(0));
+    let made = page(folder.path(), "c.html");
+    check_page(&made);
+    assert!(made.contains("role=\"alert\"><h2>Not converged</h2>"));
+    assert!(made.contains("No load converged: there is no result"));
+    assert!(made.contains("Not every residual is within its bound") && made.contains("does not hold"));
+}
+
+#[test]
+fn files_that_are_damaged_or_no_result_make_no_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    assert_eq!(make(folder, "contact --n 24 --eps-f-inv 6 --p-star 0.1 --out c.h5 -q"), Some(0));
+    let whole = std::fs::read(folder.join("c.h5")).unwrap();
+    for part in [0, 7, 100, whole.len() / 3, whole.len() / 2, whole.len() - 1] {
+        std::fs::write(folder.join("cut.h5"), &whole[..part]).unwrap();
+        let output = gfmd(folder, &["report", "cut.h5"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!([Some(1), Some(2)].contains(&output.status.code()), "{part}: {message}");
+        assert!(message.contains("cut.h5") && !message.contains("panicked"), "{part}: {message}");
+        assert!(!folder.join("cut.html").exists());
+    }
+    let mut changed = whole.clone();
+    let numbers = changed.windows(8).rposition(|bytes| bytes == 0.1_f64.to_le_bytes());
+    if let Some(place) = numbers {
+        changed[place] ^= 1;
+        std::fs::write(folder.join("changed.h5"), &changed).unwrap();
+        assert!([Some(1), Some(2)].contains(&make(folder, "report changed.h5 -q")));
+        assert!(!folder.join("changed.html").exists());
+    }
+    assert_eq!(make(folder, "punch --n 24 --out punch.h5 -q"), Some(0));
+    for words in ["report punch.h5", "report absent.h5", "report c.h5 --out c.h5", "report c.h5 --out absent/c.html"] {
+        let output = gfmd(folder, &words.split(' ').collect::<Vec<_>>());
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+        assert_eq!(message.lines().count(), 1, "{words}: {message}");
+    }
+    assert_eq!(std::fs::read(folder.join("c.h5")).unwrap(), whole);
+    assert!(!folder.join("punch.html").exists());
+}
+
+/// A page of an earlier run is replaced, by default and by name; what a user has written under that name is not.
+#[test]
+fn only_pages_of_this_command_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    assert_eq!(make(folder, "contact --n 24 --eps-f-inv 6 --p-star 0.1 --out c.h5 -q"), Some(0));
+    assert_eq!(make(folder, "report c.h5 -q"), Some(0));
+    let made = page(folder, "c.html");
+    std::fs::write(folder.join("c.html"), made.replace("Result", "Old")).unwrap();
+    for words in ["report c.h5 -q", "report c.h5 --out c.html -q"] {
+        assert_eq!(make(folder, words), Some(0));
+        assert_eq!(page(folder, "c.html"), made);
+    }
+    // An empty file holds nothing of a user; programs that make temporary names leave such files.
+    std::fs::write(folder.join("c.html"), "").unwrap();
+    assert_eq!(make(folder, "report c.h5 -q"), Some(0));
+    let own = "<!DOCTYPE html><html><head><title>My notes</title></head><body>by gfmd report</body></html>";
+    for content in [own.as_bytes(), &[0xff_u8, 0, 1][..], b"{}"] {
+        std::fs::write(folder.join("c.html"), content).unwrap();
+        for words in ["report c.h5", "report c.h5 --out c.html"] {
+            let output = gfmd(folder, &words.split(' ').collect::<Vec<_>>());
+            let message = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.starts_with("error: --out: ") && message.contains("c.html: the file exists"), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+            assert_eq!(std::fs::read(folder.join("c.html")).unwrap(), content);
+        }
+        assert_eq!(make(folder, "report c.h5 --out other.html -q"), Some(0));
+        assert_eq!(page(folder, "other.html"), made);
+    }
+}

@@ -1,0 +1,162 @@
+//! A slab between two surfaces from end to end: flags in, numbers out, recorded, read back, resumed, refused.
+
+use std::path::Path;
+
+use crate::common::{gfmd, json};
+use gfmd_files::Reader;
+use ndarray::Array2;
+use serde_json::Value;
+
+fn words(flags: &str) -> Vec<&str> {
+    flags.split_whitespace().collect()
+}
+
+fn run(folder: &Path, flags: &str) -> Value {
+    json(folder, &words(flags))
+}
+
+const SLAB: &str = "contact --n 32 --eps-f-inv 4 --height 0.1 --poisson 0.3";
+
+#[test]
+fn both_faces_are_recorded_recomputed_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let flags = "--layer 2,0.4,0.05 --lower-seed 2 --p-star 0.02,0.1 --plots s --out s.h5 --json";
+    let report = run(folder, &format!("{SLAB} {flags}"));
+    assert!(report["lower"]["surface"].as_str().unwrap().contains("seed 2"), "{}", report["lower"]);
+    assert!((report["lower"]["rms_gradient"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+    for load in report["loads"].as_array().unwrap() {
+        let number = |value: &Value| value.as_f64().unwrap();
+        let lower = &load["lower"];
+        assert!((number(&lower["mean_pressure"]) / number(&load["mean_pressure"]) - 1.0).abs() < 1e-12);
+        assert!(
+            number(&lower["area_fraction"]) > 0.01 && number(&lower["displacement"]) < number(&load["displacement"])
+        );
+        for key in ["complementarity", "penetration", "negative_pressure", "load"] {
+            let (larger, own) = (number(&load["residual"][key]), number(&lower["residual"][key]));
+            assert!(own <= larger && larger <= 1e-8, "{key}");
+        }
+        assert!(load["stiffness"].is_null() && load["converged"] == true);
+    }
+    let file = Reader::open(folder.join("s.h5")).unwrap();
+    assert_eq!(file.shape("/fields/lower_gap").unwrap(), [2, 32, 32]);
+    let [u, v]: [Vec<f64>; 2] =
+        ["displacement_z", "lower_displacement_z"].map(|name| file.slab(&format!("/fields/{name}"), 1).unwrap());
+    let mean = |field: &[f64]| field.iter().sum::<f64>() / field.len() as f64;
+    assert!(mean(&v) > 0.0 && (mean(&u) + mean(&v)).abs() < 1e-9 * mean(&v), "{} {}", mean(&u), mean(&v));
+    let heights: Vec<f64> = file.values("/lower/height").unwrap();
+    let gap: Vec<f64> = file.slab("/fields/lower_gap", 1).unwrap();
+    let approach = file.values::<f64>("/loads/lower_displacement").unwrap()[1];
+    let highest = heights.iter().copied().fold(f64::MIN, f64::max);
+    // The lower face rises by u_z, and the lower surface by its part of the approach.
+    let worst = (0..gap.len()).map(|k| (gap[k] - (highest - heights[k] + v[k] - approach)).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-12, "{worst}");
+    for name in ["s-map.svg", "s-lower-map.svg", "s-lower-map.png", "s-area.svg"] {
+        assert!(folder.join(name).exists(), "{name}");
+    }
+    assert_eq!(run(folder, "check s.h5 --json")["differing"], 0);
+    assert_eq!(run(folder, "check s.h5 --rerun --json")["differing"], 0);
+    assert!(gfmd(folder, &words("report s.h5 --out page.html")).status.success());
+    let inside = gfmd(folder, &words("body --surface s.h5 --depths 0.01"));
+    assert_eq!(inside.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&inside.stderr).into_owned();
+    assert!(text.contains("two surfaces"), "{text}");
+}
+
+#[test]
+fn a_surface_from_a_file_is_that_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let [first, second] = [1, 2].map(|seed| {
+        let name = format!("h{seed}.h5");
+        let made = gfmd(folder, &words(&format!("surface --n 32 --eps-f-inv 4 --seed {seed} --out {name}")));
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        format!("{name}:/surface/height")
+    });
+    let generated = run(folder, &format!("{SLAB} --lower-seed 2 --displacement 0.02 --json"));
+    for flags in [
+        format!("{SLAB} --lower-surface {second}"),
+        format!("contact --height 0.1 --poisson 0.3 --length 1 --surface {first} --lower-surface {second}"),
+    ] {
+        let read = run(folder, &format!("{flags} --displacement 0.02 --out f.h5 --json"));
+        for (key, face) in [("mean_pressure", ""), ("area_fraction", "lower")] {
+            let of = |report: &Value| {
+                let load = &report["loads"][0];
+                (if face.is_empty() { &load[key] } else { &load[face][key] }).as_f64().unwrap()
+            };
+            assert!((of(&read) / of(&generated) - 1.0).abs() < 1e-9, "{key}");
+        }
+        assert_eq!(run(folder, "check f.h5 --rerun --json")["differing"], 0);
+        assert_eq!(Reader::open(folder.join("f.h5")).unwrap().text("/lower", "file").unwrap(), "h2.h5");
+        std::fs::remove_file(folder.join("f.h5")).unwrap();
+    }
+}
+
+#[test]
+fn a_file_has_the_fields_that_were_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (fields, names) in [
+        ("lower_pressure,pressure", &["lower_pressure", "pressure"][..]),
+        ("lower_gap", &["lower_gap"]),
+        ("displacement_z,lower_displacement_z", &["displacement_z", "lower_displacement_z"]),
+    ] {
+        run(folder, &format!("{SLAB} --lower-seed 3 --p-star 0.01,0.05 --fields {fields} --out f.h5 --json"));
+        let file = Reader::open(folder.join("f.h5")).unwrap();
+        let is_field = |name: &String| file.shape(&format!("/fields/{name}")).unwrap().len() == 3;
+        assert!(file.names("/fields").into_iter().filter(is_field).eq(names.iter().copied()), "{fields}");
+        drop(file);
+        let check = gfmd(folder, &words("check f.h5"));
+        let text = String::from_utf8_lossy(&check.stderr).into_owned();
+        assert!(
+            check.status.success() && text.contains("has no /fields/") != fields.contains("lower_pressure"),
+            "{text}"
+        );
+        assert_eq!(run(folder, "check f.h5 --rerun --json")["differing"], 0, "{fields}");
+    }
+}
+
+#[test]
+fn what_does_not_go_together_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ndarray_npy::write_npy(folder.join("other.npy"), &Array2::<f64>::zeros((16, 16))).unwrap();
+    ndarray_npy::write_npy(folder.join("flat.npy"), &Array2::<f64>::zeros((32, 32))).unwrap();
+    let slab = format!("{SLAB} --p-star 0.1");
+    let with = format!("{slab} --lower-seed 2");
+    for (flags, named) in [
+        ("contact --n 32 --eps-f-inv 4 --p-star 0.1 --lower-seed 2".to_owned(), ["--height", "--lower-seed"]),
+        (format!("{with} --base sliding"), ["--base", "sliding"]),
+        (format!("{with} --second-body 1,0.3"), ["--second-body", "--lower-seed"]),
+        (format!("{with} --law exponential --param gamma=1e-5 --param range=1e-3"), ["--law", "hard-wall"]),
+        (format!("{with} --hardness 1"), ["--hardness", "--lower-seed"]),
+        (format!("{with} --components held"), ["--components", "--lower-seed"]),
+        (format!("{with} --finite-slope"), ["--finite-slope", "--lower-seed"]),
+        (format!("{with} --boundary free"), ["--boundary", "periodic"]),
+        (format!("{with} --base-displacement flat.npy"), ["--base-displacement", "--lower-seed"]),
+        (format!("{with} --statistics"), ["--statistics", "--lower-seed"]),
+        (format!("{with} --flow"), ["--flow", "--lower-seed"]),
+        (format!("{with} --solver verlet"), ["--solver", "preconditioned-cg"]),
+        (format!("{with} --lower-surface flat.npy"), ["--lower-surface", "--lower-seed"]),
+        (format!("{slab} --lower-surface other.npy"), ["--lower-surface", "16 x 16"]),
+        (format!("{slab} --lower-surface missing.npy"), ["missing.npy", ""]),
+        (format!("{slab} --fields lower_gap"), ["--fields", "--lower-surface"]),
+        (
+            "contact --surface flat.npy --height 0.1 --pressure 0.1 --lower-surface flat.npy".to_owned(),
+            ["flat.npy", "equal"],
+        ),
+        (
+            "contact --surface flat.npy --height 0.1 --pressure 0.1 --lower-seed 2".to_owned(),
+            ["--lower-seed", "--surface"],
+        ),
+    ] {
+        let output = gfmd(folder, &words(&flags));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{flags}: {text}");
+        assert!(named.iter().all(|word| text.contains(word)), "{flags}: {text}");
+        assert!(output.stdout.is_empty(), "{flags}");
+    }
+    // A flat surface below is a base.
+    let report = run(folder, &format!("{slab} --lower-surface flat.npy --json"));
+    assert_eq!(report["lower"]["rms_height"], 0.0);
+}

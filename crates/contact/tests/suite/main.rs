@@ -1,0 +1,17 @@
+//! The tests of `gfmd-contact` as one program: those of one file by `cargo test -p gfmd-contact --test suite FILE::`.
+
+mod certificate;
+mod checkpoint;
+mod conductance;
+mod cost;
+mod dilute;
+mod dynamics;
+mod extreme;
+mod flat_tops;
+mod free;
+mod full;
+mod hardness;
+mod ranks;
+mod squeezed;
+mod steep;
+mod stiffness;

@@ -1,0 +1,79 @@
+//! Plates that are pressed on both faces.
+
+use crate::support::*;
+use gfmd_green::{Base, Body, GreenError, Layer, Plate};
+use proptest::prelude::*;
+
+proptest! {
+    /// The matrix L of both faces, with the lateral displacements eliminated, is the inverse.
+    #[test]
+    fn compliance_and_layer_matrix_are_inverse(material in material(), height in decades(0.3, 3.0), q in decades(1.0, 10.0)) {
+        let plate = Plate::of(&Body::slab(material, height).unwrap()).unwrap();
+        let found = plate.compliance(q);
+        prop_assert_eq!(found.mixed, 0.0);
+        let l = Layer::new(material, height).unwrap();
+        let (tt, bb, tb) = (l.top_blocks(q), l.bottom_blocks(q), l.cross_blocks(q));
+        // Equal pressures p: t_z = -p above and p below, u_z = -d above and d below; lateral displacements are equal by
+        // symmetry. Opposite pressures: u_z = -d on both, and lateral displacements are opposite.
+        for (sign, compliance) in [(1.0, found.squeezing), (-1.0, found.bending)] {
+            let lateral = tt.longitudinal + sign * tb.longitudinal;
+            let normal = tt.normal - sign * tb.normal;
+            let coupling = tt.coupling[0] - sign * tb.coupling[0];
+            let stiffness = normal - coupling * (coupling / lateral);
+            prop_assert!(apart(stiffness * compliance, 1.0, 1.0) < 1e-10, "{} {}", sign, stiffness * compliance);
+        }
+        prop_assert_eq!(bb.normal, tt.normal);
+    }
+
+    /// A layer cut in two is one layer, and the loss of digits is that of squeezing beside bending.
+    #[test]
+    fn a_layer_in_two_parts_is_one_layer(material in material(), height in decades(0.1, 3.0), part in 0.1..0.9, q in decades(0.5, 20.0)) {
+        let whole = Plate::of(&Body::slab(material, height).unwrap()).unwrap().compliance(q);
+        let layers = [(material, part * height), (material, (1.0 - part) * height)];
+        let cut = Plate::of(&Body::stack(&layers, Base::Bonded).unwrap()).unwrap().compliance(q);
+        prop_assert!(apart(cut.bending, whole.bending, whole.bending) < 1e-11);
+        prop_assert!(apart(cut.squeezing, whole.squeezing, whole.bending) < 1e-11);
+        prop_assert!(apart(cut.mixed, 0.0, whole.bending) < 1e-11);
+    }
+
+    #[test]
+    fn a_plate_upside_down_has_the_other_face_above(a in material(), b in material(), h in 0.1..1.0, q in decades(1.0, 30.0)) {
+        let body = Body::stack(&[(a, h), (b, 0.5)], Base::Sliding).unwrap();
+        let plate = Plate::of(&body).unwrap();
+        let (up, down) = (plate.compliance(q), plate.turned().compliance(q));
+        prop_assert!(apart(up.squeezing, down.squeezing, up.bending) < 1e-11);
+        prop_assert!(apart(up.bending, down.bending, up.bending) < 1e-11);
+        prop_assert!(apart(up.mixed, -down.mixed, up.bending) < 1e-11);
+        // Each face alone is that of a plate with the other one free, and energies are positive.
+        let face = |mixed: f64| 0.5 * (up.squeezing + up.bending) + mixed;
+        let free = body.on(Base::Free);
+        prop_assert!(free.is_ok() && face(up.mixed) > 0.0 && up.squeezing * up.bending > up.mixed * up.mixed);
+    }
+}
+
+#[test]
+fn the_uniform_wave_compresses_and_long_waves_bend() {
+    let material = gfmd_green::Material::from_young(2.0, 0.25).unwrap();
+    let plate = Plate::of(&Body::slab(material, 0.4).unwrap()).unwrap();
+    let uniform = plate.compliance(0.0);
+    let p_wave = 2.0 * 0.75 / (1.25 * 0.5);
+    approx::assert_relative_eq!(uniform.squeezing, 0.2 / p_wave, max_relative = 1e-14);
+    assert!(uniform.bending.is_infinite() && uniform.mixed == 0.0);
+    // E*/12 d^3 q^4 is the stiffness of a plate against one pressure; half the difference of the faces bears twice that.
+    let q = 1e-3;
+    let bending = 24.0 / (plate.contact_modulus() * 0.4_f64.powi(3) * q * q * q * q);
+    approx::assert_relative_eq!(plate.compliance(q).bending, bending, max_relative = 1e-6);
+    approx::assert_relative_eq!(plate.compliance(q).squeezing, 0.2 / plate.contact_modulus(), max_relative = 1e-6);
+    // Short waves do not reach the other face.
+    let short = plate.compliance(100.0);
+    approx::assert_relative_eq!(short.bending, short.squeezing, max_relative = 1e-12);
+}
+
+#[test]
+fn half_spaces_and_pairs_are_refused() {
+    let material = gfmd_green::Material::from_young(1.0, 0.3).unwrap();
+    let (slab, half_space) = (Body::slab(material, 1.0).unwrap(), Body::half_space(material));
+    for body in [half_space.clone(), slab.clone().bonded_to(half_space.clone()).unwrap(), slab.against(half_space)] {
+        assert!(matches!(Plate::of(&body), Err(GreenError::Plate(_))), "{body:?}");
+    }
+}

@@ -1,0 +1,3 @@
+//! The tests of `gfmd-law` as one program: those of one file by `cargo test -p gfmd-law --test suite FILE::`.
+
+mod properties;

@@ -1,0 +1,245 @@
+//! All combinations of parts: each is refused by the table, or posed and solved. A posed problem has the bits of its kind.
+
+use std::sync::Arc;
+
+use crate::parts::{Parts, all_facts};
+use gfmd_contact::{
+    Boundary, Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable as _, SolveError, SqueezedContact,
+    SteepContact, Visit,
+};
+use gfmd_green::BaseKind;
+use gfmd_interface::{FrictionalContact, Interface, Kept, Path, PlasticContact, Refinement};
+use gfmd_law::Kind;
+use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, table};
+use gfmd_relax::Budget;
+
+fn same(a: &impl Fields, b: &impl Fields) {
+    let bits = |state: &dyn Fn() -> Vec<f64>| state().into_iter().map(f64::to_bits).collect::<Vec<_>>();
+    assert_eq!(bits(&|| a.pressure().iter().copied().collect()), bits(&|| b.pressure().iter().copied().collect()));
+    assert_eq!(bits(&|| a.gap().iter().copied().collect()), bits(&|| b.gap().iter().copied().collect()));
+    assert_eq!(a.effort().iterations, b.effort().iterations);
+    assert_eq!(a.worst().to_bits(), b.worst().to_bits());
+}
+
+#[test]
+fn a_posed_problem_has_the_bits_of_its_kind() {
+    let load = Load::MeanPressure(0.01);
+    let solved = |facts: Facts| pose(&Parts::of(facts).given()).unwrap().press(load).solve().unwrap();
+    let plain = Facts::default();
+    let Parts { grid, body, heights, .. } = Parts::of(plain);
+    let wall = || Contact::new(&body, &grid, &heights).unwrap();
+    same(&solved(plain), &wall().press(load).solve().unwrap());
+    let facts = Facts { hardness: true, ..plain };
+    same(&solved(facts), &wall().with_hardness(0.15).unwrap().press(load).solve().unwrap());
+    let facts = Facts { law: Kind::Exponential, ..plain };
+    let law = Parts::of(facts);
+    let interface = Interface::new(&law.body, &law.grid, &law.heights, Arc::clone(&law.law)).unwrap();
+    same(&solved(facts), &interface.press(load).solve().unwrap());
+    let facts = Facts { finite_slope: true, ..plain };
+    same(&solved(facts), &SteepContact::new(&body, &grid, &heights).unwrap().press(load).solve().unwrap());
+    let facts = Facts { lower: Some(Lower::Surface), support: Support::Slab(BaseKind::Bonded), ..plain };
+    let slab = Parts::of(facts);
+    let lower = slab.lower.as_ref().unwrap();
+    let squeezed = SqueezedContact::new(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
+    let state = solved(facts);
+    same(&state, &squeezed.press(load).solve().unwrap());
+    assert!(state.lower().is_some() && state.steep().is_none() && state.plastic_depth().is_none());
+}
+
+/// Numbers on a tape, written and read in one order.
+#[derive(Default)]
+struct Tape(Vec<u64>, usize);
+
+struct Writing<'a>(&'a mut Tape);
+struct Reading<'a>(&'a mut Tape);
+
+impl Visit for Writing<'_> {
+    fn number(&mut self, value: &mut f64) {
+        self.0.0.push(value.to_bits());
+    }
+
+    fn count(&mut self, value: &mut u64) {
+        self.0.0.push(*value);
+    }
+
+    fn field(&mut self, values: &mut [f64]) {
+        self.0.0.extend(values.iter().map(|value| value.to_bits()));
+    }
+}
+
+impl Reading<'_> {
+    fn next(&mut self) -> u64 {
+        self.0.1 += 1;
+        self.0.0[self.0.1 - 1]
+    }
+}
+
+impl Visit for Reading<'_> {
+    fn number(&mut self, value: &mut f64) {
+        *value = f64::from_bits(self.next());
+    }
+
+    fn count(&mut self, value: &mut u64) {
+        *value = self.next();
+    }
+
+    fn field(&mut self, values: &mut [f64]) {
+        values.iter_mut().for_each(|value| *value = f64::from_bits(self.next()));
+    }
+}
+
+#[test]
+fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_kept() {
+    let drive = |pressure| Drive { load: Load::MeanPressure(pressure), lateral: [0.0; 2] };
+    let drives = [0.004, 0.02, 0.01].map(drive);
+    let on_path = Facts { task: Task::Path, ..Facts::default() };
+    for facts in [
+        Facts { hardness: true, ..on_path },
+        Facts { friction: Some(Friction::Coulomb), ..on_path },
+        Facts { law: Kind::Exponential, ..on_path },
+    ] {
+        let parts = Parts::of(facts);
+        let given = parts.given();
+        let posed = pose(&given).unwrap();
+        let mut path = Path::new(&posed, Budget::default(), Refinement::default());
+        let lost: Vec<_> = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap().dissipated).collect();
+        let Parts { body, grid, heights, .. } = &parts;
+        let direct: Vec<_> = match (facts.hardness, given.limit) {
+            (true, _) => {
+                let contact = Contact::new(body, grid, heights).unwrap().with_hardness(0.15).unwrap();
+                let contact = PlasticContact::new(contact);
+                let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
+                drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
+            }
+            (_, Some(limit)) => {
+                let contact = FrictionalContact::new(body, grid, heights, limit).unwrap();
+                let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
+                drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
+            }
+            (_, None) => {
+                let contact = Interface::new(body, grid, heights, Arc::clone(&parts.law)).unwrap();
+                let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
+                drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
+            }
+        };
+        assert_eq!(lost, direct, "{facts:?}");
+        let mut tape = Tape::default();
+        path.keep(&mut Writing(&mut tape));
+        let mut again = Path::new(&posed, Budget::default(), Refinement::default());
+        again.resume(drives[2], &mut Reading(&mut tape)).unwrap();
+        path.step(drive(0.03), &mut ()).unwrap();
+        again.step(drive(0.03), &mut ()).unwrap();
+        same(path.state().unwrap(), again.state().unwrap());
+    }
+}
+
+/// A state goes back to the problem that made it: from its fields, and as a start; another kind refuses it.
+#[test]
+fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
+    let load = Load::MeanPressure(0.01);
+    let kinds = [
+        Facts::default(),
+        Facts { boundary: Boundary::Free, ..Facts::default() },
+        Facts { finite_slope: true, ..Facts::default() },
+        Facts { law: Kind::Exponential, ..Facts::default() },
+        Facts { lower: Some(Lower::Seed), support: Support::Slab(BaseKind::Bonded), ..Facts::default() },
+    ];
+    let posed: Vec<_> = kinds.iter().map(|facts| pose(&Parts::of(*facts).given()).unwrap()).collect();
+    let mut states: Vec<_> = posed.iter().map(|problem| problem.press(load).solve().unwrap()).collect();
+    for (index, problem) in posed.iter().enumerate() {
+        let state = &states[index];
+        let pressure = state.pressure().into_owned();
+        let lower = state.lower().map(|lower| lower.pressure.clone());
+        let gap = state.gap().to_owned();
+        let (displacement, approach) = (state.displacement_z().to_owned(), state.approach());
+        let fields: Vec<_> = (problem.basis().iter())
+            .map(|name| match *name {
+                "pressure" => &*pressure,
+                "gap" => &*gap,
+                "lower_pressure" => &**lower.as_ref().unwrap(),
+                other => panic!("{other}"),
+            })
+            .collect();
+        let certified = problem.certify(&fields, load.into()).unwrap();
+        assert!(certified.worst() <= 1e-8, "{:?}: {}", kinds[index], certified.worst());
+        assert!(matches!(problem.certify(&[], load.into()), Err(Refusal::Basis { found: 0, .. })));
+        let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
+        let recalled = problem.recall(kept, lower.as_deref()).unwrap();
+        let from = problem.press(load).starting_from(Some(&recalled)).solve().unwrap();
+        assert!(from.worst() <= 1e-8, "{:?}: {}", kinds[index], from.worst());
+        let mut tape = Tape::default();
+        problem.keep(&mut states[index], &mut Writing(&mut tape));
+        let restored = problem.restore(load.into(), &mut Reading(&mut tape)).unwrap();
+        same(&restored, &states[index]);
+    }
+    let other = posed[0].press(load).starting_from(Some(&states[3])).solve();
+    assert!(matches!(other, Err(SolveError::Refused(Refusal::OtherKind))));
+    assert!(posed[0].stiffness(&states[3]).is_err());
+}
+
+#[test]
+fn every_combination_is_refused_by_the_table_or_solved() {
+    let (mut solved, mut refused, mut surprises) = (0, 0, Vec::new());
+    for facts in all_facts() {
+        if facts.check().is_err() {
+            refused += 1;
+            continue;
+        }
+        let parts = Parts::of(facts);
+        let level = facts.boundary == Boundary::Periodic || gfmd_green::has_level(&parts.body, &parts.grid);
+        assert_eq!(facts.has_level(), level, "{facts:?}");
+        let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
+        let lateral = [if facts.lateral { 1e-4 } else { 0.0 }, 0.0];
+        let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
+            let state = problem.press(Drive { load, lateral }).tolerance(1e-6).solve();
+            let state = state.map_err(|error| format!("solved: {error}"))?;
+            if state.worst() <= 1e-6 { Ok(()) } else { Err(format!("residual {:e}", state.worst())) }
+        });
+        match outcome {
+            Ok(()) => solved += 1,
+            Err(why) => surprises.push(format!("{why}: {facts:?}")),
+        }
+    }
+    assert!(surprises.is_empty(), "{} of {}: {:#?}", surprises.len(), solved, &surprises[..surprises.len().min(8)]);
+    assert!(solved > 400 && refused > 4000, "{solved} {refused}");
+}
+
+/// Each rule is needed: without it some combination would get through, or its part is one that the walk does not have.
+#[test]
+fn rules_name_their_parts_and_reasons() {
+    for rule in RULES {
+        assert!(!rule.why.is_empty() && !rule.allowed.is_empty() && rule.part != rule.with);
+        let twice = RULES.iter().filter(|other| (other.part, other.with) == (rule.part, rule.with)).count();
+        let reversed = RULES.iter().filter(|other| (other.part, other.with) == (rule.with, rule.part)).count();
+        assert_eq!((twice, reversed), (1, 0), "{:?} with {:?}", rule.part, rule.with);
+    }
+    assert!(Part::ALL.iter().all(|part| RULES.iter().any(|rule| rule.part == *part || rule.with == *part)));
+    let facts = Facts { lower: Some(Lower::Seed), ..Facts::default() };
+    let told = facts.check().unwrap_err().to_string();
+    assert_eq!(told, "--height is inf; it must be finite with --lower-seed (a second surface needs a lower face)");
+}
+
+/// The page of the rules is made of them: `GFMD_DOCS=write cargo test -p gfmd-problem` writes it.
+#[test]
+fn the_page_has_the_rules() {
+    let lines = |task| {
+        let line = |(with, others): (&str, Vec<String>)| format!("- with {with}: {}\n", others.join(", "));
+        rules_of(task).into_iter().map(line).collect::<String>()
+    };
+    let text = format!(
+        "# What goes together\n\n\
+         <!-- Made from crates/problem/src/rules.rs by `GFMD_DOCS=write cargo test -p gfmd-problem`. -->\n\n\
+         A hard wall goes with everything. The program, the Python package (names without dashes), `check` and the tests have one table of\n\
+         what does not go together; whatever is not in it is solved, and each combination of parts is tried on a small grid. `gfmd contact --help`\n\
+         and `gfmd path --help` have the same lists.\n\n\
+         ## `contact`\n\n{}\n## `path`\n\n{}\n## Reasons\n\n{}",
+        lines(Task::Loads),
+        lines(Task::Path),
+        table()
+    );
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/together.md");
+    if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
+        std::fs::write(page, &text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(page).unwrap(), text);
+}

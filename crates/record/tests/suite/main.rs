@@ -1,0 +1,5 @@
+//! The tests of `gfmd-record` as one program: those of one file by `cargo test -p gfmd-record --test suite FILE::`.
+
+#[path = "../../../problem/tests/suite/parts.rs"]
+mod parts;
+mod walk;

@@ -1,0 +1,137 @@
+//! Records of all combinations of parts: a number is there, or its reason is; JSON and journals give it back to the last bit.
+
+use crate::parts::{Parts, all_facts};
+use gfmd_contact::{Drive, Equilibrium, Fields, Load};
+use gfmd_interface::{Path, Quasistatic, Refinement, Step};
+use gfmd_problem::{Facts, Posed, Rest, Task, pose};
+use gfmd_record::{ARRAYS, At, COLUMNS, Cell, Column, Origin, Record, arrays, columns, page};
+use gfmd_relax::Budget;
+
+/// Checks the state of a problem under one load, or after one step of a path.
+fn solved(problem: &Posed, facts: &Facts, check: impl FnOnce(&Rest, Option<&Step>)) {
+    let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
+    let drive = Drive { load, lateral: [if facts.lateral { 1e-4 } else { 0.0 }, 0.0] };
+    if facts.task == Task::Loads {
+        return check(&problem.press(drive).tolerance(1e-6).solve().unwrap(), None);
+    }
+    let refinement = Refinement { solves_per_step: 0, ..Refinement::default() };
+    let mut path = Path::new(problem, Budget { tolerance: 1e-6, ..Budget::default() }, refinement);
+    let step = path.step(drive, &mut ()).unwrap();
+    check(path.state().unwrap(), Some(&step));
+}
+
+fn same(a: &Cell, b: &Cell) -> bool {
+    match (a, b) {
+        (Cell::Real(a), Cell::Real(b)) => a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()),
+        (a, b) => a == b,
+    }
+}
+
+#[test]
+fn every_number_is_there_or_has_its_reason_and_comes_back() {
+    let mut count = 0;
+    for facts in all_facts().filter(|facts| facts.check().is_ok()) {
+        let parts = Parts::of(facts);
+        let problem = pose(&parts.given()).unwrap();
+        solved(&problem, &facts, |rest, step| check(&parts, &problem, rest, step));
+        count += 1;
+    }
+    assert!(count > 400, "{count}");
+}
+
+/// Checks the record of a state.
+fn check(parts: &Parts, problem: &Posed, rest: &Rest, step: Option<&Step>) {
+    let facts = parts.facts;
+    let at = At::new(&facts, rest, problem, &parts.grid, 1e-6);
+    let step = step.map(|step| (step, problem.reading(rest)));
+    let record = Record::of(&At { step, seconds: 1.0, ..at });
+    assert!(record.is("converged"), "{facts:?}");
+    for (column, cell) in record.cells() {
+        let (name, unless) = (column.name, (column.undefined)(&facts));
+        match cell {
+            Cell::Undefined(reason) => assert!(!reason.is_empty() && unless.is_none_or(|why| why == reason)),
+            cell => assert!(cell.number().is_finite() && unless.is_none(), "{name} {facts:?}"),
+        }
+        assert!(!column.meaning(&facts).is_empty(), "{name}");
+    }
+    let back = Record::from_line(&facts, &record.to_line().unwrap()).unwrap();
+    let printed = serde_json::to_value(&record).unwrap();
+    let nested = Record::from_json(&facts, &printed).unwrap();
+    for (((column, cell), (_, line)), (_, json)) in record.cells().zip(back.cells()).zip(nested.cells()) {
+        assert!(same(cell, line), "{} {cell:?} {line:?}", column.name);
+        assert!(column.json.is_empty() || same(cell, json), "{} {cell:?} {json:?}", column.name);
+    }
+    let [nx, ny] = parts.grid.points();
+    for array in arrays(&facts) {
+        let field = (array.value)(rest, &facts).unwrap_or_else(|| panic!("{} {facts:?}", array.name));
+        assert!(field.dim() == (nx, ny) && field.iter().all(|value| value.is_finite()), "{}", array.name);
+        assert!(!array.meaning(&facts).is_empty(), "{}", array.name);
+    }
+}
+
+/// Numbers that are known without a record: of a wall at a load, the balance of the force, kappa, the count of points.
+#[test]
+fn numbers_are_those_of_the_state() {
+    let facts = Facts { statistics: false, ..Facts::default() };
+    let parts = Parts::of(facts);
+    let problem = pose(&parts.given()).unwrap();
+    let rest = problem.press(Load::MeanPressure(0.01)).solve().unwrap();
+    let record = Record::of(&At::new(&facts, &rest, &problem, &parts.grid, 1e-8));
+    let pressure = rest.pressure();
+    let touching = pressure.iter().filter(|p| **p > 0.0).count();
+    assert_eq!(record.get("contact_nodes"), Some(&Cell::Count(touching as u64)));
+    assert_eq!(record.number("max_pressure"), pressure.iter().copied().fold(0.0, f64::max));
+    let area = touching as f64 / pressure.len() as f64;
+    assert!((record.number("kappa") - area / record.number("p_star")).abs() < 1e-12);
+    assert_eq!(record.number("displacement"), rest.approach());
+    assert_eq!(record.worst(), rest.worst());
+    assert!(record.number("stiffness") > 0.0 && record.number("force").is_nan() && !record.has("force"));
+    assert!(record.get("seconds").is_some_and(|seconds| seconds.number().is_nan()));
+}
+
+#[test]
+fn columns_are_declared_once_and_in_full() {
+    for facts in all_facts() {
+        let names: Vec<&str> = columns(&facts).map(|column| column.name).collect();
+        let places: Vec<&str> = columns(&facts).map(|column| column.json).filter(|json| !json.is_empty()).collect();
+        for list in [names, places] {
+            let unique: std::collections::BTreeSet<_> = list.iter().collect();
+            assert_eq!(unique.len(), list.len(), "{list:?}");
+        }
+    }
+    assert!(COLUMNS.iter().all(|column: &Column| !column.unit.is_empty() && !column.meanings.is_empty()));
+    assert!(COLUMNS.iter().any(|column| column.origin == Origin::Clock));
+    assert!(ARRAYS.iter().all(|array| ["stress", "length"].contains(&array.unit)));
+    assert!(Record::from_json(&Facts::default(), &serde_json::json!({ "kappa": "two" })).is_err());
+    assert!(Record::from_line(&Facts::default(), "kappa").is_err());
+}
+
+/// The page of the columns is made of them: `GFMD_DOCS=write cargo test -p gfmd-record` writes it.
+#[test]
+fn the_page_has_the_columns() {
+    let text = format!(
+        "# The numbers and fields of a result\n\n\
+         <!-- Made from crates/record/src by `GFMD_DOCS=write cargo test -p gfmd-record`. -->\n\n\
+         Each load of `contact` and each step of `path` has those of these numbers that belong to its problem: in HDF5 as \
+         `/loads/<name>[load]` and\n`/path/<name>[step]`, in the JSON of a load or step at the place given (`.0`, `.1`: places in a \
+         list), in Python as attributes. A number without a\nvalue is `null`, NaN in HDF5 and Python, and its reason is in \
+         `undefined`: an object of the load or step, an attribute of the dataset.\n\n{}\n\
+         Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}",
+        page(),
+        fields()
+    );
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/columns.md");
+    if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
+        std::fs::write(file, &text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(file).unwrap(), text);
+}
+
+/// The fields as a table in Markdown.
+fn fields() -> String {
+    let row = |array: &gfmd_record::Array| {
+        let meanings: Vec<&str> = array.meanings.iter().rev().map(|(_, meaning)| *meaning).collect();
+        format!("| `{}` | {} | {} |\n", array.name, array.unit, meanings.join("; or: "))
+    };
+    ARRAYS.iter().fold("| field | unit | definition |\n|---|---|---|\n".to_owned(), |page, array| page + &row(array))
+}

@@ -1,0 +1,3 @@
+//! The tests of `gfmd-response` as one program: those of one file by `cargo test -p gfmd-response --test suite FILE::`.
+
+mod operators;

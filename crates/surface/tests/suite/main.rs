@@ -1,0 +1,9 @@
+//! The tests of `gfmd-surface` as one program: those of one file by `cargo test -p gfmd-surface --test suite FILE::`.
+
+mod fill;
+mod pair;
+mod preparation;
+mod ranks;
+mod real_space;
+mod statistics;
+mod synthesis;

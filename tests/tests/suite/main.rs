@@ -1,0 +1,8 @@
+//! The tests of `gfmd-tests` as one program: those of one file by `cargo test -p gfmd-tests --test suite FILE::`.
+
+mod agreement;
+mod checks;
+mod circles;
+mod space;
+mod update_matrix;
+mod warm_start;
