@@ -23,11 +23,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use gfmd_cli::failure::Failure;
-use gfmd_cli::session::{Session, machine};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_field::Grid;
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_run::failure::Failure;
+use gfmd_run::session::{Session, machine};
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray_npy::write_npy;
 use serde::{Serialize, Serializer};
@@ -324,7 +324,7 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     let mut report = Report {
         date: jiff::Zoned::now().date().to_string(),
         machine: machine(),
-        commit: gfmd_cli::session::GIT_COMMIT.into(),
+        commit: gfmd_run::session::GIT_COMMIT.into(),
         versions: environment.versions(),
         fftw: environment.fftw_in_words(),
         tamaas_fftw: environment.tamaas_fftw,

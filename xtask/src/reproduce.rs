@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use clap::Args as ClapArgs;
-use gfmd_cli::failure::Failure;
 use gfmd_cli::progress::Progress;
-use gfmd_cli::session::Session;
+use gfmd_run::failure::Failure;
+use gfmd_run::session::Session;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -96,7 +96,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let mut runs = Runs { program, folder, reference, reports: BTreeMap::new() };
     let wanted = |figure: &&Figure| args.figure.is_empty() || args.figure.iter().any(|number| number == figure.number);
     let chosen: Vec<&Figure> = FIGURES.iter().filter(wanted).collect();
-    let progress = Progress::new(&session.common, "figures", chosen.len() as f64);
+    let progress = Progress::new(session.quiet, "figures", chosen.len() as f64);
     let mut written = Vec::new();
     for figure in &chosen {
         if session.is_interrupted() {

@@ -12,7 +12,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_cli::failure::Failure;
+use gfmd_run::failure::Failure;
 use serde::Serialize;
 
 use summary::Summaries;

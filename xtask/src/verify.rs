@@ -7,9 +7,9 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::progress::Progress;
-use gfmd_cli::session::Session;
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::session::Session;
 use gfmd_tests::{Bound, Reference, TOPICS, Topic, ValidationError};
 use serde::Serialize;
 
@@ -69,7 +69,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
         return Err(Failure::Input(format!("--write-docs is {}; it must be an existing folder", folder.display())));
     }
-    let progress = Progress::new(&session.common, "topics", TOPICS.len() as f64);
+    let progress = Progress::new(session.quiet, "topics", TOPICS.len() as f64);
     let mut topics = Vec::new();
     for topic in &TOPICS {
         if session.is_interrupted() {

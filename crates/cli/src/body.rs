@@ -19,17 +19,18 @@ use gfmd_field::Grid;
 use gfmd_green::Body;
 use serde::{Deserialize, Serialize};
 
-use crate::base::{self, BaseArgs};
-use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::memory;
 use crate::progress::Progress;
-use crate::session::{Session, list_files};
-use crate::source::file_of;
+use crate::session::list_files;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::Given;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
+use gfmd_run::base::{self, BaseArgs};
+use gfmd_run::failure::Failure;
+use gfmd_run::memory;
+use gfmd_run::session::Session;
+use gfmd_run::source::file_of;
 
 pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};
@@ -284,7 +285,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     let mut pictures = is_drawn.then(|| Pictures::new(&components, section, depths.len()));
 
-    let progress = Progress::new(&session.common, "depths", planes_below.len() as f64);
+    let progress = Progress::new(session.quiet, "depths", planes_below.len() as f64);
     let mut ws = interior.workspace();
     let mut levels = Vec::new();
     let mut drawn = 0;

@@ -1,6 +1,8 @@
 //! `check`: recomputes the certificates of a result file from its own stored inputs, runs its configuration again on request,
 //! and compares number for number.
 
+#[cfg(test)]
+mod configuration;
 mod rerun;
 
 use std::fmt;
@@ -11,10 +13,10 @@ use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
-use crate::failure::{Failure, Outcome};
-use crate::result::{Comparison, Configuration, Difference, Kind, printable};
-use crate::session::Session;
 use crate::{body, contact, kappa_sweep, path, punch};
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::result::{Comparison, Configuration, Difference, Kind, printable};
+use gfmd_run::session::Session;
 
 use rerun::Rerun;
 

@@ -30,20 +30,8 @@ use gfmd_surface::PowerSpectrum;
 use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
-use crate::base::{BaseArgs, MovedBase};
-use crate::failure::{Failure, Outcome, reached};
 use crate::figures::{Face, Scene, Shown, parse_prefix};
-use crate::hardness::GivenHardness;
-use crate::lower::LowerArgs;
-use crate::memory::peak_bytes;
 use crate::progress::Progress;
-use crate::resume::{CheckpointArgs, Kept, ResumeArgs};
-use crate::series::{
-    Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, is_normal, keeping,
-};
-use crate::session::Session;
-use crate::source::{SourceArgs, Surface};
-use crate::trace::{Trace, TraceArgs, Tracer};
 use gfmd_problem::options::DynamicsArgs;
 use gfmd_problem::options::LawArgs;
 use gfmd_problem::options::SolverArgs;
@@ -51,6 +39,18 @@ use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, height, parse_height};
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_run::base::{BaseArgs, MovedBase};
+use gfmd_run::failure::{Failure, Outcome, reached};
+use gfmd_run::hardness::GivenHardness;
+use gfmd_run::lower::LowerArgs;
+use gfmd_run::memory::peak_bytes;
+use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
+use gfmd_run::series::{
+    Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, is_normal, keeping,
+};
+use gfmd_run::session::Session;
+use gfmd_run::source::{SourceArgs, Surface};
+use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
 pub(crate) use check::{again, check};
 use conductance::Conducting;
@@ -364,7 +364,7 @@ impl Loads {
             ends_with_file: !args.flow_threshold,
         };
         let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
-        let progress = Progress::new(&session.common, "loads", drives.len() as f64);
+        let progress = Progress::new(session.quiet, "loads", drives.len() as f64);
         let mut measuring =
             Measuring { loads: self, contact, args, session, gathered: Gathered::default(), trace: None };
         let mut path = Path::new(contact, args.solver.budget(), None).solver(args.solver.solver);

@@ -13,12 +13,13 @@ use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::Height;
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::memory;
 use crate::progress::Progress;
-use crate::session::{Session, list_files};
+use crate::session::list_files;
 use gfmd_problem::options::{BodyArgs, OtherArgs};
+use gfmd_run::failure::Failure;
+use gfmd_run::memory;
+use gfmd_run::session::Session;
 
 use experiment::{Experiment, FEWEST_STEPS, MOST_STEPS, Unusable};
 pub use experiment::{Optimal, Regime, Run};
@@ -159,7 +160,7 @@ fn unusable(args: &Args, error: Unusable) -> Failure {
 /// Computes one run for each factor.
 fn measure(experiment: &Experiment, session: &Session) -> Result<Vec<Run>, Failure> {
     let total = f64::from(experiment.steps) * experiment.verlets.len() as f64;
-    let progress = Progress::new(&session.common, "damping", total);
+    let progress = Progress::new(session.quiet, "damping", total);
     let mut runs = Vec::new();
     for damped in &experiment.verlets {
         let (factor, mut reached) = (damped.0, 0);
@@ -274,7 +275,6 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::session::Common;
 
     #[derive(Parser)]
     struct Command {
@@ -285,8 +285,7 @@ mod tests {
     fn evaluate(flags: &str) -> Result<Report, Failure> {
         let flags = std::iter::once("damping").chain(flags.split_whitespace());
         let command = Command::try_parse_from(flags).map_err(|error| Failure::Input(error.to_string()))?;
-        let common = Common { json: false, threads: 0, quiet: true, verbose: 0 };
-        run(&command.args, &Session::silent(common))
+        run(&command.args, &Session::silent())
     }
 
     /// Slabs in plane strain and in space. The slowest mode of the last one is not uniform.

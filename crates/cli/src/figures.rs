@@ -9,7 +9,7 @@ use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
 use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
 use ndarray::Array2;
 
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 pub(crate) use scene::{Face, Kind, Scene, Shown, rough};
 

@@ -6,10 +6,10 @@ use gfmd_green::{Body, Complex64, GreenError, Height, Section};
 use gfmd_response::unit_of;
 use serde::{Deserialize, Serialize};
 
-use crate::failure::Failure;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{BodyArgs, OtherArgs, height, parse_height};
+use gfmd_run::failure::Failure;
 
 /// Flags of `green`.
 #[derive(clap::Args, Clone, Debug, Deserialize)]

@@ -17,10 +17,9 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::SolveError;
 use gfmd_files::{FileError, Output, target};
 use gfmd_problem::Held;
-use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, SweepError, run_shard};
+use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, run_shard};
 use serde::Deserialize;
 
 pub(crate) use check::check;
@@ -29,14 +28,14 @@ pub(crate) use page::page;
 pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
 
-use crate::failure::Failure;
 use crate::figures::check_names;
-use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
-use crate::session::Session;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::parsed;
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_run::failure::Failure;
+use gfmd_run::memory::{self, peak_bytes};
+use gfmd_run::session::Session;
 use journal::{Finished, Journal, Size};
 use shards::Gathered;
 
@@ -319,7 +318,7 @@ impl<'a> Keeper<'a> {
     /// The keeper of these runs of a plan.
     fn new(plan: &'a Plan, runs: &[usize], journal: Journal, finished: Finished, session: &'a Session) -> Self {
         let work = runs.iter().map(|run| plan.work(&plan.points[plan.runs[*run].point])).sum();
-        let progress = Progress::new(&session.common, "kappa sweep", work);
+        let progress = Progress::new(session.quiet, "kappa sweep", work);
         Self { plan, journal, finished: Mutex::new(finished), progress, session }
     }
 
@@ -360,17 +359,5 @@ impl Keep for Keeper<'_> {
 
     fn is_interrupted(&self) -> bool {
         self.session.is_interrupted()
-    }
-}
-
-impl From<SweepError> for Failure {
-    fn from(error: SweepError) -> Self {
-        let text = error.to_string();
-        match error {
-            SweepError::Contact { source, .. } if matches!(*source, SolveError::Refused(_)) => Self::Input(text),
-            SweepError::Contact { .. } | SweepError::Keep(_) => Self::Computation(text),
-            SweepError::Interrupted(_) => Self::Interrupted(text),
-            _ => Self::Input(text),
-        }
     }
 }

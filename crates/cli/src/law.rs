@@ -10,8 +10,8 @@ use gfmd_law::MixedMode;
 use gfmd_problem::options::LawArgs;
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::figures::parse_prefix;
+use gfmd_run::failure::Failure;
 
 /// Flags of `law`.
 #[derive(ClapArgs, Clone, Debug)]

@@ -17,24 +17,15 @@
 //! # Ok::<(), gfmd_cli::failure::Failure>(())
 //! ```
 
-mod array;
-pub mod base;
 pub mod body;
 pub mod check;
-mod columns;
 pub mod contact;
-pub mod convergence;
 pub mod damping;
 mod digits;
-pub mod failure;
 pub mod figures;
 pub mod green;
-pub mod hardness;
-pub mod json;
 pub mod kappa_sweep;
 pub mod law;
-pub mod lower;
-pub mod memory;
 mod page;
 pub mod path;
 mod processes;
@@ -42,12 +33,6 @@ pub mod program;
 pub mod progress;
 pub mod punch;
 pub mod report;
-pub mod result;
-pub mod resume;
-mod rows;
-pub mod series;
 pub mod session;
-pub mod source;
 pub mod surface;
 pub mod theory;
-pub mod trace;

@@ -18,21 +18,21 @@ use gfmd_record::{At, Record};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
-use crate::base::BaseArgs;
-use crate::failure::{Failure, Outcome};
 use crate::figures::{Scene, Shown, parse_prefix};
-use crate::hardness::GivenHardness;
-use crate::lower::LowerArgs;
 use crate::progress::Progress;
-use crate::resume::{Kept, ResumeArgs};
-use crate::series::{Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, keeping};
-use crate::session::Session;
-use crate::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::LawArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_run::base::BaseArgs;
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::hardness::GivenHardness;
+use gfmd_run::lower::LowerArgs;
+use gfmd_run::resume::{Kept, ResumeArgs};
+use gfmd_run::series::{Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, keeping};
+use gfmd_run::session::Session;
+use gfmd_run::source::SourceArgs;
 
 pub(crate) use self::check::{again, check};
 pub(crate) use self::page::page;
@@ -242,7 +242,7 @@ impl Way {
             ends_with_file: true,
         };
         let mut file = series.file(output.as_ref(), config, output.is_some())?;
-        let progress = Progress::new(&session.common, "steps", drives.len() as f64);
+        let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
         let mut log = Log { contact, points: prepared.surface.grid.len(), widest: None, unsettled: Vec::new() };
         let kept_files = (file.as_mut(), kept.as_deref_mut());
         let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;

@@ -14,12 +14,15 @@ use gfmd_problem::{Task, rules_of};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
-use crate::failure::{Failure, Outcome};
-use crate::processes;
-use crate::session::{Common, Session};
-use crate::{body, check, contact, damping, green, kappa_sweep, law, path, punch, report, surface, theory};
+use crate::session::Common;
+use crate::{
+    body, check, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session, surface, theory,
+};
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::processes::agree;
+use gfmd_run::session::Session;
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -107,9 +110,9 @@ fn together<C: Subcommand + Sync>(
             return processes::end(world, if is_first { refuse(&error) } else { status_of(&error) }, None);
         }
     };
-    let session = Session::start(line.common, world);
+    let session = session::start(line.common, world);
     let session = match world {
-        Some(world) => processes::agree(&**world, session),
+        Some(world) => agree(&**world, session),
         None => session,
     };
     // On a thread of the pool, so that not each sum over a vector has to enter it.
@@ -245,7 +248,7 @@ impl Shown for Plain {
     }
 
     fn json(&self, _: &Session) -> Result<String, Failure> {
-        crate::json::to_string(&self.0).map_err(|error| Failure::Computation(error.to_string()))
+        gfmd_run::json::to_string(&self.0).map_err(|error| Failure::Computation(error.to_string()))
     }
 }
 
@@ -258,9 +261,9 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
     if session.is_first() {
-        write(&if session.common.json { text + "\n" } else { legible::lines(&report.to_string()) })?;
+        write(&if session.json { text + "\n" } else { legible::lines(&report.to_string()) })?;
     }
-    match crate::json::undefined(&numbers) {
+    match gfmd_run::json::undefined(&numbers) {
         Some(key) => Err(Failure::Computation(format!(
             "{key} is not finite; it must be, and other units of stress or length may make it so"
         ))),

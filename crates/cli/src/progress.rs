@@ -6,8 +6,6 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::session::Common;
-
 /// Time before the first plain line.
 const PATIENCE: Duration = Duration::from_secs(1);
 
@@ -31,9 +29,9 @@ struct Plain {
 
 impl Progress {
     /// Progress of `what`; `total` in the unit of the pieces.
-    pub fn new(common: &Common, what: &str, total: f64) -> Self {
+    pub fn new(quiet: bool, what: &str, total: f64) -> Self {
         let terminal = std::io::stderr().is_terminal();
-        let bar = (terminal && !common.quiet).then(|| {
+        let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::new(SCALE);
             let template = "{prefix} [{wide_bar}] {percent}% {msg} {elapsed} < {eta}";
             if let Ok(style) = ProgressStyle::with_template(template) {
@@ -43,7 +41,7 @@ impl Progress {
             bar
         });
         let now = Instant::now();
-        let plain = (!terminal && !common.quiet)
+        let plain = (!terminal && !quiet)
             .then(|| Mutex::new(Plain { what: what.into(), started: now, shown: now + PATIENCE - PAUSE, done: 0.0 }));
         Self { bar, plain, total: Mutex::new(total) }
     }
@@ -85,6 +83,12 @@ impl Progress {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+impl gfmd_run::progress::Progress for Progress {
+    fn advance(&self, piece: f64, note: &str) {
+        self.advance(piece, note);
     }
 }
 

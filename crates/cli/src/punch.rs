@@ -14,19 +14,19 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
-use crate::convergence::{History, NotConverged};
-use crate::failure::{Failure, Outcome};
 use crate::figures::parse_prefix;
-use crate::memory::{self, peak_bytes};
 use crate::progress::Progress;
-use crate::session::Session;
-use crate::trace::{TraceArgs, Tracer};
 use gfmd_problem::check_size;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::Given;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
+use gfmd_run::convergence::{History, NotConverged};
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::memory::{self, peak_bytes};
+use gfmd_run::session::Session;
+use gfmd_run::trace::{TraceArgs, Tracer};
 
 mod check;
 mod comparison;
@@ -288,7 +288,7 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         self.warn_of_large_strain(args, session);
-        let progress = Progress::new(&session.common, "grids", self.grids.len() as f64);
+        let progress = Progress::new(session.quiet, "grids", self.grids.len() as f64);
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
         let reference = self.reference.as_ref();
         if let Some((reference, name)) = reference.zip(args.compare.as_ref()) {

@@ -10,11 +10,12 @@ use gfmd_files::legible::line;
 use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::page::{self, quoted};
-use crate::result::{Configuration, Kind};
-use crate::session::{Session, list_files};
+use crate::session::list_files;
 use crate::{contact, kappa_sweep, path};
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{Configuration, Kind};
+use gfmd_run::session::Session;
 
 /// Flags of `report`.
 #[derive(ClapArgs, Clone, Debug)]

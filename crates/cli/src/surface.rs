@@ -12,13 +12,14 @@ use gfmd_field::Grid;
 use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics, window};
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::session::{Session, list_files};
-use crate::source::scan::Scan;
-use crate::source::{Second, SourceArgs};
+use crate::session::list_files;
 use gfmd_problem::options::Method;
 use gfmd_problem::options::given::Given;
+use gfmd_run::failure::Failure;
+use gfmd_run::session::Session;
+use gfmd_run::source::scan::Scan;
+use gfmd_run::source::{Second, SourceArgs};
 
 use file::Target;
 use listing::Listing;
@@ -382,7 +383,6 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::session::Common;
 
     #[derive(Parser)]
     struct Line {
@@ -392,7 +392,7 @@ mod tests {
 
     fn run_line(line: &str) -> Result<Report, Failure> {
         let args = Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().args;
-        measure(&args, &Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 }))
+        measure(&args, &Session::silent())
     }
 
     fn close(found: f64, expected: f64) -> bool {

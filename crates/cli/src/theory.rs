@@ -11,12 +11,13 @@ use gfmd_measure::theory::{Asperities, AsperityTheory, ENERGY_FACTOR, Persson};
 use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::figures::parse_prefix;
-use crate::session::{Session, list_files};
-use crate::source::SourceArgs;
+use crate::session::list_files;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::Method;
+use gfmd_run::failure::Failure;
+use gfmd_run::session::Session;
+use gfmd_run::source::SourceArgs;
 
 /// Flags of `theory`.
 #[derive(ClapArgs, Clone, Debug)]

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use gfmd_cli::failure::{Failure, Outcome};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
-use gfmd_cli::session::{Common, Session};
+use gfmd_cli::session::Common;
 use gfmd_files::Memory;
 use gfmd_problem::options::given::{Arrays, Given, Load};
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::session::Session;
 use ndarray::ArrayD;
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -40,7 +41,7 @@ pub(crate) fn solve<'py>(
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
     let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
     let memory = Memory::default();
-    let session = Session::silent(Common { json: true, threads, quiet: true, verbose: 0 });
+    let session = Session::silent();
     let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let (finished, wait) = channel::<()>();

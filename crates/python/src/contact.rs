@@ -2,10 +2,6 @@
 
 use std::sync::Arc;
 
-use gfmd_cli::failure::Failure;
-use gfmd_cli::json;
-use gfmd_cli::memory;
-use gfmd_cli::series::Slopes;
 use gfmd_contact::{
     Boundary, Budget, Conductance, ConductanceError, Conductors, Hardness, Load, Progress, Refusal, Solver,
 };
@@ -17,6 +13,10 @@ use gfmd_measure::Scales;
 use gfmd_problem::options::body_of;
 use gfmd_problem::{Adhesion, options::LawArgs};
 use gfmd_problem::{Facts, Given as Parts, Lower, Unknown};
+use gfmd_run::failure::Failure;
+use gfmd_run::json;
+use gfmd_run::memory;
+use gfmd_run::series::Slopes;
 use gfmd_surface::{Moments, PowerSpectrum, Statistics};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};

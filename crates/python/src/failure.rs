@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-use gfmd_cli::failure::Failure;
 use gfmd_files::legible::line;
+use gfmd_run::failure::Failure;
 use pyo3::prelude::*;
 
 /// The exception that `gfmd._errors` makes of a message, by the name of its maker there.

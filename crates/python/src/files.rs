@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use gfmd_cli::contact::{self, configuration, facts_of};
-use gfmd_cli::failure::Failure;
-use gfmd_cli::json;
-use gfmd_cli::series::{Chosen, StateFile};
-use gfmd_cli::session::{Common, Session};
-use gfmd_cli::source::Surface;
+use gfmd_cli::session::Common;
 use gfmd_contact::{Boundary, Hardness};
 use gfmd_files::{Output, Reader};
 use gfmd_record::Record;
+use gfmd_run::failure::Failure;
+use gfmd_run::json;
+use gfmd_run::series::{Chosen, StateFile};
+use gfmd_run::session::Session;
+use gfmd_run::source::Surface;
 use gfmd_surface::Statistics;
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
@@ -70,7 +71,7 @@ pub(crate) fn save(
     let lower = lower.map(|lower| surface_of(py, lower, boundary)).transpose()?;
     let written = quick(py, || {
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
-        let session = Session::silent(Common { json: true, threads: 0, quiet: true, verbose: 0 });
+        let session = Session::silent();
         let provenance = session.provenance(config);
         let mut file = StateFile::create(Some(&output), &provenance, &surface, records.len(), facts, Chosen::All)?;
         if let Some(lower) = &lower {

@@ -28,5 +28,5 @@ mod _gfmd {
     #[pymodule_export]
     const RANGES: [f64; 3] = gfmd_cli::contact::RANGES;
     #[pymodule_export]
-    const GIT_COMMIT: &str = gfmd_cli::session::GIT_COMMIT;
+    const GIT_COMMIT: &str = gfmd_run::session::GIT_COMMIT;
 }

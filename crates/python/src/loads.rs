@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use gfmd_cli::failure::Failure;
 use gfmd_contact::{Budget, Equilibrium as _, Fields as _, Load, Refusal, SolveError, Solver, Watch};
 use gfmd_interface::Kept;
 use gfmd_measure::Scales;
 use gfmd_problem::{Facts, Given, NoStiffness, Posed, pose};
 use gfmd_record::{At, NOT_SOLVED, Record};
+use gfmd_run::failure::Failure;
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 /// A contact, and the method.

@@ -1,12 +1,12 @@
 //! Surfaces: made, read, prepared, measured.
 
-use gfmd_cli::json;
-use gfmd_cli::source::composed;
 use gfmd_cli::surface::{Report, whole_band};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::Topography;
 use gfmd_problem::options::{GeneratorArgs, Method};
+use gfmd_run::json;
+use gfmd_run::source::composed;
 use gfmd_surface::{Fill, PowerSpectrum, Statistics};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -63,7 +63,7 @@ pub(crate) fn self_affine<'py>(
         amplitudes: amplitudes.parse().map_err(|error| refused(py, &error))?,
     };
     let made = quick(py, || {
-        let grid = gfmd_cli::source::grid_of(&args, &length)?;
+        let grid = gfmd_run::source::grid_of(&args, &length)?;
         Ok((args.heights(&grid)?, grid.lengths()))
     })?;
     let (heights, lengths) = made.map_err(|failure| failed(py, &failure))?;

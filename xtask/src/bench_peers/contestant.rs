@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use gfmd_cli::session::Session;
 use gfmd_contact::{Boundary, Solver};
+use gfmd_run::session::Session;
 use serde_json::json;
 
 use super::process::{Ended, output};

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_cli::failure::{Failure, reached};
-use gfmd_cli::memory::peak_bytes;
 use gfmd_contact::{Boundary, Budget, Contact, Equilibrium, Load, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_problem::options::parse_choice;
+use gfmd_run::failure::{Failure, reached};
+use gfmd_run::memory::peak_bytes;
 use ndarray::Array2;
 use ndarray_npy::{read_npy, write_npy};
 use serde::{Deserialize, Serialize};

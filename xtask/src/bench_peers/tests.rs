@@ -3,8 +3,8 @@ use std::convert::Infallible;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use gfmd_cli::session::{Common, Session};
 use gfmd_contact::{Boundary, Solver};
+use gfmd_run::session::Session;
 use proptest::prelude::*;
 
 use super::any_load::{AnyLoad, Block, Cell, Kind, LOADS, Row};
@@ -17,7 +17,7 @@ use super::tolerance::{Found, loosest};
 use super::{Args, Peer, TamaasFftw};
 
 fn session() -> Session {
-    Session::silent(Common { json: false, threads: 1, quiet: true, verbose: 0 })
+    Session::silent()
 }
 
 fn search(target: f64, first: f64, residual: impl Fn(f64) -> f64) -> (Option<Found<()>>, usize) {

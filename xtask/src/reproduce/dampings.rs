@@ -1,7 +1,7 @@
 //! Figure 4.1: the punch with several damping factors, beside the free slab.
 
-use gfmd_cli::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
+use gfmd_run::failure::Failure;
 use serde_json::Value;
 
 use super::Runs;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use gfmd_cli::failure::Failure;
+use gfmd_run::failure::Failure;
 
 use super::summary::{Fit, Summaries};
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use gfmd_cli::failure::Failure;
 use gfmd_measure::SelfAffineArea;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point as Dot, Series};
+use gfmd_run::failure::Failure;
 
 use super::summary::{Fit, Point, Summaries, Summary};
 

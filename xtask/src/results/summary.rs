@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_cli::failure::Failure;
+use gfmd_run::failure::Failure;
 use serde::Deserialize;
 
 /// The folder of the summaries.

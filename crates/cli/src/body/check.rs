@@ -6,10 +6,10 @@ use gfmd_files::Reader;
 
 use super::Args;
 use super::quantity::{TENSOR, TENSOR_OF_A_LINE};
-use crate::failure::Failure;
-use crate::result::{Comparison, Configuration, printable};
-use crate::session::Session;
-use crate::source::file_of;
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{Comparison, Configuration, printable};
+use gfmd_run::session::Session;
+use gfmd_run::source::file_of;
 
 /// Compares the mean of σ_xz, σ_yz, σ_zz on every plane of a file with the mean traction on the surface.
 ///

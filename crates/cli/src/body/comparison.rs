@@ -8,7 +8,7 @@ use super::component::Component;
 use super::pictures::{Compared, Pictures};
 use super::quantity::Quantity;
 use super::volume::archive_components;
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// The differences from another solution.
 #[derive(Clone, Debug, Serialize)]

@@ -6,11 +6,11 @@ use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
-use crate::base::BaseArgs;
-use crate::failure::Failure;
-use crate::lower::{LowerArgs, is_stored};
-use crate::memory;
 use gfmd_problem::options::given::{Given, Load};
+use gfmd_run::base::BaseArgs;
+use gfmd_run::failure::Failure;
+use gfmd_run::lower::{LowerArgs, is_stored};
+use gfmd_run::memory;
 
 /// The field that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

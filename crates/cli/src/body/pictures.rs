@@ -10,8 +10,8 @@ use super::component::Component;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use super::{Plane, evenly_spaced};
-use crate::failure::Failure;
 use crate::figures::{Drawn, about_zero, field, named};
+use gfmd_run::failure::Failure;
 
 /// The values on one section, filled level by level.
 pub(super) struct Pictures {

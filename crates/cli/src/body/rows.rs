@@ -8,7 +8,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::quantity::AXES;
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// A plane across an axis (x is 0, y is 1, z is 2), and its position: x or y of a row of points, or the height z.
 #[derive(Clone, Copy, Debug, PartialEq)]

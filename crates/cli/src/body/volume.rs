@@ -9,7 +9,7 @@ use gfmd_files::{Archive, Dimension, Output, PointArray, Provenance, Variable, a
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
 use super::{Plane, Side};
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// The positions of the values.
 pub(super) struct Planes<'a> {

@@ -10,7 +10,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::quantity::AXES;
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// A displacement a cos 2π(m x/Lx + n y/Ly) of one component.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use gfmd_files::Reader;
 
-use crate::failure::Failure;
-use crate::result::{Against, Comparison, Configuration, Folder, Kind, Pair};
-use crate::session::Session;
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{Against, Comparison, Configuration, Folder, Kind, Pair};
+use gfmd_run::session::Session;
 
 /// A file whose run is repeated.
 pub(crate) struct Rerun<'a> {

@@ -10,13 +10,13 @@ use ndarray::{Array2, ArrayView2};
 
 use super::statistics::{self, Findings, Measured};
 use super::{Args, Loads, stiffness};
-use crate::failure::Failure;
-use crate::result::{
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{
     Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
     stored_problem,
 };
-use crate::series::{Prepared, StateFile, Stored};
-use crate::session::Session;
+use gfmd_run::series::{Prepared, StateFile, Stored};
+use gfmd_run::session::Session;
 
 /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
 pub(crate) fn check(

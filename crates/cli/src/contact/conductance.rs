@@ -10,8 +10,8 @@ use gfmd_problem::Unknown;
 use ndarray::ArrayRef2;
 
 use super::Args;
-use crate::failure::Failure;
-use crate::source::Surface;
+use gfmd_run::failure::Failure;
+use gfmd_run::source::Surface;
 
 /// The source of the conductance of the loads of a contact.
 pub(super) struct Conducting {

@@ -9,10 +9,10 @@ use ndarray::ArrayView2;
 
 use super::Report;
 use super::statistics::{Gathered, patches};
-use crate::failure::Failure;
 use crate::figures::{Drawn, Scene, area_chart, field, named, short, theories};
-use crate::hardness::GivenHardness;
-use crate::source::Surface;
+use gfmd_run::failure::Failure;
+use gfmd_run::hardness::GivenHardness;
+use gfmd_run::source::Surface;
 
 /// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, and of a lower surface `PREFIX-lower-map` and so on; and
 /// `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the pressure in full contact.

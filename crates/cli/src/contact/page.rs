@@ -4,11 +4,11 @@ use gfmd_files::Reader;
 use maud::html;
 
 use super::figures;
-use crate::failure::Failure;
 use crate::page::{
     Certificate, FaceFields, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole,
 };
-use crate::{hardness, lower};
+use gfmd_run::failure::Failure;
+use gfmd_run::{hardness, lower};
 
 const CITED: [&str; 3] = [
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",

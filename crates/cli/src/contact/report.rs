@@ -6,9 +6,9 @@ use gfmd_record::Record;
 use serde::Serialize;
 
 use super::threshold::Threshold;
-use crate::convergence::NotConverged;
-use crate::series::Head;
-use crate::trace::Trace;
+use gfmd_run::convergence::NotConverged;
+use gfmd_run::series::Head;
+use gfmd_run::trace::Trace;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]

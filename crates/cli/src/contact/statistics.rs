@@ -13,9 +13,9 @@ use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
 use super::{Args, Loads};
-use crate::failure::Failure;
-use crate::source::Surface;
 use gfmd_problem::options::BodyArgs;
+use gfmd_run::failure::Failure;
+use gfmd_run::source::Surface;
 
 /// Number of bins of a distribution.
 const BINS: usize = 100;

@@ -5,9 +5,9 @@ use gfmd_problem::Facts;
 use gfmd_record::Record;
 
 use super::Args;
-use crate::failure::Failure;
-use crate::result::{Configuration, Kind};
-use crate::series::records_of;
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{Configuration, Kind};
+use gfmd_run::series::records_of;
 
 /// The configuration of the result of a contact.
 ///

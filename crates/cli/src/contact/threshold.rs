@@ -8,10 +8,10 @@ use gfmd_record::{At, Record};
 use serde::Serialize;
 
 use super::{Args, Loads};
-use crate::failure::{Failure, reached};
 use crate::progress::Progress;
-use crate::series::{Prepared, Watching};
-use crate::session::Session;
+use gfmd_run::failure::{Failure, reached};
+use gfmd_run::series::{Prepared, Watching};
+use gfmd_run::session::Session;
 
 /// The relative width of the interval at which the bisection ends.
 const WIDTH: f64 = 1e-3;

@@ -4,9 +4,9 @@ use gfmd_contact::{Contact, Factors, Solver};
 use gfmd_problem::{Facts, Lower, MovedBase, Task, Unknown};
 
 use super::Args;
-use crate::failure::Failure;
 use gfmd_problem::options::DampedBy;
 use gfmd_problem::options::values::numbers;
+use gfmd_run::failure::Failure;
 
 impl Args {
     /// The facts of the contact, whose surface may be a `line`.

@@ -7,10 +7,10 @@ use gfmd_files::vtp::{Sheet, write};
 use gfmd_files::{Output, PointArray, contiguous};
 use ndarray::Array2;
 
-use crate::failure::Failure;
 use crate::figures::Shown;
-use crate::series::Field;
-use crate::source::Surface;
+use gfmd_run::failure::Failure;
+use gfmd_run::series::Field;
+use gfmd_run::source::Surface;
 
 /// A file of VTK to be written.
 pub(super) struct VtkFile {

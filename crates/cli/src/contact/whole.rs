@@ -5,9 +5,9 @@ use gfmd_field::Share;
 use ndarray::{Array2, ArrayView2};
 
 use crate::figures::Shown;
-use crate::rows;
-use crate::series::{Field, Prepared};
-use crate::source::Surface;
+use gfmd_run::rows;
+use gfmd_run::series::{Field, Prepared};
+use gfmd_run::source::Surface;
 
 /// The fields of a contact that figures and files of VTK need, whole, which the first of several processes gathers.
 pub(super) struct Whole<'a> {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use gfmd_plot::{Axis, Chart, Panel, Series};
 
 use super::{Report, Run};
-use crate::failure::Failure;
 use crate::figures::named;
+use gfmd_run::failure::Failure;
 
 /// Draws `PREFIX-damping`: the amplitudes of the slowest mode and of the displaced point against time step.
 pub(super) fn draw(prefix: &Path, report: &Report) -> Result<Vec<PathBuf>, Failure> {

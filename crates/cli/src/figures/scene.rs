@@ -10,8 +10,8 @@ use gfmd_plot::{Axis, Below, Chart, Colours, Level, Mark, Panel, Scale, Series, 
 use ndarray::Array2;
 
 use super::{Drawn, MOST_POINTS, field, named, short};
-use crate::failure::Failure;
-use crate::source::Surface;
+use gfmd_run::failure::Failure;
+use gfmd_run::source::Surface;
 
 /// The fields of a state that its figures show, row by row. Lengths and stresses are those of the input.
 #[derive(Clone, Debug, Default)]

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use gfmd_field::{Grid, Transform};
 
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 const MILLION: f64 = 1_048_576.0;
 

@@ -10,9 +10,9 @@ use gfmd_sweep::{Analysis, Config, Example, Plan, Pressed, Study, run_one};
 use ndarray::Array2;
 
 use super::file;
-use crate::failure::Failure;
-use crate::result::{Against, Comparison, Folder, Kind, Pair};
-use crate::session::Session;
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{Against, Comparison, Folder, Kind, Pair};
+use gfmd_run::session::Session;
 
 /// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit only.
 ///

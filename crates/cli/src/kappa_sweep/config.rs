@@ -7,7 +7,7 @@ use std::str::FromStr;
 use gfmd_sweep::Config;
 use serde::Deserialize;
 
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// The configuration of a sweep as it is given.
 #[derive(Clone, Debug, Deserialize)]

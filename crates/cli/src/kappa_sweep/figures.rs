@@ -8,8 +8,8 @@ use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
 use gfmd_sweep::{Analysis, Area, Config, Estimator, Extrapolation, Plan, Study};
 
 use super::protocol;
-use crate::failure::Failure;
 use crate::figures::{area_chart, draw_pressure, named, theories};
+use gfmd_run::failure::Failure;
 
 /// Draws `NAME-extrapolation`, `NAME-area` and `NAME-map` beside the file `out`.
 ///

@@ -13,7 +13,7 @@ use gfmd_sweep::{
 use ndarray::Array2;
 
 use super::protocol;
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// Writes a study; the file appears under its name when it is complete.
 ///

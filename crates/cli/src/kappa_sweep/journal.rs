@@ -10,8 +10,8 @@ use gfmd_measure::Summary;
 use gfmd_sweep::Pressed;
 use serde::{Deserialize, Serialize};
 
-use crate::failure::Failure;
-use crate::json;
+use gfmd_run::failure::Failure;
+use gfmd_run::json;
 
 /// Finished runs by number.
 pub(super) type Finished = BTreeMap<usize, Vec<Pressed>>;

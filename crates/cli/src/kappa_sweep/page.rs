@@ -7,11 +7,11 @@ use maud::{Markup, html};
 
 use super::check::runs;
 use super::{figures, protocol};
-use crate::failure::Failure;
 use crate::figures::{field, pressure};
 use crate::page::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, whole};
-use crate::result::Comparison;
-use crate::session::Session;
+use gfmd_run::failure::Failure;
+use gfmd_run::result::Comparison;
+use gfmd_run::session::Session;
 
 const CITED: [&str; 5] = [
     "N. Prodanov, W. B. Dapp, M. H. Müser, On the contact area and mean gap of rough, elastic contacts: dimensional \

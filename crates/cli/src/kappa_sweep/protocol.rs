@@ -8,7 +8,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use gfmd_sweep::{Arm, Curve, Estimated, Protocol, Study};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// The extrapolation about one cell, as printed.
 #[derive(Clone, Debug, Serialize)]

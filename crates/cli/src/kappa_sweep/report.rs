@@ -13,8 +13,8 @@ use serde::Serialize;
 use super::calibration::seconds_per_pair;
 use super::protocol::ProtocolReport;
 use super::{CONTACT_BYTES, PROGRAM_BYTES};
-use crate::failure::Failure;
 use crate::session::list_files;
+use gfmd_run::failure::Failure;
 
 /// The result of a sweep, as printed.
 #[derive(Clone, Debug, Serialize)]

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::check;
 use super::journal::{Finished, Journal, Size};
-use crate::failure::Failure;
-use crate::session::GIT_COMMIT;
+use gfmd_run::failure::Failure;
+use gfmd_run::session::GIT_COMMIT;
 
 /// The part of the name of the journal of a shard after that of the output, less the ending.
 pub(super) fn suffix(shard: Shard) -> String {

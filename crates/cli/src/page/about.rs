@@ -7,9 +7,9 @@ use serde::Deserialize as _;
 use super::write::{given, of, quoted, text};
 use super::{Common, Fact, Page, render};
 
-use crate::lower::{self, LowerArgs};
-use crate::result::Kind;
 use gfmd_problem::options::OtherArgs;
+use gfmd_run::lower::{self, LowerArgs};
+use gfmd_run::result::Kind;
 
 /// The warnings of the run, a line each.
 pub(crate) fn warnings(reader: &Reader) -> Vec<String> {

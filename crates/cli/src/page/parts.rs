@@ -11,8 +11,8 @@ use super::about::body;
 use super::reading::{FaceFields, StoredSurface};
 use super::write::{given, text, whole};
 use super::{Fact, Page};
-use crate::convergence::StoredFailure;
 use crate::figures::{Face, Kind, Scene, field, rough};
+use gfmd_run::convergence::StoredFailure;
 
 impl Page {
     /// Says which surface, body and law were asked for.

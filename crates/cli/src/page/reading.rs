@@ -4,8 +4,8 @@ use gfmd_field::Grid;
 use gfmd_files::Reader;
 
 use super::write::text;
-use crate::failure::Failure;
 use crate::figures::{Face, Shown};
+use gfmd_run::failure::Failure;
 
 /// The configuration of a file as a table; empty if it has none that can be read.
 pub(crate) fn config(reader: &Reader) -> toml::Table {

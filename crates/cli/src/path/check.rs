@@ -10,13 +10,13 @@ use ndarray::Array2;
 use std::path::Path;
 
 use super::{Args, Way};
-use crate::failure::Failure;
-use crate::result::{
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{
     Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
     stored_problem,
 };
-use crate::series::{Chosen, Prepared, StateFile, Stored};
-use crate::session::Session;
+use gfmd_run::series::{Chosen, Prepared, StateFile, Stored};
+use gfmd_run::session::Session;
 
 /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
 pub(crate) fn check(

@@ -6,8 +6,8 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use gfmd_record::Record;
 
 use super::Report;
-use crate::failure::Failure;
 use crate::figures::{Scene, named};
+use gfmd_run::failure::Failure;
 
 /// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and
 /// contact area against pressure, or, with lateral motion, shear and sticking area against lateral displacement.

@@ -5,9 +5,9 @@ use gfmd_plot::{Axis, Chart, Panel};
 use maud::html;
 
 use super::figures::legs;
-use crate::failure::Failure;
-use crate::hardness;
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
+use gfmd_run::failure::Failure;
+use gfmd_run::hardness;
 
 const CITED: [&str; 2] = [
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use gfmd_record::{Record, lines};
 use serde::Serialize;
 
-use crate::convergence::NotConverged;
-use crate::memory::peak_bytes;
-use crate::series::Head;
 use crate::session::list_files;
+use gfmd_run::convergence::NotConverged;
+use gfmd_run::memory::peak_bytes;
+use gfmd_run::series::Head;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]

@@ -4,10 +4,10 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
 use serde::{Deserialize, Serialize};
 
-use crate::failure::Failure;
-use crate::memory;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_run::failure::Failure;
+use gfmd_run::memory;
 
 /// The largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;

@@ -8,9 +8,9 @@ use ndarray::Array3;
 
 use super::report::scalars;
 use super::{Args, Prepared, by_point};
-use crate::failure::Failure;
-use crate::result::{Comparison, Configuration, Kind, layout};
-use crate::session::Session;
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{Comparison, Configuration, Kind, layout};
+use gfmd_run::session::Session;
 
 /// The scalars that the traction does not determine.
 const OF_THE_SOLVE: [&str; 3] = ["iterations", "transform_pairs", "seconds"];

@@ -5,7 +5,7 @@ use gfmd_mixed::MixedSolution;
 use ndarray::{Array3, ArrayD, Axis, Slice};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// The dataset in files of gfmd.
 const DISPLACEMENT: &str = "/fields/displacement";

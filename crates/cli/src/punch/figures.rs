@@ -10,8 +10,8 @@ use ndarray::{ArrayView3, Axis as Along};
 
 use super::Report;
 use super::comparison::Reference;
-use crate::failure::Failure;
 use crate::figures::{about_zero, draw_pressure, named};
+use gfmd_run::failure::Failure;
 
 /// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the
 /// displacement of the reference, if there is one; the maps then have it and the difference beside ours. A strip has only the cut.

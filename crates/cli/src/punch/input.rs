@@ -5,9 +5,9 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3, ArrayD};
 
 use super::{Args, ContactName};
-use crate::array::{self, Quantity};
-use crate::failure::Failure;
 use gfmd_problem::options::given::Given;
+use gfmd_run::array::{self, Quantity};
+use gfmd_run::failure::Failure;
 
 fn read(flag: &str, name: &Given, quantity: Quantity) -> Result<ArrayD<f64>, Failure> {
     let found = array::read(name, quantity).map_err(|reason| Failure::input(flag, format!("{name}: {reason}")))?;

@@ -7,11 +7,11 @@ use gfmd_green::Height;
 use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
-use crate::convergence::NotConverged;
 use crate::session::list_files;
-use crate::trace::Trace;
 use gfmd_problem::options::given::Given;
 use gfmd_problem::options::{OtherArgs, height};
+use gfmd_run::convergence::NotConverged;
+use gfmd_run::trace::Trace;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]

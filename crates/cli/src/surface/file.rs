@@ -8,7 +8,7 @@ use gfmd_surface::RadialBin;
 use ndarray::{Array2, Axis};
 
 use super::Report;
-use crate::failure::Failure;
+use gfmd_run::failure::Failure;
 
 /// The output file and its format, claimed before the heights are made.
 pub(super) struct Target {

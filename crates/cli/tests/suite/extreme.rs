@@ -364,7 +364,7 @@ fn complaint(words: &[String], status: Option<i32>, stdout: &str, stderr: &str) 
 
 /// The complaint about a report: numbers that are not finite, states that did not converge, a contact without contact.
 fn of_report(words: &[String], report: &Value) -> Option<String> {
-    if let Some(key) = gfmd_cli::json::undefined(report) {
+    if let Some(key) = gfmd_run::json::undefined(report) {
         return Some(format!("{key} is null"));
     }
     let states = ["loads", "steps"].into_iter().filter_map(|key| report[key].as_array()).flatten();

@@ -7,9 +7,9 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::{SWEEP, gfmd};
-use gfmd_cli::result::Kind;
-use gfmd_cli::result::trust::{Way, page, row_of};
 use gfmd_files::{Attribute, Reader};
+use gfmd_run::result::Kind;
+use gfmd_run::result::trust::{Way, page, row_of};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Location};
 use ndarray::{Array2, ArrayD};

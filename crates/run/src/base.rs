@@ -1,0 +1,200 @@
+//! A base that moves, from flags.
+
+use std::borrow::Cow;
+
+use clap::Args;
+use gfmd_body::{BaseField, Interior};
+use gfmd_field::{Grid, Share};
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
+use gfmd_green::Body;
+use ndarray::{Array2, ArrayD, Axis, IxDyn};
+use serde::{Deserialize, Serialize};
+
+use crate::array::{self, Quantity};
+use crate::failure::Failure;
+use crate::rows;
+use gfmd_problem::options::given::Given;
+
+/// Flags of a base that moves.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BaseArgs {
+    /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile n values or [n, 2]
+    #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_displacement: Option<Given>,
+    /// Traction on the lower face of a plate (--base free), of mean zero, in the same form
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_traction: Option<Given>,
+}
+
+/// A base that moves, and what it does to the surface.
+#[derive(Clone, Debug)]
+pub struct MovedBase {
+    kind: Kind,
+    /// `[x, y, component]`; of several processes the first one has it.
+    field: ArrayD<f64>,
+    /// u_z of the unloaded surface, of the rows of this process.
+    pub lift: Array2<f64>,
+}
+
+/// The quantity that is prescribed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Displacement,
+    Traction,
+}
+
+/// The datasets of a file, by kind, with the flag that they came from.
+const STORED: [(Kind, &str, &str); 2] = [
+    (Kind::Displacement, "base-displacement", "/base/displacement"),
+    (Kind::Traction, "base-traction", "/base/traction"),
+];
+
+impl BaseArgs {
+    /// The keys of these flags in a configuration.
+    pub const NAMES: [&'static str; 2] = ["base_displacement", "base_traction"];
+
+    /// True if there is a base that moves.
+    pub fn is_given(&self) -> bool {
+        self.base_displacement.is_some() || self.base_traction.is_some()
+    }
+
+    /// Reads the field for a body whose surface has this `grid`, and its lengths this `unit`, if it has one.
+    ///
+    /// # Errors
+    /// A file that cannot be read, of another shape or quantity, or for another base.
+    pub fn read(&self, body: &Body, grid: &Grid, unit: Option<&str>) -> Result<Option<MovedBase>, Failure> {
+        let given = [&self.base_displacement, &self.base_traction];
+        let Some((name, (kind, flag, _))) =
+            given.into_iter().zip(STORED).find_map(|(name, stored)| Some((name.as_ref()?, stored)))
+        else {
+            return Ok(None);
+        };
+        let flag = format!("--{flag}");
+        let refuse = |reason: String| Failure::input(&flag, format!("{name}: {reason}"));
+        let quantity = if kind == Kind::Displacement { Quantity::Length(unit) } else { Quantity::Stress };
+        let found = array::read(name, quantity).map_err(refuse)?;
+        let [nx, ny] = grid.points();
+        let (all, allowed) = if grid.is_line() { (2, "[n], [n, 1] or [n, 2]") } else { (3, "[nx, ny] or [nx, ny, 3]") };
+        let components = match *found.shape() {
+            [n] | [n, 1] if grid.is_line() && n == nx => 1,
+            [n, 2] | [n, 1, 2] if grid.is_line() && n == nx => 2,
+            [n, m] if [n, m] == [nx, ny] => 1,
+            [n, m, 3] if [n, m] == [nx, ny] && !grid.is_line() => 3,
+            _ => {
+                let shape = found.shape();
+                return Err(refuse(format!(
+                    "the shape is {shape:?}; it must be {allowed} with the points {nx} x {ny}"
+                )));
+            }
+        };
+        let points = grid.len();
+        let mut values = vec![0.0; all * points];
+        for (index, value) in found.iter().enumerate() {
+            let (point, component) = (index / components, index % components);
+            // A single component is z, the last one.
+            values[(if components == 1 { all - 1 } else { component }) * points + point] = *value;
+        }
+        let field = ArrayD::from_shape_fn(IxDyn(&[nx, ny, all]), |at| values[at[2] * points + at[0] * ny + at[1]]);
+        let base =
+            if kind == Kind::Displacement { BaseField::Displacement(values) } else { BaseField::Traction(values) };
+        let lifted = base.surface_displacement(body, *grid).map_err(|error| Failure::input(&flag, error))?;
+        let lift = Array2::from_shape_fn((nx, ny), |(i, j)| lifted[(all - 1) * points + i * ny + j]);
+        Ok(Some(MovedBase { kind, field, lift }))
+    }
+}
+
+impl MovedBase {
+    /// The SHA-256 of the field.
+    pub fn checksum(&self) -> String {
+        Checksum::of_numbers(self.field.iter().copied())
+    }
+
+    /// The heights of the contact that has the same gap over a base at rest (theory.md, section 4.2).
+    pub fn under<'a>(base: Option<&Self>, heights: &'a Array2<f64>) -> Cow<'a, Array2<f64>> {
+        match base {
+            Some(base) => Cow::Owned(heights + &base.lift),
+            None => Cow::Borrowed(heights),
+        }
+    }
+
+    /// Writes the group `/base` of a file; `archive` is that of the process that writes.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(
+        &self,
+        mut archive: Option<&mut Archive>,
+        share: &Share,
+        axes: [&Dimension; 2],
+        unit: &str,
+    ) -> Result<(), Failure> {
+        let [x, y] = axes;
+        let component =
+            Dimension::index("component", self.field.len_of(Axis(2)), "component: x, y, z, of a profile x, z");
+        let (units, long_name) = match self.kind {
+            Kind::Displacement => (unit, "displacement of the base"),
+            Kind::Traction => ("stress", "traction on the lower face"),
+        };
+        let path = STORED.iter().find(|(kind, ..)| *kind == self.kind).map_or("", |(.., path)| path);
+        let values: Vec<f64> = self.field.iter().copied().collect();
+        let whole = archive.as_mut().map_or(Ok(()), |archive| {
+            archive.write(path, &Variable { dimensions: &[x, y, &component], units, long_name }, &values)
+        });
+        let long_name = "normal displacement of the surface by the base alone, contained in displacement_z";
+        let variable = Variable { dimensions: &[x, y], units: unit, long_name };
+        let written = rows::write_all(share, self.lift.view(), archive, "/base/lift", &variable);
+        whole?;
+        written
+    }
+
+    /// The base that the first process has read, with the rows of each; the others give `None`.
+    pub(crate) fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
+        let lift = rows::handed_out(share, base.as_ref().map(|base| &base.lift), grid.points()[1]);
+        let nothing =
+            || Self { kind: Kind::Displacement, field: ArrayD::zeros(IxDyn(&[0, 0, 0])), lift: Array2::zeros([0, 0]) };
+        Self { lift, ..base.unwrap_or_else(nothing) }
+    }
+}
+
+/// The key of the base that a file has, and the name by which it is read from there.
+pub(crate) fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
+    let found = BaseArgs::NAMES.into_iter().zip(STORED).find(|(_, (.., path))| reader.contains(path));
+    found.map(|(key, (.., path))| (key, format!("{}:{path}", reader.path().display())))
+}
+
+/// The fields inside a body over the base that the contact in the file `name` has: those of the load with this mean traction, and
+/// those of the base.
+///
+/// # Errors
+/// A traction on a plate, or a stack of layers, whose fields inside are not available; a file that cannot be read.
+pub fn inside(
+    name: &str,
+    body: &Body,
+    grid: &Grid,
+    displacement: &[f64],
+    mean_traction: Option<[f64; 3]>,
+) -> Result<Interior, String> {
+    let words = |error: gfmd_files::FileError| error.to_string();
+    let path = split_dataset(name).map_or(name, |(path, _)| path);
+    let reader = Reader::open(path).map_err(words)?;
+    let [(.., moved), _] = STORED;
+    if !reader.contains(moved) {
+        return Err("the contact has a traction on its base; the fields below its surface are not available".into());
+    }
+    let components = if grid.is_line() { 2 } else { 3 };
+    let stored: Vec<f64> = reader.values(moved).map_err(words)?;
+    let lift: Vec<f64> = reader.values("/base/lift").map_err(words)?;
+    if stored.len() != components * grid.len() || lift.len() != grid.len() || displacement.len() != grid.len() {
+        return Err("the base has another grid than the surface".into());
+    }
+    let base: Vec<f64> = (0..components).flat_map(|c| stored.iter().skip(c).step_by(components).copied()).collect();
+    let loaded: Vec<f64> = displacement.iter().zip(&lift).map(|(u, lift)| u - lift).collect();
+    let interior = Interior::frictionless(body, *grid, &loaded).and_then(|interior| match mean_traction {
+        Some(mean) => interior.with_mean_traction(mean),
+        None => Ok(interior),
+    });
+    interior.and_then(|interior| interior.over_base(&base)).map_err(|error| error.to_string())
+}

@@ -1,0 +1,32 @@
+//! The columns of records in files.
+
+use gfmd_files::{Archive, Dimension, Variable};
+use gfmd_problem::Facts;
+use gfmd_record::{Record, columns, reasons};
+
+use crate::failure::Failure;
+
+/// Writes the columns of a problem into a group: `count` rows, without a number beyond those there are, with the reasons of
+/// numbers without a value. A row has a name, in singular and plural.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_columns(
+    archive: &mut Archive,
+    (group, rows, name): (&str, &Dimension, [&str; 2]),
+    facts: &Facts,
+    records: &[Record],
+    count: usize,
+) -> Result<(), Failure> {
+    for column in columns(facts).filter(|column| (column.in_file)(facts)) {
+        let number = |row: usize| records.get(row).map_or(f64::NAN, |record| record.number(column.name));
+        let values: Vec<f64> = (0..count).map(number).collect();
+        let path = format!("{group}/{}", column.name);
+        let variable = Variable { dimensions: &[rows], units: column.unit, long_name: column.meaning(facts) };
+        archive.write(&path, &variable, &values)?;
+        if let Some(reason) = reasons(records, column.name, name) {
+            archive.attribute(&path, "undefined", &*reason)?;
+        }
+    }
+    Ok(())
+}

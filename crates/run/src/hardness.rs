@@ -1,0 +1,128 @@
+//! The hardness, from a flag: a number, or a field in a file.
+
+use std::fmt;
+use std::str::FromStr;
+
+use gfmd_contact::Hardness;
+use gfmd_field::{Grid, Share};
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
+use ndarray::{Array2, Ix2};
+use serde::{Deserialize, Serialize};
+
+use crate::array::{self, Quantity};
+use crate::failure::Failure;
+use crate::rows;
+use gfmd_problem::options::given::Given;
+
+/// The flag as it is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum GivenHardness {
+    /// A stress.
+    Number(f64),
+    /// That of each point.
+    Field(Given),
+}
+
+impl FromStr for GivenHardness {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(text.parse().map_or_else(|_| Self::Field(Given::File(text.into())), Self::Number))
+    }
+}
+
+impl fmt::Display for GivenHardness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(hardness) => write!(f, "{hardness:.6e}"),
+            Self::Field(given) => given.fmt(f),
+        }
+    }
+}
+
+const FLAG: &str = "--hardness";
+
+/// The field in a result.
+const STORED: &str = "/surface/hardness";
+
+impl GivenHardness {
+    /// The hardness on the grid of the surface.
+    ///
+    /// # Errors
+    /// A value that is not positive and finite; a file that cannot be read, has another shape or the unit of a length.
+    pub fn read(&self, grid: &Grid) -> Result<Hardness, Failure> {
+        let name = match self {
+            Self::Number(hardness) if hardness.is_finite() && *hardness > 0.0 => return Ok((*hardness).into()),
+            Self::Number(hardness) => return Err(Failure::value(FLAG, hardness, "positive and finite")),
+            Self::Field(given) => given,
+        };
+        let refuse = |reason: String| Failure::input(FLAG, format!("{name}: {reason}"));
+        let found = array::read(name, Quantity::Stress).map_err(refuse)?;
+        let points = grid.points();
+        let (shape, line) = (found.shape().to_vec(), grid.is_line());
+        if shape != points && !(line && shape == [points[0]]) {
+            let allowed = if line { format!("[{}]", points[0]) } else { format!("{points:?}") };
+            return Err(refuse(format!("the shape is {shape:?}; it must be {allowed} as that of the surface")));
+        }
+        if let Some(bad) = found.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
+            return Err(refuse(format!("a value is {bad}; all values must be positive and finite")));
+        }
+        let field = found.into_shape_with_order(points).map_err(|error| refuse(error.to_string()))?;
+        let field = field.into_dimensionality::<Ix2>().map_err(|error| refuse(error.to_string()))?;
+        Ok(field.into())
+    }
+}
+
+/// The rows of a hardness that the first process has, at each; of a field `None` at the others.
+pub(crate) fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share) -> Hardness {
+    match share.first(
+        hardness.as_ref().map(|hardness| if let Hardness::Uniform(value) = hardness { *value } else { f64::NAN }),
+    ) {
+        Some(uniform) if !uniform.is_nan() => uniform.into(),
+        _ => {
+            let whole = if let Some(Hardness::Field(field)) = &hardness { Some(field) } else { None };
+            rows::handed_out(share, whole, grid.points()[1]).into()
+        }
+    }
+}
+
+/// The words that name a hardness that is a field among the input of a run; none for others.
+pub fn identity(hardness: Option<&Hardness>) -> String {
+    match hardness {
+        Some(Hardness::Field(field)) => format!("\nhardness {}", Checksum::of_numbers(field.iter().copied())),
+        _ => String::new(),
+    }
+}
+
+/// Writes a hardness that is a field, of which each process has its rows, beside the surface of a file.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(
+    hardness: Option<&Hardness>,
+    archive: Option<&mut Archive>,
+    share: &Share,
+    axes: [&Dimension; 2],
+) -> Result<(), Failure> {
+    let Some(Hardness::Field(field)) = hardness else { return Ok(()) };
+    let variable =
+        Variable { dimensions: &axes, units: "stress", long_name: "largest pressure that the surfaces carry" };
+    rows::write_all(share, field.view(), archive, STORED, &variable)
+}
+
+/// The hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of another shape.
+pub fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> Option<Hardness> {
+    match config.get("hardness")? {
+        toml::Value::String(_) => {
+            let values: Vec<f64> = reader.values(STORED).ok()?;
+            Array2::from_shape_vec(grid.points(), values).ok().map(Into::into)
+        }
+        number => number.as_float().map(Into::into),
+    }
+}
+
+/// The key of the hardness that a file has, and the name by which it is read from there.
+pub(crate) fn stored_hardness(reader: &Reader) -> Option<(&'static str, String)> {
+    reader.contains(STORED).then(|| ("hardness", format!("{}:{STORED}", reader.path().display())))
+}

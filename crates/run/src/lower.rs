@@ -1,0 +1,115 @@
+//! A second rigid surface, below the slab, from flags.
+
+use clap::Args;
+use gfmd_files::{Archive, Dimension, Reader};
+use gfmd_surface::Periodisation;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::source::{Detrend, SourceArgs, Surface};
+use gfmd_problem::options::given::Given;
+use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
+
+/// Flags of a rigid surface below the slab.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LowerArgs {
+    /// A rigid surface below the slab, in place of a base: heights as with --surface, peaks towards the slab, on the same points; prepared by the
+    /// flags of --surface if that is given
+    #[arg(long, value_name = "FILE", conflicts_with = "lower_seed")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower_surface: Option<Given>,
+    /// Seed of a generated surface below the slab, below 2^63, with the spectrum of the upper one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower_seed: Option<u64>,
+}
+
+/// The words for a slab in place of those for its base.
+pub const BETWEEN: &str = "between two rigid surfaces";
+
+/// The group of a file.
+const GROUP: &str = "/lower";
+
+/// The heights in a file.
+const HEIGHT: &str = "/lower/height";
+
+impl LowerArgs {
+    /// The keys of these flags in a configuration.
+    pub const NAMES: [&'static str; 2] = ["lower_surface", "lower_seed"];
+
+    /// The flag that is given.
+    pub fn flag(&self) -> Option<&'static str> {
+        match (&self.lower_surface, self.lower_seed) {
+            (Some(_), _) => Some("--lower-surface"),
+            (_, Some(_)) => Some("--lower-seed"),
+            _ => None,
+        }
+    }
+
+    /// Reads or generates the surface that goes with the `upper` one, which `source` describes.
+    ///
+    /// # Errors
+    /// A file that cannot be read, a grid or a unit other than that of the upper surface, a seed without a spectrum.
+    pub fn read(&self, source: &SourceArgs, upper: &Surface, session: &Session) -> Result<Option<Surface>, Failure> {
+        let lower = if let Some(file) = &self.lower_surface {
+            let plain = SourceArgs { channel: None, surface: Some(file.clone()), ..source.clone() };
+            let source = if source.surface.is_some() {
+                plain
+            } else {
+                // As for the generated surface.
+                SourceArgs { fill: None, detrend: Detrend::None, periodise: Periodisation::AsIs, flip: false, ..plain }
+            };
+            source.surface(session)?
+        } else if let Some(seed) = self.lower_seed {
+            if source.surface.is_some() {
+                return Err(Failure::value(
+                    "--lower-seed",
+                    seed,
+                    "left out with --surface; --lower-surface FILE is a surface of its own",
+                ));
+            }
+            let generator = GeneratorArgs { seed, ..source.generator.clone() };
+            SourceArgs { generator, ..source.clone() }.surface(session)?
+        } else {
+            return Ok(None);
+        };
+        let refuse = |reason: String| Err(Failure::Input(format!("--lower-surface: {reason}")));
+        if lower.grid != upper.grid {
+            let words = |surface: &Surface| {
+                let ([nx, ny], [x, y]) = (surface.grid.points(), surface.grid.lengths());
+                format!("{nx} x {ny} points in a cell {x:?} x {y:?}")
+            };
+            return refuse(format!(
+                "it has {}; it must have those of the upper surface, {}",
+                words(&lower),
+                words(upper)
+            ));
+        }
+        if let (Some(found), Some(expected)) = (&lower.unit, &upper.unit)
+            && found != expected
+        {
+            return refuse(format!("its unit is {found}; it must be that of the upper surface, {expected}"));
+        }
+        Ok(Some(lower))
+    }
+}
+
+/// Writes the group of the lower surface.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(lower: &Surface, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
+    lower.write_as(archive, GROUP, "height of the lower rigid surface, peaks towards the elastic body", axes)
+}
+
+/// True if the file has a lower surface.
+pub fn is_stored(reader: &Reader) -> bool {
+    reader.contains(HEIGHT)
+}
+
+/// The key of the lower surface that a file has, and the name by which it is read from there.
+pub(crate) fn stored_lower(reader: &Reader) -> Option<(&'static str, String)> {
+    is_stored(reader).then(|| ("lower_surface", format!("{}:{HEIGHT}", reader.path().display())))
+}

@@ -1,0 +1,211 @@
+//! Memory: the need of each problem, and the use of this process.
+
+use gfmd_problem::Held;
+
+use crate::failure::Failure;
+
+/// The synthesis of a surface: heights, half spectrum, workspace of the transform.
+pub const SURFACE: Held = Held(5);
+/// A punch.
+pub const PUNCH: Held = Held(48);
+/// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
+pub const BODY: Held = Held(36);
+/// The relaxation of a free surface.
+pub const DAMPING: Held = Held(40);
+
+/// The number of fields that are under way between processes, rounded up.
+const LETTERS: u64 = 1;
+
+/// The number of processes that share a grid, on this machine and in all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Processes {
+    /// Those on this machine.
+    pub here: usize,
+    /// All of them.
+    pub all: usize,
+}
+
+impl Processes {
+    /// One process.
+    pub const ALONE: Self = Self { here: 1, all: 1 };
+}
+
+/// Refuses a grid of `points` whose fields do not fit into memory; the message begins with `name`, its flag or file.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn fits(held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+    fits_beside(0, held, name, points, Processes::ALONE)
+}
+
+/// As [`fits`], for what the processes of this machine hold together.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub(crate) fn fits_shared(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+    fits_beside(0, held, name, points, processes)
+}
+
+/// As [`fits_shared`], if all that the processes hold is part of the problem: its surface, and freed memory that the
+/// allocator keeps.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub(crate) fn fits_with_rest(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+    let there = own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64);
+    fits_beside(there, held, name, points, processes)
+}
+
+/// Refuses a need that exceeds what is available and the bytes that are `there` of it already, such as those of its surface.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn fits_with(there: u64, held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+    fits_beside(there, held, name, points, Processes::ALONE)
+}
+
+fn fits_beside(there: u64, held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+    let ([nx, ny], Processes { here, all }) = (points, processes);
+    let (held, whose) = if all > 1 {
+        (Held(held.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
+    } else {
+        (held, String::new())
+    };
+    let needed = u128::from(held.bytes(points)) * here as u128 / all.max(1) as u128;
+    check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX), there)
+}
+
+/// Refuses numbers that do not fit into memory: `count` items, called `what`, of `each` bytes.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), Failure> {
+    check(name, &format!("{count} {what}"), count.saturating_mul(each), 0)
+}
+
+/// Refuses a need that exceeds what is available and what is `held` of it already.
+fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> {
+    let available = available_bytes().map(|available| available.saturating_add(held));
+    let Some(available) = available.filter(|available| needed > *available) else { return Ok(()) };
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let reason = format!("{what} need {:.1} GiB; {:.1} GiB are available", gib(needed), gib(available));
+    Err(Failure::input(name, reason))
+}
+
+/// The memory that a computation may use, in bytes: that of the machine, less if the process or its control group has a
+/// limit; `None` if the system does not report it.
+fn available_bytes() -> Option<u64> {
+    [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
+}
+
+/// The memory below the limit of the control group, such as a container. Copies of files that have not been read lately count as
+/// used, but make room.
+fn of_control_group() -> Option<u64> {
+    let text = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
+    let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
+    let limit = number("max")?;
+    let files =
+        text("stat").and_then(|all| all.lines().find_map(|line| line.strip_prefix("inactive_file ")?.parse().ok()));
+    Some(limit.saturating_sub(number("current")?).saturating_add(files.unwrap_or(0)).min(limit))
+}
+
+/// The addresses below the limit of the process (`ulimit -v`).
+fn of_process() -> Option<u64> {
+    #[cfg(target_os = "linux")]
+    {
+        use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
+        let (limit, _) = getrlimit(Resource::RLIMIT_AS).ok().filter(|(limit, _)| *limit != RLIM_INFINITY)?;
+        Some(limit.saturating_sub(own_size(ADDRESSES)?))
+    }
+    #[cfg(not(target_os = "linux"))]
+    None
+}
+
+/// The name of the size of all addresses of a process in `/proc/self/status`.
+#[cfg(target_os = "linux")]
+const ADDRESSES: &str = "VmSize:";
+
+/// The name of the size of the part that is in memory.
+const RESIDENT: &str = "VmRSS:";
+
+/// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the size of
+/// its pages.
+fn own_size(name: &str) -> Option<u64> {
+    told_by_linux("/proc/self/status", name)
+}
+
+fn of_machine() -> Option<u64> {
+    told_by_linux("/proc/meminfo", "MemAvailable:")
+}
+
+/// The bytes that a file of Linux tells under a name.
+fn told_by_linux(file: &str, name: &str) -> Option<u64> {
+    if !cfg!(target_os = "linux") {
+        return None;
+    }
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(name))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
+
+/// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
+pub fn peak_bytes() -> u64 {
+    // The number of `getrusage` on Linux is at least the memory of the process that started this one.
+    if let Some(bytes) = told_by_linux("/proc/self/status", "VmHWM:") {
+        return bytes;
+    }
+    #[cfg(unix)]
+    {
+        use nix::sys::resource::{UsageWho, getrusage};
+        // macOS counts in bytes, other systems in kilobytes.
+        let unit = if cfg!(target_vendor = "apple") { 1 } else { 1024 };
+        getrusage(UsageWho::RUSAGE_SELF).map_or(0, |usage| usage.max_rss().unsigned_abs() * unit)
+    }
+    #[cfg(not(unix))]
+    0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_whose_bytes_no_integer_holds_is_refused() {
+        let all = [SURFACE, Held::HARD_WALL, Held::LAW, Held::ALL_COMPONENTS, PUNCH, BODY, DAMPING];
+        for fields in all {
+            for points in [[1 << 31; 2], [1 << 33, 1 << 28], [usize::MAX, 1]] {
+                assert!(fields.bytes(points) > 1 << 60, "{fields:?} {points:?}");
+                assert!(available_bytes().is_none() || fits(fields, "--n", points).is_err());
+            }
+        }
+        let shared = Processes { here: 2, all: 4 };
+        let refused =
+            fits_shared(Held::HARD_WALL, "the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
+        let needed = "shared by 4 processes, 2 of them on this machine, need 57344.0 GiB";
+        assert!(available_bytes().is_none() || refused.is_err_and(|error| error.contains(needed)));
+        let held = fits_with(u64::MAX, Held::HARD_WALL, "the grid", [1 << 20, 1 << 20]);
+        assert!(held.is_ok(), "what is held already need not be available");
+        for count in [1 << 40, u64::MAX] {
+            assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());
+        }
+        assert!(check_count("--steps", "steps", 1000, 64).is_ok());
+        assert_eq!(Held::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
+    }
+
+    /// The system's own table of the addresses of this process, in bytes, is the reference.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_size_of_this_process_is_that_of_its_addresses_whatever_the_size_of_pages() {
+        let Ok(maps) = std::fs::read_to_string("/proc/self/maps") else { return };
+        let length = |line: &str| {
+            let (from, to) = line.split_whitespace().next()?.split_once('-')?;
+            Some(u64::from_str_radix(to, 16).ok()? - u64::from_str_radix(from, 16).ok()?)
+        };
+        let addresses: u64 = maps.lines().filter(|line| !line.ends_with("[vsyscall]")).filter_map(length).sum();
+        let found = own_size(ADDRESSES).unwrap();
+        // Other tests of this binary allocate meanwhile.
+        assert!(found.abs_diff(addresses) < addresses / 5, "{found} {addresses}");
+        let resident = own_size(RESIDENT).unwrap();
+        assert!(resident > 1 << 20 && resident < found && resident.is_multiple_of(1024), "{resident}");
+    }
+}

@@ -1,0 +1,75 @@
+//! Agreement of the processes that run a command together.
+
+use gfmd_vector::Ranks;
+
+use crate::failure::Failure;
+
+/// The outcome of a step that may fail on some of the processes only, as that of all: the first failure, if there is one.
+///
+/// # Errors
+/// That failure.
+pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Failure> {
+    let text = match &outcome {
+        Ok(_) => String::new(),
+        Err(failure) => format!("{}\n{failure}", failure.status()),
+    };
+    let all = texts(ranks, &text);
+    let Some(first) = all.iter().find(|text| !text.is_empty()) else { return outcome };
+    let (status, text) = first.split_once('\n').unwrap_or(("", first));
+    let text = text.to_owned();
+    Err(match status {
+        "2" => Failure::Input(text),
+        "130" => Failure::Interrupted(text),
+        _ => Failure::Computation(text),
+    })
+}
+
+/// The numbers that the first process gives, of which all know how many they are.
+pub fn of_first<const N: usize>(ranks: &dyn Ranks, own: [u64; N]) -> [u64; N] {
+    let (is_first, mut all) = (ranks.rank() == 0, [0; N]);
+    let lengths: Vec<usize> = (0..ranks.size()).map(|rank| if rank == 0 { N } else { 0 }).collect();
+    ranks.gather(if is_first { &own } else { &[] }, &mut all, &lengths);
+    all
+}
+
+/// The text of each process.
+pub fn texts(ranks: &dyn Ranks, own: &str) -> Vec<String> {
+    let mut lengths = vec![0; ranks.size()];
+    ranks.gather(&[own.len() as u64], &mut lengths, &vec![1; ranks.size()]);
+    let lengths: Vec<usize> = lengths.into_iter().map(|length| length as usize).collect();
+    let bytes: Vec<u64> = own.bytes().map(u64::from).collect();
+    let mut all = vec![0; lengths.iter().sum()];
+    ranks.gather(&bytes, &mut all, &lengths);
+    let mut rest = &all[..];
+    let text = |length: usize| {
+        let (own, after) = rest.split_at(length);
+        rest = after;
+        String::from_utf8_lossy(&own.iter().map(|byte| *byte as u8).collect::<Vec<u8>>()).into_owned()
+    };
+    lengths.into_iter().map(text).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use gfmd_vector::Rehearsal;
+
+    use super::*;
+
+    #[test]
+    fn the_first_failure_is_that_of_all() {
+        let found = Rehearsal::of(3, |ranks| {
+            let own = match ranks.rank() {
+                0 => Ok(7),
+                rank => Err(Failure::Input(format!("of process {rank}"))),
+            };
+            agree(&*ranks, own).map_err(|failure| (failure.status(), failure.to_string()))
+        });
+        assert!(found.iter().all(|found| *found == Err((2, "of process 1".into()))), "{found:?}");
+        let found = Rehearsal::of(3, |ranks| agree(&*ranks, Ok(ranks.rank())).ok());
+        assert_eq!(found, [Some(0), Some(1), Some(2)]);
+        let numbers = Rehearsal::of(3, |ranks| of_first(&*ranks, [7 + ranks.rank() as u64, 2]));
+        assert_eq!(numbers, [[7, 2]; 3]);
+        let words = Rehearsal::of(2, |ranks| texts(&*ranks, ["", "κ"][ranks.rank()]));
+        assert!(words.iter().all(|words| *words == ["", "κ"]));
+    }
+}

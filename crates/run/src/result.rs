@@ -1,0 +1,57 @@
+//! Result files as the commands read them again: their kind, their configuration, and the comparison with what is computed anew.
+
+mod comparison;
+mod configuration;
+mod folder;
+mod pair;
+mod surface;
+pub mod trust;
+
+use gfmd_files::Reader;
+use serde::Serialize;
+
+pub use comparison::Difference;
+pub use comparison::{Comparison, printable};
+pub use configuration::{Configuration, FILES};
+pub use folder::Folder;
+pub use pair::{Against, Pair, layout};
+pub(crate) use surface::stored_unit;
+pub use surface::{compare_heights, regenerated, repeated_problem, stored_problem};
+
+/// The largest residual of a law on a patch that follows from the fields of a file, over the tolerance of the solve: the
+/// displacement outside of the patch, which a file does not contain, is that by its pressure, to the residual.
+pub(crate) const RESIDUAL_OF_A_PATCH: f64 = 10.0;
+
+/// The kinds of result files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[expect(missing_docs, reason = "the names of the commands")]
+pub enum Kind {
+    Contact,
+    Path,
+    Punch,
+    Body,
+    KappaSweep,
+}
+
+impl Kind {
+    /// The kind of a file, by its groups; `None` if it is no result.
+    pub fn of(reader: &Reader) -> Option<Self> {
+        let has = |group: &str| !reader.names(group).is_empty();
+        [("/loads", Self::Contact), ("/path", Self::Path), ("/punch", Self::Punch), ("/runs", Self::KappaSweep)]
+            .into_iter()
+            .find_map(|(group, kind)| has(group).then_some(kind))
+            .or_else(|| reader.contains("/fields/depth").then_some(Self::Body))
+    }
+
+    /// The name of its command.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Contact => "contact",
+            Self::Path => "path",
+            Self::Punch => "punch",
+            Self::Body => "body",
+            Self::KappaSweep => "kappa-sweep",
+        }
+    }
+}

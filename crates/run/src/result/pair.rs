@@ -1,0 +1,176 @@
+//! A result compared with another file, part by part, as the table of [`trust`](super::trust) says.
+
+use std::path::PathBuf;
+
+use gfmd_files::{Attribute, Output, Reader};
+
+use super::Kind;
+use super::comparison::Comparison;
+use super::folder::Folder;
+use super::trust::{Row, Way, row_of};
+use crate::failure::Failure;
+
+/// The most groups inside each other. Results have one; a group of a file may contain itself.
+const DEEPEST: usize = 4;
+
+/// The longest text in a message.
+const LONGEST: usize = 200;
+
+/// The second file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// The layout that the configuration gives, with coordinates but without values.
+    Layout,
+    /// A file of what was computed from the first one.
+    Values,
+    /// The file of a second run.
+    Run,
+}
+
+/// A result, and the file with which it is compared.
+pub struct Pair<'a> {
+    /// The kind of both.
+    pub kind: Kind,
+    /// The result.
+    pub first: &'a Reader,
+    /// The file with which it is compared.
+    pub second: &'a Reader,
+    /// What this file is.
+    pub against: Against,
+}
+
+/// Compares the layout of a result with that which `write` writes.
+///
+/// # Errors
+/// A file that cannot be written or read.
+pub fn layout(
+    kind: Kind,
+    first: &Reader,
+    comparison: &mut Comparison,
+    write: impl FnOnce(&Output) -> Result<PathBuf, Failure>,
+) -> Result<(), Failure> {
+    let folder = Folder::new()?;
+    let output = Output::claim(folder.file())?.layout();
+    let second = Reader::open(write(&output)?)?;
+    Pair { kind, first, second: &second, against: Against::Layout }.compare(comparison)
+}
+
+impl Pair<'_> {
+    /// Compares names, shapes, attributes, coordinates and values.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn compare(&self, comparison: &mut Comparison) -> Result<(), Failure> {
+        self.group("", DEEPEST, comparison)
+    }
+
+    fn group(&self, group: &str, depth: usize, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Self { kind, first, second, .. } = self;
+        self.attributes(group, comparison)?;
+        let names = |reader: &Reader| reader.names(if group.is_empty() { "/" } else { group });
+        let (stored, found) = (names(first), names(second));
+        for name in stored.iter().chain(found.iter().filter(|name| !stored.contains(name))) {
+            let path = format!("{group}/{name}");
+            match (first.contains(&path), second.contains(&path)) {
+                (false, false) if depth > 0 => self.group(&path, depth - 1, comparison)?,
+                (false, false) => {
+                    comparison.differ(group, format!("it has more than {DEEPEST} groups inside each other"))
+                }
+                (true, true) => self.variable(&path, comparison)?,
+                (true, false) => match row_of(*kind, &path) {
+                    // It belongs to the search, which is not repeated.
+                    Some(Row { plain: Way::Checksum, .. }) if self.against == Against::Layout => {}
+                    _ => comparison.differ(&path, format!("{} has no such variable", self.words())),
+                },
+                (false, true) => comparison.differ(&path, format!("it is missing; {} has it", self.words())),
+            }
+        }
+        Ok(())
+    }
+
+    fn variable(&self, path: &str, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Self { kind, first, second, against } = self;
+        self.attributes(path, comparison)?;
+        let (a, b) = (first.shape(path)?, second.shape(path)?);
+        if a != b {
+            comparison.differ(path, format!("its shape is {a:?}; recomputed is {b:?}"));
+            return Ok(());
+        }
+        let is_compared = second.is_coordinate(path)
+            || match against {
+                Against::Layout => false,
+                Against::Values => true,
+                Against::Run => row_of(*kind, path).is_none_or(|row| row.rerun != Way::Checksum),
+            };
+        if !is_compared {
+            return Ok(());
+        }
+        match (first.values::<f64>(path), second.values::<f64>(path)) {
+            (Ok(stored), Ok(found)) => comparison.values(path, &stored, &found, 0.0),
+            _ => {
+                if first.texts(path)? != second.texts(path)? {
+                    comparison.differ(path, "its text differs".into());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares the attributes of the group or variable at `path`; the root is empty.
+    fn attributes(&self, path: &str, comparison: &mut Comparison) -> Result<(), Failure> {
+        let at = if path.is_empty() { "/" } else { path };
+        // A group that one of the files has not has no attributes there.
+        let of = |reader: &Reader| reader.attributes(at).unwrap_or_default();
+        let (stored, found) = (of(self.first), of(self.second));
+        let get = |all: &[(String, Attribute)], name: &str| {
+            all.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
+        };
+        let new = found.iter().filter(|(name, _)| get(&stored, name).is_none());
+        for (name, _) in stored.iter().chain(new).filter(|(name, _)| name != "content_sha256") {
+            let part = format!("{path}@{name}");
+            let Some(row) = row_of(self.kind, &part) else {
+                comparison.differ(&part, format!("a result of {} has no such attribute", self.kind.name()));
+                continue;
+            };
+            let way = if self.against == Against::Run { row.rerun } else { row.plain };
+            if way != Way::Verified {
+                continue;
+            }
+            match (get(&stored, name), get(&found, name)) {
+                (Some(stored), Some(found)) => match (number(&stored), number(&found)) {
+                    (Some(stored), Some(found)) => comparison.number(&part, stored, found, 0.0),
+                    _ if stored == found => comparison.count(),
+                    _ => comparison.differ(&part, format!("it is {}; it must be {}", shown(&stored), shown(&found))),
+                },
+                (None, Some(found)) => comparison.differ(&part, format!("it is missing; it must be {}", shown(&found))),
+                (Some(_), None) => comparison.differ(&part, format!("{} has no such attribute", self.words())),
+                (None, None) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The second file in words.
+    fn words(&self) -> String {
+        match self.against {
+            Against::Layout | Against::Values => format!("a result of {} with this configuration", self.kind.name()),
+            Against::Run => "the file of the second run".into(),
+        }
+    }
+}
+
+fn number(attribute: &Attribute) -> Option<f64> {
+    match attribute {
+        Attribute::Real(number) => Some(*number),
+        Attribute::Integer(number) => Some(*number as f64),
+        Attribute::Natural(number) => Some(*number as f64),
+        Attribute::Text(_) => None,
+    }
+}
+
+fn shown(attribute: &Attribute) -> String {
+    match (attribute, number(attribute)) {
+        (Attribute::Text(text), _) => format!("{:?}", text.chars().take(LONGEST).collect::<String>()),
+        (_, number) => number.unwrap_or(f64::NAN).to_string(),
+    }
+}

@@ -1,0 +1,74 @@
+//! Fields of which each process has its rows: from the process that reads files, and to the one that writes and draws.
+
+use gfmd_field::Share;
+use gfmd_files::{Archive, Variable, contiguous, rows_of_chunk};
+use ndarray::{Array2, ArrayView2};
+
+use crate::failure::Failure;
+
+/// The number of chunks of a file in a block of rows that travels at once, and is compressed by all threads of the first process.
+const CHUNKS: usize = 16;
+
+/// The number of rows of a block, of so many values each.
+fn height(columns: usize) -> usize {
+    CHUNKS * rows_of_chunk(columns)
+}
+
+/// The own rows of a field that the first process has; the others give `None`.
+pub(crate) fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: usize) -> Array2<f64> {
+    let whole = whole.map(|whole| contiguous(whole)).unwrap_or_default();
+    let own = share.from_first(&whole, columns, height(columns));
+    Array2::from_shape_vec((own.len() / columns, columns), own).expect("rows are whole")
+}
+
+/// The whole field at the first process, `None` at the others.
+pub fn gathered(share: &Share, own: ArrayView2<f64>) -> Option<Array2<f64>> {
+    let (columns, own) = (own.ncols(), contiguous(&own));
+    let mut whole = Vec::new();
+    share.to_first(&own, columns, height(columns), |_, values| whole.extend_from_slice(values));
+    let shape = (whole.len() / columns, columns);
+    if share.ranks().rank() == 0 { Array2::from_shape_vec(shape, whole).ok() } else { None }
+}
+
+/// Writes a variable along x and y to the `archive` of the first process, `None` at the others.
+///
+/// # Errors
+/// At the first process, a file that cannot be written.
+pub fn write_all(
+    share: &Share,
+    own: ArrayView2<f64>,
+    mut archive: Option<&mut Archive>,
+    path: &str,
+    variable: &Variable,
+) -> Result<(), Failure> {
+    if let (Some(archive), true) = (&mut archive, share.is_whole()) {
+        return Ok(archive.write(path, variable, &contiguous(&own))?);
+    }
+    let defined = archive.as_mut().map_or(Ok(()), |archive| archive.define_rows(path, variable));
+    let written = write(share, own, archive, (path, None), |_| {});
+    defined?;
+    written
+}
+
+/// Writes a field to the `archive` of the first process, `None` at the others: the variable `path`, or its entry `index`. `see` gets the
+/// values in order. All rows travel, also if they cannot be written.
+///
+/// # Errors
+/// At the first process, a file that cannot be written.
+pub fn write(
+    share: &Share,
+    own: ArrayView2<f64>,
+    mut archive: Option<&mut Archive>,
+    (path, index): (&str, Option<usize>),
+    mut see: impl FnMut(&[f64]),
+) -> Result<(), Failure> {
+    let (columns, own) = (own.ncols(), contiguous(&own));
+    let mut written = Ok(());
+    share.to_first(&own, columns, height(columns), |rows, values| {
+        see(values);
+        if let (Some(archive), Ok(())) = (&mut archive, &written) {
+            written = archive.write_rows(path, index, rows.start, values);
+        }
+    });
+    Ok(written?)
+}

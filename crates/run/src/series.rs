@@ -1,0 +1,299 @@
+//! States of one contact, each found from the one before: the loads of `contact`, the steps of `path`.
+
+mod check;
+mod file;
+mod head;
+mod parts;
+mod prepared;
+mod slopes;
+mod stored;
+mod watching;
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use gfmd_contact::{Drive, Fields as _, Refusal, SolveError, Visit};
+use gfmd_files::{Output, contiguous};
+use gfmd_interface::{Path, Step};
+use gfmd_problem::{Posed, Rest, Task};
+use gfmd_record::{At, Record};
+
+use crate::convergence::NotConverged;
+use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
+use crate::resume::{Kept, Part};
+use crate::session::Session;
+use crate::trace::Tracer;
+
+pub use check::Stored;
+pub use file::{Chosen, StateFile};
+pub use file::{Field, fields};
+pub use head::is_normal;
+pub use head::{Head, Lower};
+pub use parts::Parts;
+pub use prepared::{Asked, Prepared};
+pub use slopes::Slopes;
+pub use stored::records_of;
+pub use watching::Watching;
+
+/// A series of states.
+pub struct Series<'a> {
+    /// Its input.
+    pub prepared: &'a Prepared,
+    /// The run that it is part of.
+    pub session: &'a Session,
+    /// The drive of each state.
+    pub drives: &'a [Drive],
+    /// The largest residual of a state at rest.
+    pub tolerance: f64,
+    /// Of so many states one has its fields in the file.
+    pub every: usize,
+    /// The fields that it has of them.
+    pub chosen: Chosen,
+    /// True if the file follows at once on the last state, which need not be kept.
+    pub ends_with_file: bool,
+}
+
+/// What a command makes of the states of its series.
+pub trait Outlet {
+    /// A recorder of the search for the next state, if it is wanted.
+    fn tracer(&self) -> Result<Option<Tracer>, Failure> {
+        Ok(None)
+    }
+
+    /// Takes what was recorded.
+    fn traced(&mut self, _tracer: Tracer) {}
+
+    /// The failure of a first part that is refused.
+    fn refused(&self, refusal: Refusal) -> Failure {
+        refusal.into()
+    }
+
+    /// Makes the record of a state.
+    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure>;
+
+    /// Takes over the fields of a part that is kept.
+    fn recall(&mut self, _fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Visits what goes on from part to part beside the state; `is_new` before the first part.
+    fn visit(&mut self, _visitor: &mut dyn Visit, _is_new: bool) {}
+}
+
+/// A state that was reached.
+pub struct Reached<'a> {
+    /// The number of its part.
+    pub index: usize,
+    /// The state.
+    pub state: &'a Rest,
+    /// The step that led to it.
+    pub step: &'a Step,
+    /// Its numbers so far: without stiffness, measurements, step and time.
+    pub at: At<'a>,
+    /// The start of its search.
+    pub started: Instant,
+    /// True if it is only as far as the search came.
+    pub is_cut: bool,
+}
+
+/// The end of a series.
+#[derive(Default)]
+pub struct Ended {
+    /// The records of the parts so far.
+    pub records: Vec<Record>,
+    /// The failure of the last part.
+    pub failure: Option<Failure>,
+    /// The search that did not converge.
+    pub not_converged: Option<NotConverged>,
+    /// The step of a path at which the surfaces parted under their load.
+    pub parted_at: Option<usize>,
+}
+
+impl Ended {
+    /// True if the run goes on later from what is kept, and has no file yet.
+    pub fn is_kept(&self, kept: Option<&Kept>) -> bool {
+        matches!(self.failure, Some(Failure::Interrupted(_))) && kept.is_some()
+    }
+}
+
+impl Series<'_> {
+    /// The file for the series, made by all processes; `None` if there is none.
+    pub fn file<'a>(
+        &self,
+        output: Option<&'a Output>,
+        config: String,
+        is_wanted: bool,
+    ) -> Result<Option<StateFile<'a>>, Failure> {
+        let create = || {
+            let (states, provenance) = (self.drives.len().div_ceil(self.every), self.session.provenance(config));
+            StateFile::of(output, &provenance, self.prepared, states, (self.chosen.clone(), self.session))
+        };
+        is_wanted.then(create).transpose()
+    }
+
+    /// Makes the parts that are not kept, one after the other, until one fails.
+    pub fn run(
+        &self,
+        path: &mut Path<'_, Posed>,
+        first: impl FnOnce() -> Result<Option<Rest>, Failure>,
+        (file, mut kept): (Option<&mut StateFile>, Option<&mut Kept>),
+        progress: &dyn Progress,
+        outlet: &mut dyn Outlet,
+    ) -> Result<Ended, Failure> {
+        let Self { prepared, session, drives, tolerance, every, .. } = *self;
+        let (facts, lift, scales) = (&prepared.facts, prepared.lift(), prepared.scales());
+        let part = Parts::of(facts.task).name;
+        let (mut file, mut ended) = (file, Ended::default());
+        if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
+            ended.records = self.recall(kept, file, path, progress, outlet)?;
+        }
+        if ended.records.is_empty() {
+            path.start_from(first()?);
+        }
+        for (index, drive) in drives.iter().enumerate().skip(ended.records.len()) {
+            let started = Instant::now();
+            // Only a part of a single solve can go on in its middle.
+            let copies = if facts.task == Task::Loads { kept.as_deref_mut() } else { None };
+            let place = format!("{part} {index}");
+            let mut watch = Watching::new(place.clone(), progress, session).with(outlet.tracer()?, copies);
+            let reached = path.step(*drive, &mut watch);
+            let Watching { history, tracer, failed, .. } = watch;
+            failed.map_or(Ok(()), Err)?;
+            if let Some(tracer) = tracer {
+                outlet.traced(tracer);
+            }
+            let mut why = None;
+            let (step, cut, stopped) = match reached {
+                Ok(step) => (step, None, None),
+                Err(SolveError::Refused(refusal)) if index == 0 => return Err(outlet.refused(refusal)),
+                // Numbers that this part alone makes too large; those before it stay.
+                Err(SolveError::Refused(refusal)) => {
+                    ended.failure = Some(Failure::Computation(refusal.to_string()).at(&place));
+                    break;
+                }
+                Err(SolveError::Detached { .. }) if facts.task == Task::Path => {
+                    ended.parted_at = Some(index);
+                    break;
+                }
+                Err(SolveError::Interrupted { state }) => {
+                    (Step::default(), Some(state), Some(Failure::Interrupted("interrupted".into())))
+                }
+                Err(error) => {
+                    let text = error.to_string();
+                    if let SolveError::NotConverged { why: found, .. } = &error {
+                        why = Some(*found);
+                    }
+                    (Step::default(), error.into_state().map(Box::new), Some(Failure::Computation(text)))
+                }
+            };
+            let Some(state) = cut.as_deref().or(path.state()) else { break };
+            let effort = if stopped.is_some() { state.effort() } else { step.effort };
+            let step = Step { effort, ..step };
+            let at = At::in_scales(facts, state, &scales, &prepared.surface.grid, tolerance);
+            let record =
+                outlet.record(Reached { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
+            progress.advance(1.0, &told(&record));
+            check_range(&place, &record)?;
+            if let Some(why) = why {
+                let unmet = NotConverged::new(index, state, tolerance, &why, history);
+                unmet.tell(part);
+                ended.not_converged = Some(unmet);
+            }
+            let place_in_file = index.is_multiple_of(every).then_some(index / every);
+            if let (Some(file), Some(place)) = (&mut file, place_in_file) {
+                session.agree(file.write(place, state, lift))?;
+            }
+            if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
+                let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, lift) } else { Vec::new() };
+                let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
+                kept.add(&Part { text, fields: fields.iter().map(|field| contiguous(field)).collect() });
+                kept.keep_state(|visitor| {
+                    path.keep(visitor);
+                    outlet.visit(visitor, false);
+                })?;
+            }
+            ended.records.push(record);
+            if let Some(stopped) = stopped {
+                ended.failure = Some(stopped.at(&place));
+                break;
+            }
+        }
+        Ok(ended)
+    }
+
+    /// Takes over the parts that are kept, and continues the path from the last one.
+    fn recall(
+        &self,
+        kept: &mut Kept,
+        file: &mut StateFile,
+        path: &mut Path<'_, Posed>,
+        progress: &dyn Progress,
+        outlet: &mut dyn Outlet,
+    ) -> Result<Vec<Record>, Failure> {
+        let mut records = Vec::new();
+        for index in 0..kept.finished() {
+            let Part { text, fields } = kept.part(index)?;
+            let record = Record::from_line(&self.prepared.facts, &text);
+            records.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
+            if index.is_multiple_of(self.every) {
+                outlet.recall(&fields).map_err(|failure| match failure {
+                    Failure::Input(reason) => kept.unusable(index, reason),
+                    other => other,
+                })?;
+                file.write_values(index / self.every, &fields)?;
+            }
+            progress.advance(1.0, "kept");
+        }
+        let (Some(mut stored), Some(last)) = (kept.state(), kept.finished().checked_sub(1)) else {
+            return Ok(records);
+        };
+        stored.restore(|visitor| {
+            path.resume(self.drives[last], visitor)?;
+            outlet.visit(visitor, true);
+            Ok::<_, Refusal>(())
+        })?;
+        Ok(records)
+    }
+}
+
+/// A record as a line of progress.
+fn told(record: &Record) -> String {
+    format!("p* {:.3e}, area {:.4}", record.number("p_star"), record.number("area_fraction"))
+}
+
+/// Refuses units in which a number of a part that converged is not finite.
+fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
+    match record.overflow() {
+        Some((name, found)) if record.is("converged") => Err(Failure::Computation(format!(
+            "{place}: {name} is {found}; it must be finite, which other units of stress or length make it"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Runs a command that keeps its parts beside its output. What an interruption or a failure leaves is flushed and named in the
+/// message; of a run that has ended nothing stays but its output, which `out` tells.
+pub fn keeping<R>(
+    mut kept: Option<Kept>,
+    run: impl FnOnce(Option<&mut Kept>) -> Result<Outcome<R>, Failure>,
+    out: impl FnOnce(&R) -> Option<&PathBuf>,
+) -> Result<Outcome<R>, Failure> {
+    let outcome = run(kept.as_mut());
+    if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept) {
+        // The failure is the news; a disk that is full keeps what it has.
+        let _ = kept.flush();
+    }
+    let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
+    let Outcome { report, failure } = outcome.map_err(|failure| failure.with(&remark))?;
+    let written = out(&report).map_or_else(String::new, |out| format!("; kept in {}", out.display()));
+    let failure = match (failure, kept) {
+        (Some(interrupted @ Failure::Interrupted(_)), Some(_)) => Some(interrupted.with(&remark)),
+        (failure, kept) => {
+            kept.into_iter().for_each(Kept::remove);
+            failure.map(|failure| failure.with(&written))
+        }
+    };
+    Ok(Outcome { report, failure })
+}

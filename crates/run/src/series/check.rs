@@ -1,0 +1,191 @@
+//! The states of a file, made again from its fields, and compared with what the file says of them.
+
+use gfmd_contact::{Boundary, Drive, Fields as _};
+use gfmd_files::Reader;
+use gfmd_problem::{Posed, Rest, Task};
+use gfmd_record::{At, Column, Origin, Record, arrays};
+use ndarray::{Array2, ArrayRef2};
+
+use super::{Chosen, Parts, Prepared};
+use crate::failure::Failure;
+use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
+
+/// The relative differences of the numbers of a law on a patch, over the tolerance of the solve.
+pub(crate) const OF_A_PATCH: f64 = 100.0;
+
+/// The file of a series, with the contact that it is about.
+pub struct Stored<'a> {
+    /// The file.
+    pub reader: &'a Reader,
+    /// The input that its configuration and its arrays give.
+    pub prepared: &'a Prepared,
+    /// The contact posed on it.
+    pub contact: &'a Posed,
+    /// The tolerance of its states.
+    pub tolerance: f64,
+    /// The columns of the file, part by part.
+    records: Vec<Record>,
+}
+
+impl<'a> Stored<'a> {
+    /// Reads the columns of a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or of another problem.
+    pub fn new(
+        reader: &'a Reader,
+        prepared: &'a Prepared,
+        contact: &'a Posed,
+        tolerance: f64,
+    ) -> Result<Self, Failure> {
+        let records = super::records_of(reader, &prepared.facts)?;
+        Ok(Self { reader, prepared, contact, tolerance, records })
+    }
+
+    /// The number of parts.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// A number of a part; NaN without one.
+    pub fn number(&self, name: &str, index: usize) -> f64 {
+        self.records.get(index).map_or(f64::NAN, |record| record.number(name))
+    }
+
+    /// The path of a column.
+    pub fn path(&self, name: &str) -> String {
+        format!("{}/{name}", Parts::of(self.prepared.facts.task).group)
+    }
+
+    /// The unit of length, the rms height.
+    pub fn height(&self) -> f64 {
+        self.prepared.surface.statistics.moments.rms_height().max(f64::MIN_POSITIVE)
+    }
+
+    /// True if a law acts on a patch, whose displacement outside of it is not in the file: states made again are then as exact as
+    /// their search.
+    pub(crate) fn is_law_on_patch(&self) -> bool {
+        self.prepared.facts.solves_a_law() && self.prepared.facts.boundary == Boundary::Free
+    }
+
+    /// The largest residual of a state that converged, made again.
+    pub fn allowed(&self) -> f64 {
+        self.tolerance * if self.is_law_on_patch() { RESIDUAL_OF_A_PATCH } else { 1.0 }
+    }
+
+    /// A field at a place of the file.
+    ///
+    /// # Errors
+    /// A field that the file does not have in this shape.
+    pub fn field(&self, name: &str, place: usize) -> Result<Array2<f64>, Failure> {
+        let values = self.reader.slab(&format!("/fields/{name}"), place)?;
+        let made = Array2::from_shape_vec(self.prepared.surface.grid.points(), values);
+        made.map_err(|error| Failure::input("/fields", error))
+    }
+
+    /// The state that the contact makes of the fields at a place; `None` of a part that was not solved, whose fields are NaN.
+    ///
+    /// # Errors
+    /// Fields that cannot be read, or of which no state can be made.
+    pub fn state(&self, place: usize, drive: Drive) -> Result<Option<Rest>, Failure> {
+        let fields = self.contact.basis().iter().map(|name| match *name {
+            // Without a hardness nothing gives way.
+            "plastic_depth" if !self.prepared.facts.hardness => Ok(Array2::zeros(self.prepared.surface.grid.points())),
+            name => self.field(name, place),
+        });
+        let fields = fields.collect::<Result<Vec<Array2<f64>>, Failure>>()?;
+        if fields.iter().flatten().any(|value| !value.is_finite()) {
+            return Ok(None);
+        }
+        let fields: Vec<&ArrayRef2<f64>> = fields.iter().map(|field| &**field).collect();
+        self.contact.certify(&fields, drive).map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
+    }
+
+    /// Compares the fields of a state with those at a place.
+    ///
+    /// # Errors
+    /// Fields that cannot be read.
+    pub fn compare_fields(&self, place: usize, state: &Rest, comparison: &mut Comparison) -> Result<(), Failure> {
+        let facts = &self.prepared.facts;
+        comparison.accurate_to(if self.is_law_on_patch() { OF_A_PATCH * self.tolerance } else { 0.0 });
+        for (array, field) in arrays(facts).zip(Chosen::All.fields(facts, state, self.prepared.lift())) {
+            let path = format!("/fields/{}", array.name);
+            if self.reader.contains(&path) {
+                let values: Vec<f64> = field.iter().copied().collect();
+                comparison.values(
+                    &path,
+                    &self.reader.slab::<f64>(&path, place)?,
+                    &values,
+                    self.floor_of_field(array.name),
+                );
+            }
+        }
+        comparison.accurate_to(0.0);
+        Ok(())
+    }
+
+    /// The least scale of a field. The gap of full contact is what rounding leaves.
+    fn floor_of_field(&self, name: &str) -> f64 {
+        let patch = self.is_law_on_patch();
+        match name {
+            "pressure" if patch => self.prepared.unit_pressure(),
+            "displacement_z" if patch => self.height(),
+            "gap" | "lower_gap" if self.prepared.facts.task == Task::Path => self.height(),
+            _ => 0.0,
+        }
+    }
+
+    /// The numbers of a state so far, whose residuals may be those that are [allowed](Self::allowed).
+    pub fn at<'s>(&'s self, index: usize, state: &'s Rest) -> At<'s> {
+        let Prepared { facts, surface, .. } = self.prepared;
+        let allowed = if self.number("converged", index) == 1.0 { self.allowed() } else { self.tolerance };
+        At::in_scales(facts, state, &self.prepared.scales(), &surface.grid, allowed)
+    }
+
+    /// Compares the numbers of a part that follow from its fields.
+    pub fn compare_record(&self, index: usize, (record, state): (&Record, &Rest), comparison: &mut Comparison) {
+        let patch = self.is_law_on_patch();
+        let has_converged = self.number("converged", index) == 1.0;
+        comparison.accurate_to(if patch { OF_A_PATCH * self.tolerance } else { 0.0 });
+        let of_fields = |origin| matches!(origin, Origin::Fields | Origin::Residual);
+        for (column, cell) in record.cells().filter(|(column, _)| of_fields(column.origin)) {
+            let path = self.path(column.name);
+            // The layout tells what is missing.
+            if !self.reader.contains(&path) {
+                continue;
+            }
+            let (stored, found) = (self.number(column.name, index), cell.number());
+            if patch && column.name.starts_with("residual") && record.is("converged") {
+                comparison.at_most(&path, stored, self.tolerance);
+                comparison.at_most(&path, found, self.allowed());
+            } else {
+                comparison.number(&path, stored, found, self.floor(column, record));
+            }
+        }
+        comparison.accurate_to(0.0);
+        if has_converged {
+            let name = Parts::of(self.prepared.facts.task).name;
+            comparison.at_most(&format!("residual of {name} {index}"), state.worst(), self.allowed());
+        }
+    }
+
+    /// The least scale of a number, below which a difference is one of rounding.
+    fn floor(&self, column: &Column, record: &Record) -> f64 {
+        let is_path = self.prepared.facts.task == Task::Path;
+        match column.name {
+            // Small beside 1, and made by rounding.
+            _ if column.origin == Origin::Residual => 1e-3,
+            // Equal pressures deviate, and closed gaps gape, by rounding.
+            "pressure_deviation_in_contact" => record.number("max_pressure"),
+            "mean_gap" | "lower_mean_gap" => self.height(),
+            // A path goes through zero.
+            _ if is_path && self.is_law_on_patch() => match column.unit {
+                "stress" => self.prepared.unit_pressure(),
+                "length" => self.height(),
+                "stress*length" => self.prepared.unit_pressure() * self.height(),
+                _ => 1.0,
+            },
+            _ => 0.0,
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! The HDF5 file of a series.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use gfmd_contact::{Fields as _, Hardness};
+use gfmd_field::Share;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
+use gfmd_problem::{Facts, Rest};
+use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
+
+use ndarray::{Array2, CowArray, Ix2};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::parts::Parts;
+use super::prepared::Prepared;
+use crate::columns::write_columns;
+use crate::convergence::NotConverged;
+use crate::failure::Failure;
+use crate::hardness;
+use crate::lower;
+use crate::rows;
+use crate::session::Session;
+use crate::source::Surface;
+
+/// The file of a series: the surface is written at once, the fields state by state, the scalars at the end. Of several processes the
+/// first one writes it; all make the same calls, and give their rows of the fields.
+pub struct StateFile<'a> {
+    /// The file of the process that writes.
+    archive: Option<Archive<'a>>,
+    share: Share,
+    facts: Facts,
+    chosen: Chosen,
+}
+
+/// The fields of each state that go into a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Chosen {
+    /// All that there are.
+    #[default]
+    All,
+    /// Those with these names.
+    Named(Vec<&'static str>),
+}
+
+/// Words that name no fields.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("it must be none, or some of {}, with commas between them", names().collect::<Vec<_>>().join(", "))]
+pub struct ChosenError;
+
+/// The names of the fields that loads may have.
+fn names() -> impl Iterator<Item = &'static str> {
+    ARRAYS.iter().map(|array| array.name).filter(|name| !name.starts_with("shear"))
+}
+
+impl Chosen {
+    /// The chosen ones of the fields of a problem.
+    fn of<'s>(&'s self, facts: &'s Facts) -> impl Iterator<Item = &'static Array> + 's {
+        arrays(facts).filter(move |array| match self {
+            Self::All => true,
+            Self::Named(names) => names.contains(&array.name),
+        })
+    }
+
+    /// The first of the fields named that the loads do not have.
+    pub fn missing(&self, facts: &Facts) -> Option<&'static str> {
+        let Self::Named(names) = self else { return None };
+        names.iter().copied().find(|name| arrays(facts).all(|array| array.name != *name))
+    }
+
+    /// The places among the chosen fields of those by which contact and gap are told apart, if both are chosen.
+    pub fn contact_and_gap(&self, facts: &Facts) -> Option<[usize; 2]> {
+        let place = |wanted: &str| self.of(facts).position(|array| array.name == wanted);
+        Some([place(repulsion(facts))?, place("gap")?])
+    }
+
+    /// The chosen ones of the fields of a state, in the order of the file; a base that moves adds `lift` to the displacement.
+    pub fn fields<'s>(
+        &self,
+        facts: &Facts,
+        state: &'s Rest,
+        lift: Option<&Array2<f64>>,
+    ) -> Vec<CowArray<'s, f64, Ix2>> {
+        let lifted = |array: &Array| match lift {
+            Some(lift) if array.name == "displacement_z" => Some((&state.displacement_z() + lift).into()),
+            _ => (array.value)(state, facts),
+        };
+        self.of(facts).filter_map(lifted).collect()
+    }
+}
+
+impl FromStr for Chosen {
+    type Err = ChosenError;
+
+    fn from_str(text: &str) -> Result<Self, ChosenError> {
+        if text == "none" {
+            return Ok(Self::Named(Vec::new()));
+        }
+        let words: Vec<&str> = text.split(',').collect();
+        if words.iter().any(|word| names().all(|name| name != *word)) {
+            return Err(ChosenError);
+        }
+        Ok(Self::Named(names().filter(|name| words.contains(name)).collect()))
+    }
+}
+
+impl<'de> Deserialize<'de> for Chosen {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
+impl fmt::Display for Chosen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str(&names().collect::<Vec<_>>().join(",")),
+            Self::Named(names) if names.is_empty() => f.write_str("none"),
+            Self::Named(names) => f.write_str(&names.join(",")),
+        }
+    }
+}
+
+impl Serialize for Chosen {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// A field of a state, named as in a file.
+pub struct Field<'s> {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub units: &'static str,
+    /// Its values, [x, y].
+    pub values: CowArray<'s, f64, Ix2>,
+}
+
+/// All fields of a state; a base that moves adds `lift` to the displacement.
+pub fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+    let values = Chosen::All.fields(facts, state, lift);
+    arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
+}
+
+/// The path of a field in a file.
+fn path_of(array: &Array) -> String {
+    format!("/fields/{}", array.name)
+}
+
+impl<'a> StateFile<'a> {
+    /// A file for the fields of so many states of a surface; processes without an `output` only send their rows.
+    ///
+    /// # Errors
+    /// A file that cannot be written, at the process that writes.
+    pub fn create(
+        output: Option<&'a Output>,
+        provenance: &Provenance,
+        surface: &Surface,
+        states: usize,
+        facts: Facts,
+        chosen: Chosen,
+    ) -> Result<Self, Failure> {
+        let (mut archive, failed) = match output.map(|output| Archive::create(output, provenance)).transpose() {
+            Ok(archive) => (archive, Ok(())),
+            Err(error) => (None, Err(error)),
+        };
+        let (name, meaning) = Parts::of(facts.task).stored;
+        let state = Dimension::index(name, states, meaning);
+        let unit = surface.unit();
+        let [x, y] = axes(&surface.grid, unit);
+        if surface.share.is_whole() {
+            archive.as_mut().map_or(Ok(()), |archive| surface.write(archive, [&x, &y]))?;
+        } else {
+            // Its rows travel in any case.
+            surface.write_shared(archive.as_mut(), [&x, &y])?;
+        }
+        failed?;
+        if let Some(archive) = &mut archive {
+            for array in chosen.of(&facts) {
+                let units = if array.unit == "length" { unit } else { array.unit };
+                let variable = Variable { dimensions: &[&state, &x, &y], units, long_name: array.meaning(&facts) };
+                archive.define(&path_of(array), &variable)?;
+            }
+        }
+        Ok(Self { archive, share: surface.share.clone(), facts, chosen })
+    }
+
+    /// As [`create`](Self::create), with all fields that the input of a series has.
+    ///
+    /// # Errors
+    /// A file that cannot be written; of several processes at all of them.
+    pub fn of(
+        output: Option<&'a Output>,
+        provenance: &Provenance,
+        prepared: &Prepared,
+        states: usize,
+        (chosen, session): (Chosen, &Session),
+    ) -> Result<Self, Failure> {
+        let Prepared { facts, surface, base, lower, hardness, .. } = prepared;
+        let mut file = session.agree(Self::create(output, provenance, surface, states, *facts, chosen))?;
+        let [x, y] = axes(&surface.grid, surface.unit());
+        if let Some(base) = base {
+            session.agree(base.write(file.archive.as_mut(), &file.share, [&x, &y], surface.unit()))?;
+        }
+        lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower))?;
+        session.agree(file.write_hardness(hardness.as_ref(), surface))?;
+        Ok(file)
+    }
+
+    /// Writes the group `/lower`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
+        let [x, y] = axes(&lower.grid, lower.unit());
+        self.archive.as_mut().map_or(Ok(()), |archive| lower::write(lower, archive, [&x, &y]))
+    }
+
+    /// Writes the field of the hardness, if it is one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_hardness(&mut self, hardness: Option<&Hardness>, surface: &Surface) -> Result<(), Failure> {
+        let [x, y] = axes(&surface.grid, surface.unit());
+        hardness::write(hardness, self.archive.as_mut(), &self.share, [&x, &y])
+    }
+
+    /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&mut self, index: usize, state: &Rest, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
+        self.write_fields(index, self.chosen.fields(&self.facts, state, lift))
+    }
+
+    /// As [`write`](Self::write), from the values of the fields row by row.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        let Some(archive) = &mut self.archive else { return Ok(()) };
+        for (array, field) in self.chosen.of(&self.facts).zip(fields) {
+            archive.write_slab(&path_of(array), index, field)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the chosen fields of one state, in the order of the file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_fields<'b>(
+        &mut self,
+        index: usize,
+        fields: impl IntoIterator<Item = CowArray<'b, f64, Ix2>>,
+    ) -> Result<(), Failure> {
+        let Self { archive, share, facts, chosen } = self;
+        let mut outcome = Ok(());
+        for (array, field) in chosen.of(facts).zip(fields) {
+            let path = &*path_of(array);
+            let written = match archive {
+                Some(archive) if share.is_whole() => Ok(archive.write_slab(path, index, &contiguous(&field))?),
+                _ => rows::write(share, field.view(), archive.as_mut(), (path, Some(index)), |_| {}),
+            };
+            outcome = outcome.and(written);
+        }
+        outcome
+    }
+
+    /// The file, for what a command adds; `None` at the processes that do not write.
+    pub fn archive(&mut self) -> Option<&mut Archive<'a>> {
+        self.archive.as_mut()
+    }
+
+    /// Writes the scalars of `count` parts, NaN beyond those there are, and gives the file its name; `None` at the processes that do
+    /// not write.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(
+        self,
+        records: &[Record],
+        count: usize,
+        not_converged: Option<&NotConverged>,
+    ) -> Result<Option<PathBuf>, Failure> {
+        let Some(mut archive) = self.archive else { return Ok(None) };
+        let parts = Parts::of(self.facts.task);
+        let rows = Dimension::index(parts.name, count, parts.meaning);
+        write_columns(&mut archive, (parts.group, &rows, [parts.name, parts.plural]), &self.facts, records, count)?;
+        not_converged.map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
+        Ok(Some(archive.finish()?))
+    }
+}

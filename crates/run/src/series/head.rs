@@ -1,0 +1,168 @@
+//! The problem of a series, as its report begins.
+
+use std::fmt;
+
+use gfmd_contact::{Boundary, RigidSurface};
+use gfmd_law::Limit;
+use gfmd_problem::{Facts, Task, Unknown};
+use gfmd_record::Record;
+use serde::Serialize;
+
+use super::Slopes;
+use super::prepared::{Asked, Prepared};
+use crate::base::BaseArgs;
+use crate::hardness::GivenHardness;
+use crate::lower;
+use crate::session::Session;
+use crate::source::scan::Scan;
+use crate::source::{Second, Surface};
+use gfmd_problem::Adhesion;
+use gfmd_problem::options::OtherArgs;
+use gfmd_problem::options::named;
+
+/// The problem that was solved, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Head {
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
+    #[serde(flatten)]
+    pub second: Option<Second>,
+    pub rms_gradient: f64,
+    /// Of loads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_slope: Option<f64>,
+    pub rms_height: f64,
+    pub e_star: f64,
+    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
+    #[serde(flatten)]
+    pub others: OtherArgs,
+    #[serde(skip)]
+    pub body: Option<String>,
+    #[serde(flatten)]
+    pub base: BaseArgs,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower: Option<Lower>,
+    /// Of a path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<String>,
+    /// Of a path only if it is free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<&'static str>,
+    #[serde(skip_serializing_if = "is_normal", with = "named")]
+    pub components: Unknown,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<GivenHardness>,
+    /// With an attraction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adhesion: Option<Adhesion>,
+}
+
+/// The surface below the slab, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Lower {
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<Scan>,
+    pub rms_gradient: f64,
+    pub rms_height: f64,
+}
+
+impl Head {
+    /// The head of a report about the states of a surface.
+    pub fn new(asked: &Asked, prepared: &Prepared, surface: &RigidSurface) -> Self {
+        let Prepared { facts, surface: Surface { grid, boundary, .. }, limit, .. } = prepared;
+        let given = &prepared.surface;
+        let is_path = facts.task == Task::Path;
+        let law = match limit {
+            Some(Limit::Coulomb(_)) => "coulomb",
+            Some(Limit::Tresca(_)) => "tresca",
+            None => asked.law.law.name(),
+        };
+        Self {
+            n: grid.points(),
+            length: grid.lengths(),
+            unit: given.unit.clone(),
+            surface: given.description.clone(),
+            scan: given.scan.clone(),
+            second: given.second.clone(),
+            rms_gradient: given.rms_gradient(),
+            max_slope: (!is_path).then(|| given.max_slope()),
+            rms_height: surface.rms_height(),
+            e_star: prepared.body.contact_modulus(),
+            others: asked.body.others.clone(),
+            body: asked.body.words(asked.lower.flag().map(|_| lower::BETWEEN)),
+            base: asked.base.clone(),
+            lower: prepared.lower.as_ref().map(|lower| Lower {
+                surface: lower.description.clone(),
+                scan: lower.scan.clone(),
+                rms_gradient: lower.rms_gradient(),
+                rms_height: lower.statistics.moments.rms_height(),
+            }),
+            law: is_path.then(|| law.into()),
+            boundary: (!is_path || *boundary == Boundary::Free).then(|| boundary.name()),
+            components: facts.unknown,
+            hardness: asked.hardness.cloned(),
+            adhesion: prepared.adhesion(asked.law),
+        }
+    }
+
+    /// Warns of slopes and strains that are not small.
+    pub fn warn_of_slopes(&self, records: &[Record], facts: &Facts, session: &Session) {
+        let Self { rms_gradient, max_slope: Some(max_slope), e_star, .. } = self else { return };
+        let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, facts) else { return };
+        let strain = records.iter().map(|record| record.number("max_pressure") / e_star).fold(0.0, f64::max);
+        session.warn(Slopes::CODE, slopes.told(strain));
+    }
+}
+
+impl fmt::Display for Head {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { n: [nx, ny], length, rms_gradient, rms_height, e_star, .. } = self;
+        let unit = self.unit.as_deref().unwrap_or("length units");
+        writeln!(f, "{}", self.surface)?;
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
+        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", length[0], length[1])?;
+        let (kind, free) = if self.boundary == Some(Boundary::Free.name()) {
+            ("differences", "; free boundaries: a patch on an unbounded body")
+        } else {
+            ("spectral", "")
+        };
+        let law = self.law.as_ref().map_or_else(String::new, |law| format!(", law {law}"));
+        writeln!(
+            f,
+            "rms gradient {rms_gradient:.6} ({kind}), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}{law}{free}{}\n",
+            match self.components {
+                Unknown::Normal => "",
+                Unknown::All => "; u_x, u_y and u_z unknown, no lateral traction",
+                Unknown::Held => "; u_x and u_y held at zero",
+            }
+        )?;
+        if let Some(body) = &self.body {
+            writeln!(f, "elastic body: {body}\n")?;
+        }
+        if let Some(lower) = &self.lower {
+            writeln!(f, "lower surface: {}", lower.surface)?;
+            writeln!(
+                f,
+                "rms gradient {:.6} (spectral), rms height {:.6e} {unit}\n",
+                lower.rms_gradient, lower.rms_height
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// True if only the normal displacement is unknown.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+pub fn is_normal(components: &Unknown) -> bool {
+    *components == Unknown::Normal
+}

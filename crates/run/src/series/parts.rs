@@ -1,0 +1,38 @@
+//! The parts of a series: their words, and their places in a file.
+
+use gfmd_problem::Task;
+
+/// The words for the parts of a series, and their places in a file.
+pub struct Parts {
+    /// A part.
+    pub name: &'static str,
+    /// Several parts.
+    pub(crate) plural: &'static str,
+    /// The group of their scalars.
+    pub group: &'static str,
+    /// The meaning of the dimension of their scalars, whose name is that of a part.
+    pub(super) meaning: &'static str,
+    /// The dimension of their fields, and its meaning.
+    pub(super) stored: (&'static str, &'static str),
+}
+
+impl Parts {
+    /// Those of a task.
+    pub fn of(task: Task) -> &'static Self {
+        match task {
+            Task::Loads => &LOADS,
+            Task::Path => &STEPS,
+        }
+    }
+}
+
+const LOADS: Parts =
+    Parts { name: "load", plural: "loads", group: "/loads", meaning: "load step", stored: ("load", "load step") };
+
+const STEPS: Parts = Parts {
+    name: "step",
+    plural: "steps",
+    group: "/path",
+    meaning: "step of the path",
+    stored: ("waypoint", "waypoint of the path"),
+};

@@ -1,0 +1,217 @@
+//! The input of a series, read and checked before its first solve.
+
+use std::sync::Arc;
+
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness};
+use gfmd_files::Reader;
+use gfmd_green::Body;
+use gfmd_law::{Law, Limit};
+use gfmd_measure::Scales;
+use gfmd_problem::{Facts, Given, Posed, pose};
+use ndarray::Array2;
+
+use super::parts::Parts;
+use crate::base::{BaseArgs, MovedBase};
+use crate::failure::Failure;
+use crate::hardness::{self, GivenHardness};
+use crate::lower::LowerArgs;
+use crate::memory;
+use crate::result::stored_unit;
+use crate::session::Session;
+use crate::source::{SourceArgs, Surface};
+use gfmd_problem::options::BodyArgs;
+use gfmd_problem::{Adhesion, options::LawArgs};
+
+/// The parts of a problem that all series have, as they are asked for.
+pub struct Asked<'a> {
+    /// Surface.
+    pub source: &'a SourceArgs,
+    /// Elastic body.
+    pub body: &'a BodyArgs,
+    /// Displacement or traction of its base.
+    pub base: &'a BaseArgs,
+    /// Surface below it.
+    pub lower: &'a LowerArgs,
+    /// Interaction.
+    pub law: &'a LawArgs,
+    /// Hardness.
+    pub hardness: Option<&'a GivenHardness>,
+    /// The limit of the shear, and its flag.
+    pub limit: Option<(Limit, &'static str)>,
+    /// Boundary of the cell.
+    pub boundary: Boundary,
+    /// Choices of the damped dynamics.
+    pub dynamics: Dynamics,
+    /// Tolerance and largest number of iterations.
+    pub budget: Budget,
+    /// True if one state is in memory at a time, and nothing is measured of it.
+    pub once: bool,
+}
+
+/// The input of a series.
+pub struct Prepared {
+    /// Facts by which parts go together.
+    pub facts: Facts,
+    /// The surface as it is given.
+    pub surface: Surface,
+    /// Elastic body.
+    pub body: Body,
+    /// Its base, if it is moved.
+    pub base: Option<MovedBase>,
+    /// Below the slab.
+    pub lower: Option<Surface>,
+    /// Interaction.
+    pub law: Arc<dyn Law>,
+    /// Hardness, if there is one.
+    pub hardness: Option<Hardness>,
+    /// Limit of the shear, with friction.
+    pub limit: Option<Limit>,
+    dynamics: Dynamics,
+}
+
+impl Prepared {
+    /// Reads the parts of a problem with these facts, whose surface may be a line.
+    ///
+    /// # Errors
+    /// Parts that do not go together, that cannot be read, or that no memory holds.
+    pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
+        let body = asked.body.body()?;
+        asked.budget.check().map_err(|error| Failure::input("--tol", error))?;
+        let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
+        facts(false).check()?;
+        let limit = asked.limit.map(|(limit, flag)| limit.check().map_err(|error| Failure::input(flag, error)));
+        let limit = limit.transpose()?;
+        let law = asked.law.build()?.into_shared();
+        let surface = asked.source.bounded(asked.boundary, session)?;
+        let facts = facts(surface.grid.is_line());
+        facts.check()?;
+        let lower = asked.lower.read(asked.source, &surface, session)?;
+        if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
+            return Err(Failure::input(
+                &asked.source.name(),
+                "the heights are all equal; with a lower surface only that may be flat",
+            ));
+        }
+        let held = facts.held(asked.once);
+        session.agree(memory::fits_with_rest(held, "the grid", surface.grid.points(), session.processes()))?;
+        let (base, hardness) = asked.fields(&body, &surface, session)?;
+        let surface = match &base {
+            // What the contact sees is the surface that the base displaces.
+            Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(&asked.source.name(), error))?,
+            None => surface,
+        };
+        asked.body.check_on(&surface.grid, body.contact_modulus() * surface.rms_gradient())?;
+        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, dynamics: asked.dynamics })
+    }
+
+    /// Takes the units of lengths as a file spells them.
+    pub fn take_units(&mut self, reader: &Reader) {
+        self.surface.unit = stored_unit(reader, "/surface");
+        if let Some(lower) = &mut self.lower {
+            lower.unit = stored_unit(reader, "/lower");
+        }
+    }
+
+    /// The units of reduced quantities.
+    pub fn scales(&self) -> Scales {
+        Scales { contact_modulus: self.body.contact_modulus(), rms_gradient: self.surface.rms_gradient() }
+    }
+
+    /// The unit of reduced pressures, E* times the rms gradient.
+    pub fn unit_pressure(&self) -> f64 {
+        self.body.contact_modulus() * self.surface.rms_gradient()
+    }
+
+    /// The lift that a base that moves adds to the displacement.
+    pub fn lift(&self) -> Option<&Array2<f64>> {
+        self.base.as_ref().map(|base| &base.lift)
+    }
+
+    /// The numbers of the attraction, if there is one.
+    pub fn adhesion(&self, law: &LawArgs) -> Option<Adhesion> {
+        Adhesion::of(law, &self.law, &self.surface.grid, &self.surface.statistics.moments, self.body.contact_modulus())
+    }
+
+    /// Poses the contact with this law.
+    ///
+    /// # Errors
+    /// Parts from which no contact can be made.
+    pub fn pose(&self, source: &SourceArgs, law: &Arc<dyn Law>) -> Result<Posed, Failure> {
+        let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
+        let given = Given {
+            share: self.surface.share.clone(),
+            lower: self.lower.as_ref().map(|lower| &*lower.heights),
+            law: Arc::clone(law),
+            hardness: self.hardness.clone(),
+            limit: self.limit,
+            dynamics: self.dynamics,
+            ..Given::new(self.facts, &self.body, &self.surface.grid, &heights)
+        };
+        pose(&given).map_err(|refusal| Failure::posing(refusal, &source.name()))
+    }
+
+    /// Poses the contact, and tells where the grid is too coarse for its law.
+    ///
+    /// # Errors
+    /// As [`pose`](Self::pose); a grid on which the law has no meaning, unless it is asked for.
+    pub fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
+        let contact = self.pose(asked.source, &self.law)?;
+        let adhesion = self.adhesion(asked.law);
+        if let Some(adhesion) = adhesion {
+            adhesion.check(asked.law.coarse)?;
+            tracing::info!("{adhesion}");
+        }
+        if let Some(trapping) = contact.trapping() {
+            session.warn("lattice-trapping", trapping);
+        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
+            session.warn("process-zone", unresolved);
+        }
+        Ok(contact)
+    }
+
+    /// Checks that a contact can be solved under each of the drives, which `flag` gives.
+    ///
+    /// # Errors
+    /// The first one that cannot be.
+    pub fn check_drives(&self, contact: &Posed, drives: &[Drive], flag: &str, tolerance: f64) -> Result<(), Failure> {
+        let part = Parts::of(self.facts.task).name;
+        for (index, drive) in drives.iter().enumerate() {
+            let checked = contact.check(*drive).and_then(|()| contact.check_resolution(*drive, tolerance));
+            checked.map_err(|refusal| Failure::input(&format!("{flag}, {part} {index}"), refusal))?;
+        }
+        Ok(())
+    }
+
+    /// The text that identifies the run of a configuration on this input.
+    pub fn identity(&self, config: &str, session: &Session) -> String {
+        let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
+        let lower = self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
+        session.identity(config, &self.surface.checksum())
+            + &base
+            + &lower
+            + &hardness::identity(self.hardness.as_ref())
+    }
+}
+
+impl Asked<'_> {
+    /// The base that moves and the hardness, of the rows of this process. Of several processes the first one reads the files.
+    fn fields(
+        &self,
+        body: &Body,
+        surface: &Surface,
+        session: &Session,
+    ) -> Result<(Option<MovedBase>, Option<Hardness>), Failure> {
+        let Surface { grid, share, unit, .. } = surface;
+        let read = || {
+            let base = self.base.read(body, grid, unit.as_deref())?;
+            Ok((base, self.hardness.map(|hardness| hardness.read(grid)).transpose()?))
+        };
+        if share.is_whole() {
+            return read();
+        }
+        let (base, hardness) = session.agree(if session.is_first() { read() } else { Ok((None, None)) })?;
+        let base = self.base.is_given().then(|| MovedBase::handed_out(base, grid, share));
+        let hardness = self.hardness.is_some().then(|| hardness::handed_out(hardness, grid, share));
+        Ok((base, hardness))
+    }
+}

@@ -1,0 +1,47 @@
+//! The records in the file of a series.
+
+use std::collections::BTreeMap;
+
+use gfmd_files::Reader;
+use gfmd_problem::Facts;
+use gfmd_record::{Record, columns, reason_of};
+
+use super::Parts;
+use crate::failure::Failure;
+
+/// The records of all parts of a file. A number that the file does not have is NaN.
+///
+/// # Errors
+/// A file that is no result of a problem with these facts.
+pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure> {
+    let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
+    let Parts { group, plural, .. } = Parts::of(facts.task);
+    let shape = reader.shape(&format!("{group}/mean_pressure")).map_err(refuse)?;
+    let &[count] = &shape[..] else {
+        let path = reader.path().display();
+        return Err(Failure::Input(format!(
+            "{path}: {group}/mean_pressure has the shape {shape:?}; it must be [{plural}]"
+        )));
+    };
+    let mut found = BTreeMap::new();
+    for column in columns(facts) {
+        let path = format!("{group}/{}", column.name);
+        let values = if reader.contains(&path) { reader.values::<f64>(&path).map_err(refuse)? } else { Vec::new() };
+        if !values.is_empty() && values.len() != count {
+            let file = reader.path().display();
+            return Err(Failure::Input(format!(
+                "{file}: {path} has the shape [{}]; it must be [{count}]",
+                values.len()
+            )));
+        }
+        found.insert(column.name, (values, reader.text(&path, "undefined").ok()));
+    }
+    let record = |row: usize| {
+        Record::stored(facts, |column| {
+            let (values, reasons) = &found[column.name];
+            let value = values.get(row).copied().unwrap_or(f64::NAN);
+            (value, reasons.as_ref().filter(|_| value.is_nan()).and_then(|reasons| reason_of(reasons, row)))
+        })
+    };
+    Ok((0..count).map(record).collect())
+}

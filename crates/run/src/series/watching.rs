@@ -1,0 +1,71 @@
+//! Progress, interruptions and checkpoints while a part is solved.
+
+use std::ops::ControlFlow;
+
+use gfmd_contact::{Visit, Watch};
+
+use crate::convergence::History;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::resume::Kept;
+use crate::session::Session;
+use crate::trace::Tracer;
+
+/// The watcher of one part: progress, history, interruption, and copies of the solve.
+pub struct Watching<'a, 'k> {
+    place: String,
+    progress: &'a dyn Progress,
+    session: &'a Session,
+    pub(super) history: History,
+    pub(super) tracer: Option<Tracer>,
+    kept: Option<&'a mut Kept<'k>>,
+    /// True after an interruption, which waits for the next copy.
+    closing: bool,
+    pub(super) failed: Option<Failure>,
+}
+
+impl<'a, 'k> Watching<'a, 'k> {
+    /// The watcher of a solve at a place such as "load 3", of which nothing is kept.
+    pub fn new(place: String, progress: &'a dyn Progress, session: &'a Session) -> Self {
+        let history = History::default();
+        Self { place, progress, session, history, tracer: None, kept: None, closing: false, failed: None }
+    }
+
+    /// The same with a record of the search, and with copies of it.
+    pub(super) fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut Kept<'k>>) -> Self {
+        Self { tracer, kept, ..self }
+    }
+}
+
+impl Watch for Watching<'_, '_> {
+    fn see(&mut self, now: &gfmd_contact::Progress) -> ControlFlow<()> {
+        let gfmd_contact::Progress { iteration, residual } = *now;
+        let note = format!("{}, iteration {iteration}, residual {residual:.1e}", self.place);
+        self.progress.advance(0.0, &note);
+        self.history.see(iteration, residual);
+        if let Some(tracer) = &mut self.tracer {
+            tracer.see(iteration, residual);
+        }
+        if self.failed.is_some() || self.closing || (self.session.is_interrupted() && self.kept.is_none()) {
+            return ControlFlow::Break(());
+        }
+        self.closing = self.session.is_interrupted();
+        ControlFlow::Continue(())
+    }
+
+    fn layer(&mut self, energy: f64, u: &[f64]) {
+        if let Some(tracer) = &mut self.tracer {
+            tracer.layer(energy, u);
+        }
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        let Some(kept) = self.kept.as_deref_mut().filter(|kept| self.closing || kept.is_due()) else { return };
+        self.failed = kept.checkpoint(variables).err();
+    }
+
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        let running = self.kept.as_deref_mut()?.running()?;
+        Some(running)
+    }
+}

@@ -1,0 +1,214 @@
+//! One run of the program: the flags that all commands have in common, interruption, and the machine.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use gfmd_contact::{Contact, Refusal};
+use gfmd_field::{Grid, Share};
+use gfmd_files::legible::line;
+use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
+use gfmd_vector::Ranks;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::memory::Processes;
+use crate::processes;
+
+/// The commit that the program was built from, `unknown` if it is not known.
+pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
+
+/// The number of the format of journals: another one cannot be continued.
+const JOURNAL: u32 = 2;
+
+/// A run of the program.
+#[derive(Clone)]
+pub struct Session {
+    /// Show neither progress nor notes.
+    pub quiet: bool,
+    /// Reports are JSON, not tables.
+    pub json: bool,
+    interrupted: Arc<AtomicBool>,
+    warnings: Warnings,
+    /// The place of results that are kept in memory.
+    memory: Option<Memory>,
+    /// The processes that run the command together.
+    ranks: Option<Arc<dyn Ranks>>,
+    /// The number of those on this machine.
+    here: usize,
+}
+
+impl Session {
+    /// A session of one process that prints nothing.
+    pub fn silent() -> Self {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        Self { quiet: true, json: true, interrupted, warnings: Warnings::default(), memory: None, ranks: None, here: 1 }
+    }
+
+    /// The same session on several processes, of which so many are on this machine.
+    #[must_use]
+    pub fn together(self, ranks: Arc<dyn Ranks>, here: usize) -> Self {
+        Self { here: here.min(ranks.size()), ranks: Some(ranks), ..self }
+    }
+
+    /// The processes that run this command together, if there is more than one.
+    pub fn ranks(&self) -> Option<&Arc<dyn Ranks>> {
+        self.ranks.as_ref()
+    }
+
+    /// The processes that run this command together.
+    pub fn processes(&self) -> Processes {
+        let Some(ranks) = &self.ranks else { return Processes::ALONE };
+        Processes { here: self.here, all: ranks.size() }
+    }
+
+    /// The rows of a grid that this process has, all of them if it is alone.
+    ///
+    /// # Errors
+    /// More processes than can share the rows.
+    pub fn share(&self, grid: &Grid) -> Result<Share, Refusal> {
+        match &self.ranks {
+            Some(ranks) => Contact::share(Arc::clone(ranks), grid),
+            None => Ok(grid.whole()),
+        }
+    }
+
+    /// The largest of the numbers of all processes.
+    pub fn largest(&self, own: u64) -> u64 {
+        let Some(ranks) = &self.ranks else { return own };
+        let mut all = vec![0; ranks.size()];
+        ranks.gather(&[own], &mut all, &vec![1; ranks.size()]);
+        all.into_iter().max().unwrap_or(own)
+    }
+
+    /// True if this process prints, writes and draws: it is alone, or the first one.
+    pub fn is_first(&self) -> bool {
+        self.ranks.as_ref().is_none_or(|ranks| ranks.rank() == 0)
+    }
+
+    /// The outcome of a step that may fail on some of the processes only, as that of all.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub fn agree<T>(&self, outcome: Result<T, Failure>) -> Result<T, Failure> {
+        match &self.ranks {
+            Some(ranks) => processes::agree(&**ranks, outcome),
+            None => outcome,
+        }
+    }
+
+    /// The same session, whose results go to memory in place of files: as far as they came, also after an interruption.
+    #[must_use]
+    pub fn in_memory(self, memory: Memory) -> Self {
+        Self { memory: Some(memory), ..self }
+    }
+
+    /// The output of a command: a place in memory, or the file that is named, if there is one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn output(&self, named: Option<&PathBuf>) -> Result<Option<Output>, Failure> {
+        match &self.memory {
+            Some(memory) => Ok(Some(Output::memory(memory))),
+            None => named.map(Output::claim).transpose().map_err(|error| Failure::input("--out", error)),
+        }
+    }
+
+    /// The file that was written; none in memory.
+    pub fn written(&self, out: Option<PathBuf>) -> Option<PathBuf> {
+        out.filter(|_| !self.is_in_memory())
+    }
+
+    /// True if results go to memory, and nothing is kept to resume from.
+    pub fn is_in_memory(&self) -> bool {
+        self.memory.is_some()
+    }
+
+    /// Asks the run to stop, as Ctrl-C does. Returns true if it was asked before.
+    pub fn interrupt(&self) -> bool {
+        self.interrupted.swap(true, Ordering::Relaxed)
+    }
+
+    /// Returns true if the user asked to stop.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+
+    /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that does
+    /// not change (docs/interface.md).
+    pub fn warn(&self, code: &'static str, text: impl fmt::Display) {
+        let text = line(&text.to_string());
+        tracing::warn!("{text}");
+        self.note(code, text);
+    }
+
+    /// As [`warn`](Self::warn), for a remark that the printed report itself contains.
+    pub fn note(&self, code: &'static str, text: String) {
+        self.warnings.add(Warning { code, text: line(&text) });
+    }
+
+    /// The report of a command as one JSON object, with the warnings of the run.
+    ///
+    /// # Errors
+    /// An error of the serialisation of the report.
+    pub fn json(&self, report: &impl Serialize) -> Result<String, Failure> {
+        #[derive(Serialize)]
+        struct Remark {
+            code: &'static str,
+            text: String,
+        }
+        #[derive(Serialize)]
+        struct Whole<'a, R> {
+            #[serde(flatten)]
+            report: &'a R,
+            warnings: Vec<Remark>,
+        }
+        let remark = |Warning { code, text }| Remark { code, text };
+        let whole = Whole { report, warnings: self.warnings.list().into_iter().map(remark).collect() };
+        crate::json::to_string(&whole).map_err(|error| Failure::Computation(error.to_string()))
+    }
+
+    /// The text that identifies a run by its version, its configuration and the checksum of its heights: another run cannot
+    /// continue it.
+    pub fn identity(&self, config: &str, heights: &str) -> String {
+        let version = env!("CARGO_PKG_VERSION");
+        format!("gfmd {version}, journal {JOURNAL}, heights {heights}\n{config}")
+    }
+
+    /// The provenance of a file written now; `config` is the resolved configuration.
+    pub fn provenance(&self, config: String) -> Provenance {
+        Provenance {
+            program: "gfmd".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            git_commit: GIT_COMMIT.into(),
+            command: std::env::args().collect::<Vec<_>>().join(" "),
+            created: jiff::Timestamp::now().to_string(),
+            config,
+            machine: machine(),
+            threads: rayon::current_num_threads(),
+            warnings: self.warnings.clone(),
+        }
+    }
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Session")
+            .field("quiet", &self.quiet)
+            .field("is_first", &self.is_first())
+            .finish_non_exhaustive()
+    }
+}
+
+/// The processor, the number of cores and the operating system in words.
+pub fn machine() -> String {
+    let about = if cfg!(target_os = "linux") { std::fs::read_to_string("/proc/cpuinfo").ok() } else { None };
+    let processor = about.and_then(|text| {
+        let line = text.lines().find(|line| line.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_owned())
+    });
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let processor = processor.unwrap_or_else(|| std::env::consts::ARCH.into());
+    format!("{processor}, {cores} cores, {}", std::env::consts::OS)
+}

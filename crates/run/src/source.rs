@@ -1,0 +1,474 @@
+//! The rigid surface of a contact: read from a file ([`scan`]), or generated.
+
+pub mod scan;
+
+use clap::{Args, ValueEnum};
+use gfmd_contact::Boundary;
+use gfmd_field::{Grid, Share};
+use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
+use gfmd_surface::{Fill, Periodisation, Statistics, SurfaceError, composite, composite_inside};
+use ndarray::Array2;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+use crate::memory::{self, Processes};
+use crate::session::Session;
+use crate::{processes, rows};
+use gfmd_problem::options::GeneratorArgs;
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::given::Given;
+use gfmd_problem::options::sides;
+use gfmd_problem::options::values::up_to;
+use gfmd_problem::options::{named, named_if, parse_choice};
+use gfmd_problem::{SIZES, check_size};
+
+use scan::{Prepared, Scan};
+
+/// Flags that name or describe a surface.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SourceArgs {
+    /// Heights, peaks towards the body: a file of an instrument or program (docs/formats.md), or FILE.h5:/dataset
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
+        "method", "roll_off", "roll_off_shape", "amplitudes"])]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<Given>,
+    /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only one
+    #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+    /// Way to give heights to undefined points of a file, which are refused without it
+    #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
+    #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
+    pub fill: Option<Fill>,
+    /// Cell size, L or Lx,Ly; default: that of the file, or 1
+    #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
+    pub length: Vec<f64>,
+    /// Trend to subtract from the heights of a file
+    #[arg(long, value_enum, default_value_t = Detrend::None)]
+    pub detrend: Detrend,
+    /// Method to make the heights of a file periodic
+    #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value = "as-is")]
+    #[serde(with = "named")]
+    pub periodise: Periodisation,
+    /// Change the sign of the heights of a file, if its peaks point away from the body
+    #[arg(long)]
+    pub flip: bool,
+    /// Heights of a second rough surface, that of the body, in a file as of --surface and prepared by the same flags; its peaks
+    /// point at the first surface, and x and y are the same places of both
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_surface: Option<Given>,
+    /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves; with
+    /// --boundary free whole steps only, and the part in common stays
+    #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
+    pub shift: Vec<f64>,
+    /// The generator.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub generator: GeneratorArgs,
+}
+
+/// The grid of a generated surface, if it fits into the memory of this machine.
+///
+/// # Errors
+/// Numbers that make no grid, more points than fit.
+pub fn grid_of(generator: &GeneratorArgs, length: &[f64]) -> Result<Grid, Failure> {
+    generated_grid(generator, length, Processes::ALONE)
+}
+
+/// As [`grid_of`], of several processes that share the points.
+fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
+    memory::fits_shared(memory::SURFACE, "--n", generator.points()?, processes)?;
+    Ok(generator.grid(length)?)
+}
+
+/// The trends that can be subtracted from measured heights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Detrend {
+    /// Nothing
+    None,
+    /// The least-squares plane
+    Plane,
+    /// The plane of the mean slope; without it opposite edges fit together on average
+    Slope,
+    /// The least-squares paraboloid
+    Quadratic,
+}
+
+/// Heights ready for a contact.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Heights `[x, y]`, peaks towards the body, of the rows of this process.
+    pub heights: Array2<f64>,
+    /// The grid of the heights on the cell.
+    pub grid: Grid,
+    /// The rows of this process, all of them if it is alone.
+    pub share: Share,
+    /// Unit of heights and lengths, if known.
+    pub unit: Option<String>,
+    /// Statistics of the heights.
+    pub statistics: Statistics,
+    /// The surroundings of the surface.
+    pub boundary: Boundary,
+    /// The origin of the heights and the operations on them.
+    pub description: String,
+    /// The words of the file, if the heights come from one; the first of several processes has them, and the fields
+    /// that follow.
+    pub scan: Option<Scan>,
+    /// The file that the heights were read from, and its SHA-256.
+    pub origin: Option<(String, String)>,
+    /// The second surface, whose heights are part of these.
+    pub second: Option<Second>,
+}
+
+/// The second of two rough surfaces in contact.
+#[derive(Clone, Debug, Serialize)]
+pub struct Second {
+    /// Its file.
+    pub second_surface: String,
+    /// Displacement along x and y, length.
+    pub shift: [f64; 2],
+    /// The record of the file.
+    pub second_scan: Scan,
+    /// The SHA-256 of the file.
+    #[serde(skip)]
+    checksum: String,
+}
+
+impl Surface {
+    /// The rms gradient: the spectral one, or that of the differences inside if the surface does not repeat.
+    pub fn rms_gradient(&self) -> f64 {
+        match self.boundary {
+            Boundary::Periodic => self.statistics.moments.rms_gradient(),
+            Boundary::Free => self.statistics.rms_gradient_inside,
+        }
+    }
+
+    /// The largest slope, by differences between neighbours inside.
+    pub fn max_slope(&self) -> f64 {
+        self.statistics.max_slope
+    }
+
+    /// The unit of heights and lengths; `length` if it is unknown.
+    pub fn unit(&self) -> &str {
+        self.unit.as_deref().unwrap_or("length")
+    }
+
+    /// The SHA-256 of the heights, row by row.
+    pub fn checksum(&self) -> String {
+        Checksum::of_numbers(self.heights.iter().copied())
+    }
+
+    /// Writes the group `/surface` of a file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
+        self.write_as(archive, GROUP, LONG_NAME, axes)
+    }
+
+    /// Writes the surface as a group of a file; the heights have the name `long_name`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(crate) fn write_as(
+        &self,
+        archive: &mut Archive,
+        group: &str,
+        long_name: &str,
+        axes: [&Dimension; 2],
+    ) -> Result<(), Failure> {
+        let height = Variable { dimensions: &axes, units: self.unit(), long_name };
+        archive.write(&format!("{group}/height"), &height, &contiguous(&self.heights))?;
+        self.write_about(archive, group, self.checksum())
+    }
+
+    /// As [`write`](Self::write), if several processes have the rows of the heights; `archive` is that of the first one.
+    ///
+    /// # Errors
+    /// At the first process, a file that cannot be written.
+    pub(crate) fn write_shared(&self, mut archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
+        let height = Variable { dimensions: &axes, units: self.unit(), long_name: LONG_NAME };
+        let path = format!("{GROUP}/height");
+        let defined = archive.as_mut().map_or(Ok(()), |archive| archive.define_rows(&path, &height));
+        let mut sum = Checksum::default();
+        let see = |values: &[f64]| values.iter().for_each(|height| sum.bytes(&height.to_le_bytes()));
+        let written = rows::write(&self.share, self.heights.view(), archive.as_deref_mut(), (&path, None), see);
+        defined?;
+        written?;
+        archive.map_or(Ok(()), |archive| self.write_about(archive, GROUP, sum.text()))
+    }
+
+    /// Writes the attributes of a group; `checksum` is that of the heights.
+    fn write_about(&self, archive: &mut Archive, group: &str, checksum: String) -> Result<(), Failure> {
+        archive.attribute(group, "description", self.description.as_str())?;
+        archive.attribute(group, "rms_gradient", self.rms_gradient())?;
+        archive.attribute(group, "boundary", self.boundary.name())?;
+        archive.attribute(group, "height_sha256", checksum)?;
+        let [length_x, length_y] = self.grid.lengths();
+        archive.attribute(group, "length_x", length_x)?;
+        archive.attribute(group, "length_y", length_y)?;
+        if let Some((file, checksum)) = &self.origin {
+            archive.attribute(group, "file", file.as_str())?;
+            archive.attribute(group, "file_sha256", checksum.as_str())?;
+        }
+        if let Some(Second { second_surface, shift: [x, y], checksum, .. }) = &self.second {
+            archive.attribute(group, "second_file", file_of(second_surface))?;
+            archive.attribute(group, "second_file_sha256", checksum.as_str())?;
+            archive.attribute(group, "shift_x", *x)?;
+            archive.attribute(group, "shift_y", *y)?;
+        }
+        self.scan.iter().try_for_each(|scan| scan.write(archive, group))
+    }
+
+    /// The same surface with the statistics of the one that a base which moves makes of it: its heights and the `lift`, the
+    /// displacement of the surface by the base alone, of the rows of this process. The heights stay as they are.
+    ///
+    /// # Errors
+    /// Heights without statistics.
+    pub fn displaced(self, lift: &Array2<f64>) -> Result<Self, SurfaceError> {
+        let statistics = Statistics::over(&(&self.heights + lift), &self.grid, &self.share)?;
+        Ok(Self { statistics, ..self })
+    }
+
+    /// The surface with the whole heights at the first process, `None` at the others.
+    pub fn gathered(&self) -> Option<Self> {
+        let heights = rows::gathered(&self.share, self.heights.view())?;
+        let Self { grid, statistics, boundary, .. } = *self;
+        Some(Self {
+            heights,
+            grid,
+            share: grid.whole(),
+            unit: self.unit.clone(),
+            statistics,
+            boundary,
+            description: self.description.clone(),
+            scan: self.scan.clone(),
+            origin: self.origin.clone(),
+            second: self.second.clone(),
+        })
+    }
+}
+
+/// The group of the surface in a file.
+const GROUP: &str = "/surface";
+
+/// The kind of its heights.
+const LONG_NAME: &str = "height of the rigid surface, peaks towards the elastic body";
+
+/// The ratio of the steps across the periodic seam to those inside above which a warning is given.
+const ROUGH_SEAM: f64 = 2.0;
+
+/// The relative difference up to which the lengths of two cells are equal: headers have some six digits.
+const SAME_LENGTH: f64 = 1e-6;
+
+impl Default for SourceArgs {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
+impl SourceArgs {
+    /// The name of the surface in messages: its file, `surface` of an array, or `the generated surface`.
+    pub fn name(&self) -> String {
+        match &self.surface {
+            Some(Given::File(file)) => file.clone(),
+            Some(_) => "surface".into(),
+            None => "the generated surface".into(),
+        }
+    }
+
+    /// Returns the flags with every default filled in, for the record of a run.
+    ///
+    /// # Errors
+    /// Numbers that make no grid.
+    pub fn resolved(&self) -> Result<Self, Failure> {
+        let generator = if self.surface.is_none() { self.generator.resolved()? } else { self.generator.clone() };
+        Ok(Self { generator, ..self.clone() })
+    }
+
+    /// Reads or generates the surface; a doubtful one is warned of.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has points without a height; flags that do not fit.
+    pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
+        self.bounded(Boundary::Periodic, session)
+    }
+
+    /// As [`surface`](Self::surface), with its surroundings.
+    ///
+    /// # Errors
+    /// As `surface`; and a mirrored surface that does not repeat.
+    pub fn bounded(&self, boundary: Boundary, session: &Session) -> Result<Surface, Failure> {
+        if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
+            return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
+        }
+        let Made { heights, grid, share, mut description, scan, origin, second } = self.made(boundary, session)?;
+        let name = self.name();
+        self.check_sizes(&grid, &heights, &share)?;
+        let statistics = Statistics::over(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;
+        if (scan.is_some() || second.is_some()) && boundary == Boundary::Periodic {
+            let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
+            description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
+            if ratio > ROUGH_SEAM {
+                let text = format!(
+                    "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
+                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
+                    statistics.moments.rms_gradient(),
+                    statistics.rms_gradient_inside
+                );
+                session.warn("rough-seam", text);
+            }
+        }
+        let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
+        let unit = scans.into_iter().find_map(|scan| scan.unit.clone());
+        Ok(Surface { heights, grid, share, unit, statistics, boundary, description, scan, origin, second })
+    }
+
+    /// The heights of the rows of this process. Of several, each makes its own if the generator can; else the first one makes or
+    /// reads all, and hands them out.
+    fn made(&self, boundary: Boundary, session: &Session) -> Result<Made, Failure> {
+        let Some(ranks) = session.ranks() else { return self.whole(boundary) };
+        let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
+        if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
+            // Another machine may have less memory.
+            let grid = session.agree(generated_grid(&self.generator, &self.length, session.processes()))?;
+            let share = shared(&grid)?;
+            return Ok(Made::generated(self.generator.heights_shared(&grid, &share)?, grid, share, &self.generator));
+        }
+        let made = if session.is_first() { self.whole(boundary).map(Some) } else { Ok(None) };
+        let mut made = session.agree(made)?;
+        let words = made.as_ref().map_or([0; 4], |made| {
+            let ([nx, ny], [x, y]) = (made.grid.points(), made.grid.lengths());
+            [nx as u64, ny as u64, x.to_bits(), y.to_bits()]
+        });
+        let [nx, ny, x, y] = processes::of_first(&**ranks, words);
+        let (points, lengths) = ([nx as usize, ny as usize], [f64::from_bits(x), f64::from_bits(y)]);
+        let grid = Grid::new(points, lengths).map_err(|error| Failure::input("--length", error))?;
+        let share = shared(&grid)?;
+        let heights = rows::handed_out(&share, made.as_ref().map(|made| &made.heights), points[1]);
+        if let Some(made) = &mut made {
+            // Before the own rows are worked on.
+            made.heights = Array2::zeros([0, 0]);
+        }
+        Ok(match made {
+            Some(made) => Made { heights, share, ..made },
+            None => Made::generated(heights, grid, share, &self.generator),
+        })
+    }
+
+    /// All heights.
+    fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
+        let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
+            Some(given) => {
+                let Prepared { heights, grid, description, scan, checksum } = self.prepare(given, None)?;
+                let origin = given.file().map(|file| (file_of(file).into(), checksum));
+                (heights, grid, description, Some(scan), origin)
+            }
+            None => {
+                let grid = grid_of(&self.generator, &self.length)?;
+                (self.generator.heights(&grid)?, grid, self.generator.to_string(), None, None)
+            }
+        };
+        let second = match &self.second_surface {
+            Some(file) => {
+                let (second, there) = self.second(file, &grid, scan.as_ref())?;
+                let made = composed(&heights, &there, &grid, (second.shift, boundary));
+                (heights, grid) = made.map_err(|error| Failure::input("--shift", error))?;
+                description += &format!("; against {file}, moved by {:?}", second.shift);
+                Some(second)
+            }
+            None => None,
+        };
+        Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
+    }
+
+    /// Reads the second surface, which has the cell and the points of the first.
+    fn second(&self, file: &Given, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
+        const FLAG: &str = "--second-surface";
+        let cell = first.map_or(grid.lengths(), |scan| scan.length);
+        let Prepared { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
+        let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
+        let sides = if grid.is_line() { 1 } else { 2 };
+        if there.points() != grid.points() || !there.lengths().into_iter().zip(grid.lengths()).take(sides).all(close) {
+            let size = |grid: &Grid| {
+                let ([nx, ny], [x, y]) = (grid.points(), grid.lengths());
+                format!("{nx} x {ny} points on {x} x {y}")
+            };
+            return Err(Failure::input(FLAG, format!("{file} has {}; it must have {}", size(&there), size(grid))));
+        }
+        if let (Some(found), Some(allowed)) = (&scan.unit, first.and_then(|first| first.unit.as_ref()))
+            && found != allowed
+        {
+            return Err(Failure::input(FLAG, format!("the unit of {file} is {found}; it must be {allowed}")));
+        }
+        let shift = [0, 1].map(|axis| self.shift.get(axis).copied().unwrap_or(0.0));
+        Ok((Second { second_surface: file.to_string(), shift, second_scan: scan, checksum }, heights))
+    }
+
+    /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
+    fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>, share: &Share) -> Result<(), Failure> {
+        sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
+        let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
+        let largest = share.each(largest).into_iter().fold(0.0, f64::max);
+        let first = share.first(heights.first().copied());
+        let all_equal = !share.any(heights.iter().any(|height| Some(*height) != first));
+        if all_equal || !largest.is_finite() {
+            return Ok(()); // judged by what uses the heights
+        }
+        let name = self.name();
+        let flag = match (&self.surface, self.generator.rms_height) {
+            (Some(_), _) => &name,
+            (None, Some(_)) => "--rms-height",
+            (None, None) => "--rms-gradient",
+        };
+        if SIZES.contains(&largest) {
+            return Ok(());
+        }
+        let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
+        Err(Failure::input(flag, reason + ", which another unit of length makes it"))
+    }
+}
+
+/// Heights of the rows of this process, and where they come from.
+struct Made {
+    heights: Array2<f64>,
+    grid: Grid,
+    share: Share,
+    description: String,
+    scan: Option<Scan>,
+    origin: Option<(String, String)>,
+    second: Option<Second>,
+}
+
+impl Made {
+    fn generated(heights: Array2<f64>, grid: Grid, share: Share, generator: &GeneratorArgs) -> Self {
+        let (scan, origin, second) = (None, None, None);
+        Self { heights, grid, share, description: generator.to_string(), scan, origin, second }
+    }
+}
+
+/// The composite of two surfaces, the second moved by `shift`, and its grid.
+///
+/// # Errors
+/// Surfaces of two grids, and a shift that they cannot have.
+pub fn composed(
+    first: &Array2<f64>,
+    second: &Array2<f64>,
+    grid: &Grid,
+    (shift, boundary): ([f64; 2], Boundary),
+) -> Result<(Array2<f64>, Grid), SurfaceError> {
+    match boundary {
+        Boundary::Periodic => composite(first, second, grid, shift).map(|heights| (heights, *grid)),
+        Boundary::Free => composite_inside(first, second, grid, shift),
+    }
+}
+
+/// The name of a file without that of a dataset in it.
+pub fn file_of(surface: &str) -> &str {
+    split_dataset(surface).map_or(surface, |(file, _)| file)
+}

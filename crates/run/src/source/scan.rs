@@ -1,0 +1,280 @@
+//! A measured surface: what its file says, and how it is prepared for a periodic cell.
+//!
+//! The order is: read, turn over, remove the trend of the defined points, fill the undefined ones, make periodic.
+
+use std::fmt;
+
+use gfmd_field::Grid;
+use gfmd_files::legible::line;
+use gfmd_files::{Archive, Topography};
+use gfmd_surface::{Fill, Periodisation, Trend, fill, periodise, remove_from_defined};
+use ndarray::Array2;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use super::{Detrend, SourceArgs};
+use crate::failure::Failure;
+use crate::memory;
+use gfmd_problem::options::given::Given;
+
+/// The words of a file about its heights, and the changes made to them.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Scan {
+    pub file: String,
+    pub format: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+    /// Points and size of the scan itself, before it is made periodic.
+    pub n: [usize; 2],
+    pub length: [f64; 2],
+    pub unit: Option<String>,
+    /// The longest and shortest wavelengths that the scan resolves: its (shorter) side and two (larger) spacings.
+    pub resolves: [f64; 2],
+    pub undefined: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fill: Option<&'static str>,
+    /// Statistics of the defined points alone, if there are others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub defined: Option<Defined>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conversion: Option<String>,
+    #[serde(serialize_with = "as_map", skip_serializing_if = "Vec::is_empty")]
+    pub details: Vec<(String, String)>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+}
+
+/// Statistics of the defined points after the trend is removed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Defined {
+    pub mean: f64,
+    pub rms_height: f64,
+    pub lowest: f64,
+    pub highest: f64,
+    /// By differences between defined neighbours.
+    pub rms_gradient: f64,
+}
+
+/// A scan ready for a periodic cell.
+pub struct Prepared {
+    /// Heights, [x, y], without holes.
+    pub heights: Array2<f64>,
+    /// The grid of the cell.
+    pub grid: Grid,
+    /// The file and its preparation in words.
+    pub description: String,
+    /// The scan as it is stored.
+    pub scan: Scan,
+    /// The SHA-256 of the bytes of the file that were read.
+    pub checksum: String,
+}
+
+/// Writes pairs as a map in their order; a key that occurs again has a number behind it.
+fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(pairs.len()))?;
+    for (index, (key, value)) in pairs.iter().enumerate() {
+        match pairs[..index].iter().filter(|(before, _)| before == key).count() {
+            0 => map.serialize_entry(key, value)?,
+            count => map.serialize_entry(&format!("{key} {}", count + 1), value)?,
+        }
+    }
+    map.end()
+}
+
+impl SourceArgs {
+    /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives it a size, it has that of
+    /// `cell`.
+    pub fn prepare(&self, given: &Given, cell: Option<[f64; 2]>) -> Result<Prepared, Failure> {
+        let topography = match given {
+            Given::File(name) => Topography::read(name, self.channel.as_deref()),
+            Given::Array(array) => Topography::of_array("surface", &array.view()),
+            Given::Load(_) => return Err(Failure::Input("surface is a contact; it must be an array".into())),
+        };
+        let topography = topography.map_err(|error| Failure::Input(error.to_string()))?;
+        let name = given.to_string();
+        let file = name.as_str();
+        if topography.undefined > 0 && self.fill.is_none() {
+            let refused = topography.check_complete().map_or_else(|error| error.to_string(), |()| file.into());
+            return Err(Failure::Input(format!("{refused}: --fill harmonic or --fill nearest gives them heights")));
+        }
+        let mut heights = topography.heights;
+        let [nx, ny] = heights.dim().into();
+        memory::fits(memory::SURFACE, file, [nx, ny])?;
+        let mut notes = topography.notes;
+        let lengths = match (&self.length[..], topography.lengths.or(cell)) {
+            ([], Some(lengths)) => lengths,
+            ([], None) => {
+                notes.push("the file has no size; the cell is taken to be 1 long (--length gives it)".into());
+                [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]
+            }
+            // A single length is the length along x; the spacing along y is equal to that along x.
+            ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
+            ([x, y, ..], _) => [*x, *y],
+        };
+        if let (false, Some([x, y])) = (self.length.is_empty(), topography.lengths) {
+            notes.push(format!("--length replaces the size in the file, {x:?} by {y:?}"));
+        }
+        if topography.unit.is_none() {
+            notes.push("the file has no unit".into());
+        }
+        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--length", error))?;
+        let mut description = topography.source;
+        if self.flip {
+            heights.mapv_inplace(|h| -h);
+            description += ", turned over";
+        }
+        let trend = match self.detrend {
+            Detrend::None => None,
+            Detrend::Plane => Some((Trend::Plane, "least-squares plane removed")),
+            Detrend::Slope => Some((Trend::Slope, "mean slope removed")),
+            Detrend::Quadratic => Some((Trend::Quadratic, "least-squares paraboloid removed")),
+        };
+        if let Some((trend, words)) = trend {
+            heights = remove_from_defined(&heights, trend).map_err(|error| Failure::input(file, error))?;
+            description += &format!(", {words}");
+        }
+        let undefined = topography.undefined;
+        let used = self.fill.filter(|_| undefined > 0);
+        let mut defined = None;
+        if let Some(how) = used {
+            defined = Some(Defined::of(&heights, &grid));
+            heights = fill(&heights, grid.spacing(), how).map_err(|error| Failure::input(file, error))?;
+            let way = match how {
+                Fill::Harmonic => "harmonically",
+                Fill::Nearest => "with the nearest heights",
+            };
+            description += &format!(", {undefined} undefined points filled {way}");
+        }
+        if self.periodise == Periodisation::Mirror {
+            description += ", mirrored to a periodic cell of twice the size";
+        }
+        let scan = Scan {
+            file: file.into(),
+            format: topography.format,
+            channel: topography.channel,
+            n: [nx, ny],
+            length: grid.lengths(),
+            unit: topography.unit,
+            resolves: resolved(&grid),
+            undefined,
+            fill: used.map(Fill::name),
+            defined,
+            conversion: topography.conversion,
+            details: topography.details,
+            notes,
+        };
+        let (heights, grid) =
+            periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
+        Ok(Prepared { heights, grid, description, scan, checksum: topography.sha256 })
+    }
+}
+
+/// The longest and shortest wavelengths of a grid.
+fn resolved(grid: &Grid) -> [f64; 2] {
+    let sides = if grid.is_line() { 1 } else { 2 };
+    let (lengths, spacing) = (grid.lengths(), grid.spacing());
+    let longest = lengths[..sides].iter().copied().fold(f64::INFINITY, f64::min);
+    [longest, 2.0 * spacing[..sides].iter().copied().fold(0.0, f64::max)]
+}
+
+impl Defined {
+    /// The statistics of the heights that are not NaN, of which there is at least one.
+    fn of(heights: &Array2<f64>, grid: &Grid) -> Self {
+        let defined = || heights.iter().filter(|height| !height.is_nan());
+        let count = defined().count() as f64;
+        let mean = defined().sum::<f64>() / count;
+        let square = |step: [usize; 2], spacing: f64| {
+            let steps = heights.indexed_iter().filter_map(|((i, j), here)| {
+                let step = heights.get([i + step[0], j + step[1]])? - here;
+                (!step.is_nan()).then_some((step / spacing).powi(2))
+            });
+            let (count, sum) = steps.fold((0_usize, 0.0), |(count, sum), square| (count + 1, sum + square));
+            if count > 0 { sum / count as f64 } else { 0.0 }
+        };
+        let spacing = grid.spacing();
+        Self {
+            mean,
+            rms_height: (defined().map(|height| (height - mean).powi(2)).sum::<f64>() / count).sqrt(),
+            lowest: defined().copied().fold(f64::INFINITY, f64::min),
+            highest: defined().copied().fold(f64::NEG_INFINITY, f64::max),
+            rms_gradient: (square([1, 0], spacing[0]) + square([0, 1], spacing[1])).sqrt(),
+        }
+    }
+}
+
+impl Scan {
+    /// Writes the record as attributes of a group.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, archive: &mut Archive, group: &str) -> Result<(), Failure> {
+        let lines = |pairs: &[(String, String)]| -> String {
+            pairs.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
+        };
+        let texts = [
+            ("format", Some(self.format.to_owned())),
+            ("channel", self.channel.clone()),
+            ("fill", self.fill.map(str::to_owned)),
+            ("conversion", self.conversion.clone()),
+            ("details", Some(lines(&self.details)).filter(|text| !text.is_empty())),
+            ("notes", Some(self.notes.join("\n")).filter(|text| !text.is_empty())),
+        ];
+        for (name, text) in texts {
+            if let Some(text) = text {
+                archive.attribute(group, name, text.replace('\0', " ").as_str())?;
+            }
+        }
+        archive.attribute(group, "undefined_points", self.undefined as f64)?;
+        archive.attribute(group, "longest_resolved_wavelength", self.resolves[0])?;
+        archive.attribute(group, "shortest_resolved_wavelength", self.resolves[1])?;
+        Ok(())
+    }
+}
+
+/// The number of details that a printed report lists.
+const LISTED: usize = 8;
+
+/// The longest value of a detail that a printed report shows whole.
+const WIDEST: usize = 100;
+
+impl fmt::Display for Scan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([nx, ny], [longest, shortest]) = (self.n, self.resolves);
+        let unit = self.unit.as_deref().unwrap_or("length");
+        writeln!(f, "format: {}; it resolves wavelengths from {longest:.4e} to {shortest:.4e} {unit}", self.format)?;
+        match (self.undefined, self.fill) {
+            (0, _) => {}
+            (count, fill) => writeln!(
+                f,
+                "undefined points: {count} of {} ({:.2} %), fill {}",
+                nx * ny,
+                100.0 * count as f64 / (nx * ny) as f64,
+                fill.unwrap_or("none")
+            )?,
+        }
+        if let Some(Defined { mean, rms_height, lowest, highest, rms_gradient }) = self.defined {
+            writeln!(
+                f,
+                "defined points alone: mean {mean:.6e}, rms height {rms_height:.6e}, lowest {lowest:.6e}, highest \
+                 {highest:.6e} {unit}, rms gradient by differences {rms_gradient:.6e}"
+            )?;
+        }
+        if let Some(conversion) = &self.conversion {
+            writeln!(f, "{conversion}")?;
+        }
+        for note in &self.notes {
+            writeln!(f, "note: {note}")?;
+        }
+        for (key, value) in self.details.iter().take(LISTED) {
+            let (key, line) = (line(key), line(value));
+            let shown: String = line.chars().take(WIDEST).collect();
+            writeln!(f, "{key}: {shown}{}", if line.chars().count() > WIDEST { " ..." } else { "" })?;
+        }
+        match self.details.len() {
+            0..=LISTED => Ok(()),
+            count => writeln!(f, "({} more details with --json)", count - LISTED),
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! The record of every step of a search (`--history`): residual, energy, and chosen modes and points of the displacement.
+
+use std::f64::consts::TAU;
+use std::str::FromStr;
+
+use clap::Args;
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Variable};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::failure::Failure;
+
+/// Flags of the record.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TraceArgs {
+    /// Record residual and energy of every step, in the JSON and in /history of --out
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    history: bool,
+    /// Record the Fourier amplitude of this mode of a displacement component, too; repeatable (dynamics only)
+    #[arg(long, value_name = "M,N,COMPONENT", requires = "history", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    history_mode: Vec<ModeOf>,
+    /// Record the displacement component at the point nearest to this position, too; repeatable (dynamics only)
+    #[arg(long, value_name = "X,Y,COMPONENT", requires = "history", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    history_point: Vec<PointOf>,
+}
+
+/// A mode of a component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeOf {
+    numbers: [i32; 2],
+    axis: usize,
+}
+
+/// A position, with a component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointOf {
+    position: [f64; 2],
+    axis: usize,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Splits `A,B,COMPONENT`.
+fn split<T: FromStr>(text: &str) -> Option<([T; 2], usize)> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [a, b, component] = parts[..] else { return None };
+    let axis = AXES.iter().position(|axis| *axis == component)?;
+    Some(([a.parse().ok()?, b.parse().ok()?], axis))
+}
+
+impl FromStr for ModeOf {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = split(text).map(|(numbers, axis)| Self { numbers, axis });
+        found.ok_or_else(|| "it must be M,N,COMPONENT: two whole numbers, and x, y or z".into())
+    }
+}
+
+impl FromStr for PointOf {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = split(text).filter(|(position, _)| position.iter().all(|x: &f64| x.is_finite()));
+        let found = found.map(|(position, axis)| Self { position, axis });
+        found.ok_or_else(|| "it must be X,Y,COMPONENT: two lengths, and x, y or z".into())
+    }
+}
+
+impl Serialize for ModeOf {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.numbers[0], self.numbers[1], AXES[self.axis]).serialize(serializer)
+    }
+}
+
+impl Serialize for PointOf {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.position[0], self.position[1], AXES[self.axis]).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ModeOf {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (m, n, component) = <(i32, i32, String)>::deserialize(deserializer)?;
+        format!("{m},{n},{component}").parse().map_err(D::Error::custom)
+    }
+}
+
+impl<'de> Deserialize<'de> for PointOf {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (x, y, component) = <(f64, f64, String)>::deserialize(deserializer)?;
+        format!("{x:?},{y:?},{component}").parse().map_err(D::Error::custom)
+    }
+}
+
+/// The numbers of every step; NaN, in JSON `null`, where the method does not move the displacement.
+#[derive(Clone, Debug, Default, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Trace {
+    pub iteration: Vec<u64>,
+    pub residual: Vec<f64>,
+    /// Elastic energy less the work of prescribed tractions, per area.
+    pub energy: Vec<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<ModeTrace>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<PointTrace>,
+}
+
+/// The amplitude ⟨u exp(−i q·r)⟩ of one mode.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct ModeTrace {
+    pub mode: [i32; 2],
+    pub component: &'static str,
+    pub re: Vec<f64>,
+    pub im: Vec<f64>,
+}
+
+/// The displacement of one point.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct PointTrace {
+    /// The position of the point.
+    pub point: [f64; 2],
+    pub component: &'static str,
+    pub u: Vec<f64>,
+}
+
+/// The recorder of one search.
+pub struct Tracer {
+    trace: Trace,
+    points: usize,
+    /// The waves of the modes, with the place of their components.
+    waves: Vec<(usize, Vec<[f64; 2]>)>,
+    /// The entries of the points.
+    entries: Vec<usize>,
+}
+
+impl TraceArgs {
+    /// Returns true if a record is wanted.
+    pub fn is_wanted(&self) -> bool {
+        self.history
+    }
+
+    /// A recorder of displacements on `grid` with components along `axes`, if one is wanted.
+    pub fn tracer(&self, grid: &Grid, axes: &[usize]) -> Result<Option<Tracer>, Failure> {
+        if !self.history {
+            let given = [
+                ("--history-mode", !self.history_mode.is_empty()),
+                ("--history-point", !self.history_point.is_empty()),
+            ];
+            return match given.into_iter().find(|(_, given)| *given) {
+                Some((flag, _)) => Err(Failure::value(flag, "given", "left out without --history")),
+                None => Ok(None),
+            };
+        }
+        let place = |flag: &str, axis: usize| {
+            let names: Vec<&str> = axes.iter().map(|axis| AXES[*axis]).collect();
+            let found = axes.iter().position(|of| *of == axis);
+            found.ok_or_else(|| {
+                Failure::value(flag, AXES[axis], format!("a component that moves: {}", names.join(", ")))
+            })
+        };
+        let ([nx, ny], lengths) = (grid.points(), grid.lengths());
+        let mut tracer = Tracer { trace: Trace::default(), points: grid.len(), waves: Vec::new(), entries: Vec::new() };
+        for ModeOf { numbers, axis } in &self.history_mode {
+            let phase =
+                |number: i32, i: usize, n: usize| (i64::from(number) * i as i64).rem_euclid(n as i64) as f64 / n as f64;
+            let wave = |index: usize| {
+                let turns = phase(numbers[0], index / ny, nx) + phase(numbers[1], index % ny, ny);
+                let (sin, cos) = (TAU * turns).sin_cos();
+                [cos, -sin]
+            };
+            tracer.waves.push((place("--history-mode", *axis)?, (0..grid.len()).map(wave).collect()));
+            let (mode, component) = (*numbers, AXES[*axis]);
+            tracer.trace.modes.push(ModeTrace { mode, component, re: Vec::new(), im: Vec::new() });
+        }
+        for PointOf { position, axis } in &self.history_point {
+            let nearest = |axis: usize| {
+                let spacing = grid.spacing()[axis];
+                (position[axis].rem_euclid(lengths[axis]) / spacing).round() as usize % [nx, ny][axis]
+            };
+            let (i, j) = (nearest(0), nearest(1));
+            tracer.entries.push(place("--history-point", *axis)? * grid.len() + i * ny + j);
+            let point = [i as f64 * grid.spacing()[0], j as f64 * grid.spacing()[1]];
+            tracer.trace.points.push(PointTrace { point, component: AXES[*axis], u: Vec::new() });
+        }
+        Ok(Some(tracer))
+    }
+}
+
+impl Tracer {
+    /// Notes an iteration; one that is seen again takes the place of the earlier. A search that begins anew has a new record.
+    pub fn see(&mut self, iteration: u64, residual: f64) {
+        let trace = &mut self.trace;
+        if trace.iteration.last().is_some_and(|last| iteration < *last) {
+            trace.clear();
+        }
+        let is_again = trace.iteration.last() == Some(&iteration);
+        if !is_again {
+            trace.iteration.push(iteration);
+        }
+        let note = |values: &mut Vec<f64>, value: f64| {
+            if is_again {
+                values.pop();
+            }
+            values.push(value);
+        };
+        note(&mut trace.residual, residual);
+        note(&mut trace.energy, f64::NAN);
+        trace.modes.iter_mut().for_each(|mode| {
+            note(&mut mode.re, f64::NAN);
+            note(&mut mode.im, f64::NAN);
+        });
+        trace.points.iter_mut().for_each(|point| note(&mut point.u, f64::NAN));
+    }
+
+    /// Notes the energy, of all points together, and the displacement of the iteration seen last.
+    pub fn layer(&mut self, energy: f64, u: &[f64]) {
+        fn last(values: &mut [f64], value: f64) {
+            if let Some(last) = values.last_mut() {
+                *last = value;
+            }
+        }
+        let points = self.points;
+        last(&mut self.trace.energy, energy / points as f64);
+        for (mode, (place, wave)) in self.trace.modes.iter_mut().zip(&self.waves) {
+            let component = u.get(place * points..(place + 1) * points).unwrap_or_default();
+            let sum = |part: usize| component.iter().zip(wave).map(|(u, wave)| u * wave[part]).sum::<f64>();
+            last(&mut mode.re, sum(0) / points as f64);
+            last(&mut mode.im, sum(1) / points as f64);
+        }
+        for (point, entry) in self.trace.points.iter_mut().zip(&self.entries) {
+            last(&mut point.u, u.get(*entry).copied().unwrap_or(f64::NAN));
+        }
+    }
+
+    /// The record.
+    pub fn trace(self) -> Trace {
+        self.trace
+    }
+}
+
+impl Trace {
+    fn clear(&mut self) {
+        let Self { iteration, residual, energy, modes, points } = self;
+        iteration.clear();
+        let modes = modes.iter_mut().flat_map(|mode| [&mut mode.re, &mut mode.im]);
+        let points = points.iter_mut().map(|point| &mut point.u);
+        [residual, energy].into_iter().chain(modes).chain(points).for_each(Vec::clear);
+    }
+
+    /// Writes the group `/history`.
+    pub fn write(&self, archive: &mut Archive, unit: &str) -> Result<(), Failure> {
+        let steps: Vec<f64> = self.iteration.iter().map(|iteration| *iteration as f64).collect();
+        let sample = Dimension::values("iteration", steps, "1", "iteration, or time step");
+        for (name, units, long_name, values) in [
+            ("residual", "1", "residual by which the method judges itself", &self.residual),
+            ("energy", "stress*length", "energy per area: elastic, less the work of given tractions", &self.energy),
+        ] {
+            archive.write(
+                &format!("/history/{name}"),
+                &Variable { dimensions: &[&sample], units, long_name },
+                values,
+            )?;
+        }
+        if !self.modes.is_empty() {
+            let names: Vec<String> =
+                self.modes.iter().map(|mode| format!("{},{},{}", mode.mode[0], mode.mode[1], mode.component)).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let mode = Dimension::labels("mode", &names, "numbers of the mode along x and y, component");
+            let long_name = "amplitude of a mode, the mean of u exp(-iqr)";
+            for (name, part) in [("mode_re", 0), ("mode_im", 1)] {
+                let values: Vec<f64> =
+                    self.modes.iter().flat_map(|mode| if part == 0 { &mode.re } else { &mode.im }).copied().collect();
+                let variable = Variable { dimensions: &[&mode, &sample], units: unit, long_name };
+                archive.write(&format!("/history/{name}"), &variable, &values)?;
+            }
+        }
+        if !self.points.is_empty() {
+            let names: Vec<String> = self
+                .points
+                .iter()
+                .map(|point| format!("{:?},{:?},{}", point.point[0], point.point[1], point.component))
+                .collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let point = Dimension::labels("point", &names, "position of the point, component");
+            let values: Vec<f64> = self.points.iter().flat_map(|point| &point.u).copied().collect();
+            let variable =
+                Variable { dimensions: &[&point, &sample], units: unit, long_name: "displacement of a point" };
+            archive.write("/history/point_u", &variable, &values)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_and_points_are_those_of_the_field() {
+        let grid = Grid::new([8, 4], [2.0, 1.0]).unwrap();
+        let args = TraceArgs {
+            history: true,
+            history_mode: vec!["1,-1,z".parse().unwrap()],
+            history_point: vec!["1.9,0.26,x".parse().unwrap()],
+        };
+        let mut tracer = args.tracer(&grid, &[0, 2]).unwrap().unwrap();
+        let turns = |index: usize| (index / 4) as f64 / 8.0 - (index % 4) as f64 / 4.0;
+        let field: Vec<f64> = (0..64)
+            .map(|i| if i < 32 { i as f64 } else { 3.0 * (TAU * turns(i - 32)).cos() - (TAU * turns(i - 32)).sin() })
+            .collect();
+        tracer.see(0, 1.0);
+        tracer.see(1, 0.5);
+        tracer.see(1, 0.4);
+        tracer.layer(64.0, &field);
+        let trace = tracer.trace();
+        assert_eq!((trace.iteration, &trace.residual[..]), (vec![0, 1], &[1.0, 0.4][..]));
+        assert!(trace.energy[0].is_nan() && trace.energy[1] == 2.0);
+        let mode = &trace.modes[0];
+        assert!((mode.re[1] - 1.5).abs() < 1e-14 && (mode.im[1] - 0.5).abs() < 1e-14, "{mode:?}");
+        // 1.9 is nearest to 2.0, which is 0; 0.26 to 0.25.
+        assert_eq!((trace.points[0].point, trace.points[0].u[1]), ([0.0, 0.25], 1.0));
+        assert!(args.tracer(&grid, &[2]).is_err());
+        let mut again = args.tracer(&grid, &[0, 2]).unwrap().unwrap();
+        for (iteration, residual) in [(0, 1.0), (1, 0.5), (2, 0.2), (0, 0.1)] {
+            again.see(iteration, residual);
+        }
+        let trace = again.trace();
+        assert_eq!((trace.iteration, trace.residual, trace.points[0].u.len()), (vec![0], vec![0.1], 1));
+        for text in ["", "1,2", "1,2,w", "a,2,z", "1.5,2,z"] {
+            assert!(text.parse::<ModeOf>().is_err(), "{text}");
+        }
+        assert!("inf,0,z".parse::<PointOf>().is_err());
+    }
+}
