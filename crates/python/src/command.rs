@@ -6,7 +6,6 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use gfmd_cli::program::{Command, keep_freed_memory, status};
-use gfmd_cli::session::Common;
 use gfmd_files::Memory;
 use gfmd_problem::options::given::{Arrays, Given, Load};
 use gfmd_run::failure::{Failure, Outcome};

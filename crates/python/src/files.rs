@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use gfmd_cli::contact::{self, configuration, facts_of};
-use gfmd_cli::session::Common;
 use gfmd_contact::{Boundary, Hardness};
 use gfmd_files::{Output, Reader};
 use gfmd_record::Record;
