@@ -11,7 +11,7 @@ import pytest
 
 BODY = gfmd.Body(young=1.0, poisson=0.3)
 SMALL = gfmd.self_affine(n=32)
-FILES = Path(__file__).parents[2] / "files" / "tests" / "data"
+FILES = Path(__file__).parents[2] / "topography" / "tests" / "data"
 
 
 def test_objects_like_topographies_are_taken_as_they_are():

@@ -72,7 +72,7 @@ def test_contacts_keep_the_loads_that_are_done(ctrl_c):
 
 @pytest.mark.parametrize("options", [dict(law=gfmd.law("exponential", gamma=1e-4, range=5e-3), approach=[-0.003, 0.01]), dict(friction=0.3, p_star=0.05, lateral=[0.0, 0.01])])
 def test_a_path_keeps_the_steps_that_are_done(options, ctrl_c):
-    ctrl_c(1.0)
+    ctrl_c(3.0)
     error = interrupted(lambda: gfmd.path(SMALL, BODY, steps=200_000, **options))
     done = error.state
     assert isinstance(done, gfmd.Path) and 1 < len(done.steps.mean_pressure) < 200_000
