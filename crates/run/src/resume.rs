@@ -190,7 +190,7 @@ impl<'a> Kept<'a> {
         self.running.as_mut().filter(|running| !running.is_at_end())
     }
 
-    /// Adds a finished part, of which [`keep_state`](Self::keep_state) keeps the state.
+    /// Adds a finished part, of which `keep_state` keeps the state.
     pub fn add(&mut self, part: &Part) {
         self.waiting.push(part.encode());
         self.done += 1;

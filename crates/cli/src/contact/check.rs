@@ -53,7 +53,7 @@ pub(crate) fn check(
     }
     let contact = loads.prepared.pose(&args.source, &loads.prepared.law)?;
     let stored = Stored::new(reader, &loads.prepared, &contact, args.solver.tol)?;
-    let (count, asked) = (stored.len(), loads.drives.len());
+    let (count, asked) = (stored.count(), loads.drives.len());
     if count != asked {
         comparison.differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {asked}"));
     }
@@ -78,7 +78,7 @@ fn compare(
 ) -> Result<(Vec<Record>, Vec<Measured>), Failure> {
     let (reader, facts) = (stored.reader, &loads.prepared.facts);
     let (mut records, mut measured) = (Vec::new(), Vec::new());
-    for (index, drive) in loads.drives.iter().enumerate().take(stored.len()) {
+    for (index, drive) in loads.drives.iter().enumerate().take(stored.count()) {
         let Some(state) = stored.state(index, *drive)? else { continue };
         stored.compare_fields(index, &state, comparison)?;
         let at = stored.at(index, &state);

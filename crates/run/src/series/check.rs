@@ -43,7 +43,7 @@ impl<'a> Stored<'a> {
     }
 
     /// The number of parts.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.records.len()
     }
 

@@ -162,7 +162,6 @@ impl fmt::Display for Head {
 }
 
 /// True if only the normal displacement is unknown.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
 pub fn is_normal(components: &Unknown) -> bool {
     *components == Unknown::Normal
 }
