@@ -115,7 +115,19 @@ fn tree<V: Split, R: Send>(
 /// Calls both functions, on two threads if the pool has several. With one, the caller does both itself: handing them over takes
 /// longer than most passes.
 fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-    if rayon::current_num_threads() > 1 { rayon::join(a, b) } else { (a(), b()) }
+    if rayon::current_num_threads() == 1 {
+        return (a(), b());
+    }
+    let (mut a, mut b) = (Some(a), Some(b));
+    let (mut of_a, mut of_b) = (None, None);
+    join(&mut || of_a = a.take().map(|a| a()), &mut || of_b = b.take().map(|b| b()));
+    // A panic of either has gone through the join.
+    of_a.zip(of_b).expect("both functions were called")
+}
+
+/// The one join of all passes. Its code is as long as that of many a pass: each would have its own copy.
+fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
+    rayon::join(a, b);
 }
 
 /// Sweeps as [`pass`], without a result: `leaf` only changes its stretches.
