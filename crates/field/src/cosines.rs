@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use rustdct::TransformType2And3;
 
 use crate::plan::{check, check_rows};
-use crate::real::Plans as _;
 use crate::{Grid, Real, ShapeError};
+use gfmd_plan::Plans as _;
 
 /// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny): those of fields that
 /// are continued beyond the edges by mirroring. They are planned once and shared between threads.

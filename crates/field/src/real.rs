@@ -1,5 +1,6 @@
 use std::iter::Sum;
 
+use gfmd_plan::Plans;
 use gfmd_vector::Rows;
 use num_complex::Complex;
 use rustdct::DctNum;
@@ -34,53 +35,10 @@ impl Real for f32 {
     }
 }
 
-pub(crate) use private::Plans;
 use private::Wire;
 
 mod private {
-    use std::sync::Arc;
-
     use num_complex::Complex;
-    use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-    use rustdct::{DctPlanner, TransformType2And3};
-    use rustfft::{Fft, FftPlanner};
-
-    /// Plans of transforms ahead and back. The planners are generic: called in functions that are not, they are compiled here only,
-    /// and not in every crate that has a transform.
-    pub trait Plans: Sized {
-        /// Transforms of real rows.
-        fn real(points: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>);
-
-        /// Transforms of complex rows.
-        fn complex(points: usize) -> (Arc<dyn Fft<Self>>, Arc<dyn Fft<Self>>);
-
-        /// In cosines, of rows of either number of points.
-        fn cosines(points: [usize; 2]) -> [Arc<dyn TransformType2And3<Self>>; 2];
-    }
-
-    macro_rules! plans {
-        ($number:ty) => {
-            impl Plans for $number {
-                fn real(points: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>) {
-                    let mut planner = RealFftPlanner::new();
-                    (planner.plan_fft_forward(points), planner.plan_fft_inverse(points))
-                }
-
-                fn complex(points: usize) -> (Arc<dyn Fft<Self>>, Arc<dyn Fft<Self>>) {
-                    let mut planner = FftPlanner::new();
-                    (planner.plan_fft_forward(points), planner.plan_fft_inverse(points))
-                }
-
-                fn cosines(points: [usize; 2]) -> [Arc<dyn TransformType2And3<Self>>; 2] {
-                    let mut planner = DctPlanner::new();
-                    points.map(|points| planner.plan_dct2(points))
-                }
-            }
-        };
-    }
-
-    plans!(f32);
-    plans!(f64);
 
     /// Complex numbers as words that travel between processes. No other crate can name it, and thus make other numbers.
     pub trait Wire: Sized {

@@ -4,5 +4,6 @@ mod agreement;
 mod checks;
 mod circles;
 mod space;
+mod transforms;
 mod update_matrix;
 mod warm_start;
