@@ -19,13 +19,13 @@ use gfmd_field::Grid;
 use gfmd_green::Body;
 use serde::{Deserialize, Serialize};
 
-use crate::figures::parse_prefix;
 use crate::progress::Progress;
 use crate::session::list_files;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::Given;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
+use gfmd_report::figures::parse_prefix;
 use gfmd_run::base::{self, BaseArgs};
 use gfmd_run::failure::Failure;
 use gfmd_run::memory;

@@ -3,7 +3,6 @@
 mod check;
 mod conductance;
 mod figures;
-mod page;
 mod report;
 mod statistics;
 mod stored;
@@ -30,7 +29,6 @@ use gfmd_surface::PowerSpectrum;
 use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
-use crate::figures::{Face, Scene, Shown, parse_prefix};
 use crate::progress::Progress;
 use gfmd_problem::options::DynamicsArgs;
 use gfmd_problem::options::LawArgs;
@@ -39,6 +37,7 @@ use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, height, parse_height};
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
 use gfmd_run::base::{BaseArgs, MovedBase};
 use gfmd_run::failure::{Failure, Outcome, reached};
 use gfmd_run::hardness::GivenHardness;
@@ -54,7 +53,6 @@ use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
 pub(crate) use check::{again, check};
 use conductance::Conducting;
-pub(crate) use page::page;
 pub use report::Report;
 use statistics::{Findings, Gathered, Measured};
 pub use stored::{configuration, facts_of, records};

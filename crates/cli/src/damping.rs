@@ -13,10 +13,10 @@ use gfmd_files::{Archive, Dimension, Output, Variable};
 use gfmd_green::Height;
 use serde::Serialize;
 
-use crate::figures::parse_prefix;
 use crate::progress::Progress;
 use crate::session::list_files;
 use gfmd_problem::options::{BodyArgs, OtherArgs};
+use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::memory;
 use gfmd_run::session::Session;

@@ -3,10 +3,8 @@
 mod calibration;
 mod check;
 mod config;
-mod figures;
 mod file;
 mod journal;
-mod page;
 mod protocol;
 mod report;
 mod shards;
@@ -24,15 +22,14 @@ use serde::Deserialize;
 
 pub(crate) use check::check;
 pub use config::Configured;
-pub(crate) use page::page;
 pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
 
-use crate::figures::check_names;
 use crate::progress::Progress;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::parsed;
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_report::figures::check_names;
 use gfmd_run::failure::Failure;
 use gfmd_run::memory::{self, peak_bytes};
 use gfmd_run::session::Session;
@@ -263,7 +260,8 @@ impl Sweep<'_> {
 
     fn claim(&self) -> Result<Output, Failure> {
         let output = named(Output::claim(&self.args.out))?;
-        check_names(&figures::stem(&self.args.out)).map_err(|reason| Failure::input("--out", reason))?;
+        check_names(&gfmd_report::kappa::figures::stem(&self.args.out))
+            .map_err(|reason| Failure::input("--out", reason))?;
         Ok(output)
     }
 
@@ -286,7 +284,7 @@ impl Sweep<'_> {
         let path = file::write(output, &study, &session.provenance(text), seconds)
             .map_err(|error| error.with(&remark("all runs", keeper.journal.path(), kept)))?;
         keeper.journal.remove();
-        let plots = figures::draw(&args.out, &study)?;
+        let plots = gfmd_report::kappa::figures::draw(&args.out, &study)?;
         Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
     }
 }

@@ -10,7 +10,7 @@ use gfmd_law::MixedMode;
 use gfmd_problem::options::LawArgs;
 use serde::Serialize;
 
-use crate::figures::parse_prefix;
+use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 
 /// Flags of `law`.

@@ -2,7 +2,6 @@
 
 mod check;
 mod figures;
-mod page;
 mod report;
 mod waypoints;
 
@@ -18,13 +17,13 @@ use gfmd_record::{At, Record};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
-use crate::figures::{Scene, Shown, parse_prefix};
 use crate::progress::Progress;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::LawArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
+use gfmd_report::figures::{Scene, Shown, parse_prefix};
 use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
@@ -35,7 +34,6 @@ use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
 pub(crate) use self::check::{again, check};
-pub(crate) use self::page::page;
 pub use self::report::{Report, Sliding};
 
 /// The default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.

@@ -14,7 +14,6 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
-use crate::figures::parse_prefix;
 use crate::progress::Progress;
 use gfmd_problem::check_size;
 use gfmd_problem::options::flags::without_flags;
@@ -22,6 +21,7 @@ use gfmd_problem::options::given::Given;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
+use gfmd_report::figures::parse_prefix;
 use gfmd_run::convergence::{History, NotConverged};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::{self, peak_bytes};

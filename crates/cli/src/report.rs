@@ -10,9 +10,9 @@ use gfmd_files::legible::line;
 use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
-use crate::page::{self, quoted};
 use crate::session::list_files;
-use crate::{contact, kappa_sweep, path};
+use crate::{contact, path};
+use gfmd_report::quoted;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{Configuration, Kind};
 use gfmd_run::session::Session;
@@ -73,19 +73,19 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     check_replaceable(output.path())?;
     let mut page = match kind {
-        Kind::Contact => contact::page(&reader)?,
-        Kind::Path => path::page(&reader)?,
-        Kind::KappaSweep => kappa_sweep::page(&reader, session)?,
+        Kind::Contact => gfmd_report::contact::page(&reader)?,
+        Kind::Path => gfmd_report::path::page(&reader)?,
+        Kind::KappaSweep => gfmd_report::kappa::page(&reader, session)?,
         Kind::Punch | Kind::Body => {
             let text = format!("{} is a result of {}; it must be one of {kinds}", file.display(), kind.name());
             return Err(Failure::Input(text));
         }
     };
-    page.remarks.splice(0..0, page::warnings(&reader));
-    let text = page::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
+    page.remarks.splice(0..0, gfmd_report::warnings(&reader));
+    let text = gfmd_report::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
     output.write(|file| file.write_all(text.as_bytes()))?;
     let out = output.path().to_path_buf();
-    Ok(Report { file: file.clone(), kind, figures: page.figures.len(), remarks: page.remarks, out })
+    Ok(Report { file: file.clone(), kind, figures: page.figures(), remarks: page.remarks, out })
 }
 
 /// The command that repeats the run of a result; none if its configuration is one that `check` refuses.
@@ -108,7 +108,7 @@ fn check_replaceable(path: &Path) -> Result<(), Failure> {
     match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(Failure::input("--out", format!("{}: {error}", path.display()))),
-        Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(page::MARK) => return Ok(()),
+        Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(gfmd_report::MARK) => return Ok(()),
         Ok(_) => {}
     }
     let reason = "the file exists and is no page that gfmd report made, which alone is replaced";

@@ -12,10 +12,10 @@ use gfmd_field::Grid;
 use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics, window};
 use serde::Serialize;
 
-use crate::figures::parse_prefix;
 use crate::session::list_files;
 use gfmd_problem::options::Method;
 use gfmd_problem::options::given::Given;
+use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use gfmd_run::source::scan::Scan;

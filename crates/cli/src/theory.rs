@@ -11,10 +11,10 @@ use gfmd_measure::theory::{Asperities, AsperityTheory, ENERGY_FACTOR, Persson};
 use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
-use crate::figures::parse_prefix;
 use crate::session::list_files;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::Method;
+use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;

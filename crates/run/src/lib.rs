@@ -24,4 +24,5 @@ pub mod rows;
 pub mod series;
 pub mod session;
 pub mod source;
+pub mod sweep;
 pub mod trace;

@@ -10,7 +10,7 @@ use super::component::Component;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use super::{Plane, evenly_spaced};
-use crate::figures::{Drawn, about_zero, field, named};
+use gfmd_report::figures::{Drawn, about_zero, field, named};
 use gfmd_run::failure::Failure;
 
 /// The values on one section, filled level by level.

@@ -9,7 +9,8 @@ use ndarray::ArrayView2;
 
 use super::Report;
 use super::statistics::{Gathered, patches};
-use crate::figures::{Drawn, Scene, area_chart, field, named, short, theories};
+use gfmd_report::contact::areas;
+use gfmd_report::figures::{Drawn, Scene, field, named, short};
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness::GivenHardness;
 use gfmd_run::source::Surface;
@@ -26,7 +27,7 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
             .loads
             .iter()
             .map(|load| ["p_star", "area_fraction", "area_fraction_corrected"].map(|name| load.number(name)));
-        let mut chart = area(&loads.collect::<Vec<_>>(), report.head.n[1] == 1);
+        let mut chart = areas(&loads.collect::<Vec<_>>(), report.head.n[1] == 1);
         if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.head.hardness)
         {
             // Without the hardness Persson's line hides below that with it.
@@ -57,22 +58,6 @@ fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
         Series::line("Persson with the hardness", 3, curve(ElastoplasticArea::total)),
         Series { mark: Mark::Dashes, ..Series::line("its points at the hardness", 3, curve(|area| area.plastic)) },
     ]
-}
-
-/// The contact area, counted and corrected, against the reduced pressure of loads, which are given in this order: reduced
-/// pressure, area, corrected area. Whatever the order of the loads, the line goes from the lowest to the highest.
-pub(super) fn area(loads: &[[f64; 3]], is_line: bool) -> Chart {
-    let mut loads = loads.to_vec();
-    loads.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let column = |k: usize| loads.iter().map(|load| Point::new(load[0], load[k])).collect();
-    let mut series = vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, column(1)) }];
-    if !is_line {
-        let label = "perimeter corrected".into();
-        series.push(Series { label, hue: 1, mark: Mark::HollowPoints, points: column(2) });
-        let p_star = || loads.iter().map(|load| load[0]);
-        series.extend(theories(p_star().fold(f64::INFINITY, f64::min), p_star().fold(0.0, f64::max)));
-    }
-    area_chart(series)
 }
 
 /// The largest number of loads whose distributions are drawn.

@@ -5,8 +5,8 @@ use std::fmt;
 use gfmd_record::{Record, lines};
 
 use super::Report;
-use crate::digits::uncertain;
 use crate::session::list_files;
+use gfmd_report::digits::uncertain;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -7,7 +7,7 @@ use gfmd_files::vtp::{Sheet, write};
 use gfmd_files::{Output, PointArray, contiguous};
 use ndarray::Array2;
 
-use crate::figures::Shown;
+use gfmd_report::figures::Shown;
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Field;
 use gfmd_run::source::Surface;

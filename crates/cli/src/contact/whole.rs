@@ -4,7 +4,7 @@ use gfmd_contact::Hardness;
 use gfmd_field::Share;
 use ndarray::{Array2, ArrayView2};
 
-use crate::figures::Shown;
+use gfmd_report::figures::Shown;
 use gfmd_run::rows;
 use gfmd_run::series::{Field, Prepared};
 use gfmd_run::source::Surface;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gfmd_plot::{Axis, Chart, Panel, Series};
 
 use super::{Report, Run};
-use crate::figures::named;
+use gfmd_report::figures::named;
 use gfmd_run::failure::Failure;
 
 /// Draws `PREFIX-damping`: the amplitudes of the slowest mode and of the displaced point against time step.

@@ -1,11 +1,10 @@
-//! The extrapolation of one axis at a time about reference cells, in the table, the JSON, the file and the figures of a sweep.
+//! The extrapolation of one axis at a time about reference cells, in the table, the JSON and the file of a sweep.
 
 use std::fmt;
 
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_fit::Axis as Limit;
-use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_sweep::{Arm, Curve, Estimated, Protocol, Study};
+use gfmd_sweep::{Arm, Curve, Estimated, Protocol};
 use serde::Serialize;
 
 use gfmd_run::failure::Failure;
@@ -160,42 +159,4 @@ pub(super) fn write(archive: &mut Archive, protocols: &[Protocol]) -> Result<(),
         estimated(&format!("predicted_{axis}"), long_name, &|protocol| arm(protocol, axis)?.predicted)?;
     }
     Ok(())
-}
-
-/// The chart of kappa against eps_c and eps_f, a curve for each value of the other one; `None` without reference cells.
-pub(super) fn chart(study: &Study) -> Option<Chart> {
-    let first = study.analysis.protocols.first()?;
-    let loads = &study.plan.config.loads.p_star;
-    let load = loads.iter().position(|p_star| *p_star == first.p_star)?;
-    let arms = study.analysis.arms(&study.plan, first.hurst, load);
-    let mut panels = Vec::new();
-    for (axis, other) in [(Limit::Continuum, Limit::Fractal), (Limit::Fractal, Limit::Continuum)] {
-        // One size of cell: the one with most points.
-        let of_size = |t: f64| arms.iter().filter(move |arm| arm.axis == axis && arm.cell[0] == t);
-        let points = |t: f64| of_size(t).map(|arm| arm.inverse.len()).sum::<usize>();
-        let sizes = study.plan.points.iter().map(|point| point.discretisation.eps_t_inv);
-        let Some(size) = sizes.max_by_key(|t| points(*t)) else { continue };
-        let mut series = Vec::new();
-        for (hue, arm) in of_size(size).enumerate() {
-            let points = arm.inverse.iter().zip(&arm.kappa).map(|(inverse, kappa)| {
-                let point = Point::new(inverse.recip(), kappa.value);
-                Point { range: kappa.ci95, ..point }
-            });
-            let label = format!("1/*ε*_{} = {}", other.letter(), arm.cell[other as usize]);
-            series.push(Series::points(&label, hue, points.collect()));
-            if let (Some(curve), Some(coarsest)) = (arm.curve, arm.inverse.first()) {
-                let line = (0..=80).map(|k| {
-                    let eps = f64::from(k) / 80.0 / coarsest;
-                    (eps, curve.limit.value + curve.coefficient.value * eps.powf(curve.exponent.value))
-                });
-                series.push(Series { mark: Mark::Dashes, ..Series::line("", hue, line) });
-            }
-        }
-        if !series.is_empty() {
-            let x = Axis::linear(&format!("*ε*_{}", axis.letter()));
-            let title = format!("1/*ε*_t = {size}");
-            panels.push(Panel { title, x, y: Axis::linear("*κ*_{sim}"), series, ..Panel::default() });
-        }
-    }
-    (!panels.is_empty()).then(|| Chart { share_y: false, ..Chart::new(panels) })
 }

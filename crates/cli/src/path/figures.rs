@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use gfmd_plot::{Axis, Chart, Panel, Series};
 use gfmd_record::Record;
 
 use super::Report;
-use crate::figures::{Scene, named};
+use gfmd_report::figures::{Scene, named};
+use gfmd_report::path::legs;
 use gfmd_run::failure::Failure;
 
 /// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and
@@ -64,15 +65,4 @@ pub(super) fn draw(
     let chart = Chart { share_y: false, ..Chart::new(panels) };
     files.extend(chart.save(&named(prefix, "path"))?);
     Ok(files)
-}
-
-/// A path of points, leg by leg.
-pub(super) fn legs(points: &[(f64, f64)], steps_of_leg: usize) -> Vec<Series> {
-    let last = points.len().saturating_sub(1);
-    let leg = |(hue, start): (usize, usize)| {
-        let points = points[start..=(start + steps_of_leg).min(last)].iter().map(|(x, y)| Point::new(*x, *y));
-        let label = format!("leg {}", hue + 1);
-        Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
-    };
-    (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
 }

@@ -10,7 +10,7 @@ use ndarray::{ArrayView3, Axis as Along};
 
 use super::Report;
 use super::comparison::Reference;
-use crate::figures::{about_zero, draw_pressure, named};
+use gfmd_report::figures::{about_zero, draw_pressure, named};
 use gfmd_run::failure::Failure;
 
 /// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the

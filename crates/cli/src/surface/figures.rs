@@ -9,7 +9,7 @@ use gfmd_surface::RadialBin;
 use ndarray::Array2;
 
 use super::{Report, Window};
-use crate::figures::{named, short};
+use gfmd_report::figures::{named, short};
 use gfmd_run::failure::Failure;
 
 /// The largest number of points that a line is drawn with; longer profiles are thinned to lowest and highest values.

@@ -6,7 +6,7 @@ use gfmd_measure::theory::AsperityTheory;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 
 use super::Theories;
-use crate::figures::{area_chart, named};
+use gfmd_report::figures::{area_chart, named};
 use gfmd_run::failure::Failure;
 
 /// Draws the area and the mean gap over the loads of interest, and the distribution of pressure at each load.

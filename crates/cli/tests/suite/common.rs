@@ -6,6 +6,11 @@ use std::process::{Command, Output};
 
 use gfmd_files::Reader;
 
+/// True for the long tests (`.ci/long`).
+pub(crate) fn long() -> bool {
+    std::env::var_os("GFMD_LONG").is_some()
+}
+
 /// A sweep of seconds.
 pub(crate) const SWEEP: &str = "
 [points]

@@ -2,7 +2,7 @@
 //! disk, without their folder, twice at once. No finished part is lost, every file opens or is absent, and what is resumed
 //! equals the uninterrupted run number for number.
 //!
-//! The default is a short version. The long one kills every command `GFMD_CRASH` times at random moments, and smaller
+//! The default is a short version, in which a test takes a third of the commands. The long one kills every command `GFMD_CRASH` times at random moments, and smaller
 //! commands once at each of their system calls:
 //!
 //! ```text
@@ -123,12 +123,14 @@ fn kept(folder: &Path, out: &str, name: &str) -> usize {
     state.map_or(0, |bytes| u64::from_le_bytes(bytes[64..72].try_into().unwrap()) as usize)
 }
 
-/// The reference runs of all commands, in a folder with their inputs.
-fn cases(folder: &Path) -> Vec<Case> {
-    all_of(COMMANDS, folder)
+/// The reference runs of all commands, in a folder with their inputs; in the short version those of every third command, from this
+/// `turn`: one test of three has each of them.
+fn cases(folder: &Path, turn: usize) -> Vec<Case> {
+    let step = if long().is_some() { 1 } else { 3 };
+    all_of(COMMANDS.into_iter().skip(turn % step).step_by(step), folder)
 }
 
-fn all_of(commands: [&'static str; 9], folder: &Path) -> Vec<Case> {
+fn all_of(commands: impl IntoIterator<Item = &'static str>, folder: &Path) -> Vec<Case> {
     std::fs::write(folder.join("sweep.toml"), sweep(3, 50)).unwrap();
     let small = sweep(2, 50).replace("eps_t_inv = [1.0, 2.0]", "eps_t_inv = [1.0]");
     std::fs::write(folder.join("small.toml"), small.replace("centre = [2, 4, 4]", "centre = [1, 4, 4]")).unwrap();
@@ -181,7 +183,7 @@ fn message(output: &Output) -> String {
 fn killed_at_random_moments() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random(2026);
-    for case in cases(folder.path()) {
+    for case in cases(folder.path(), 0) {
         let kills = long().unwrap_or(2);
         let (mut killed, mut resumed, mut parts, mut done) = (0, 0, 0, 0);
         // On a machine whose load has changed, the first kills may come too late.
@@ -270,7 +272,7 @@ fn clear(folder: &Path) {
 fn interrupted_by_ctrl_c_and_terminated() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random(7);
-    for case in cases(folder.path()) {
+    for case in cases(folder.path(), 1) {
         let mut stopped = 0;
         let tries = long().map_or(2, |kills| kills.div_ceil(20));
         for turn in 0..tries {
@@ -313,7 +315,7 @@ fn clear_unless_resumable(case: &Case, folder: &Path) {
 fn on_a_full_disk() {
     let folder = tempfile::tempdir().unwrap();
     let disk = Disk::new();
-    for case in cases(folder.path()) {
+    for case in cases(folder.path(), 2) {
         let mut refused = 0;
         let sizes = if long().is_some() { 24 } else { 4 };
         for step in 0..sizes {
@@ -404,7 +406,7 @@ impl Drop for Disk {
 fn without_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random(11);
-    for case in cases(folder.path()) {
+    for case in cases(folder.path(), 0) {
         let (mut failed, tries) = (0, long().map_or(2, |kills| kills.div_ceil(50)));
         for _ in 0..tries {
             let gone = folder.path().join("gone");
@@ -428,7 +430,7 @@ fn without_its_folder() {
 #[test]
 fn twice_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    for case in cases(folder.path()) {
+    for case in cases(folder.path(), 1) {
         let (mut busy, rounds) = (0, long().map_or(2, |kills| kills.div_ceil(20)));
         for _ in 0..rounds {
             let pair = [case.start(folder.path(), "k.h5"), case.start(folder.path(), "k.h5")];

@@ -12,19 +12,13 @@ use gfmd_run::lower::{self, LowerArgs};
 use gfmd_run::result::Kind;
 
 /// The warnings of the run, a line each.
-pub(crate) fn warnings(reader: &Reader) -> Vec<String> {
+pub fn warnings(reader: &Reader) -> Vec<String> {
     let all = reader.text("/", "warnings").unwrap_or_default();
     all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
 }
 
 /// The page with the parts that every result has. `again` is the command that repeats the run.
-pub(crate) fn whole_page(
-    page: &Page,
-    reader: &Reader,
-    kind: Kind,
-    intact: Option<bool>,
-    again: Option<&str>,
-) -> Markup {
+pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>, again: Option<&str>) -> Markup {
     let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
     let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
     let created = root("created");

@@ -2,7 +2,7 @@
 
 /// A value with its error in units of its last digits, such as `0.1014(12)`: one digit of the error, two if it begins with 1;
 /// `-` without a value.
-pub(crate) fn uncertain(value: f64, error: f64) -> String {
+pub fn uncertain(value: f64, error: f64) -> String {
     if !(value.is_finite() && error.is_finite() && error > 0.0) {
         return if value.is_finite() && error == 0.0 { format!("{value}") } else { "-".into() };
     }

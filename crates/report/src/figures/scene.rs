@@ -15,20 +15,20 @@ use gfmd_run::source::Surface;
 
 /// The fields of a state that its figures show, row by row. Lengths and stresses are those of the input.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Shown {
+pub struct Shown {
     /// Normal pressure; attraction is negative.
-    pub(crate) pressure: Vec<f64>,
+    pub pressure: Vec<f64>,
     /// Its repulsive part; the points of this are in contact.
-    pub(crate) repulsion: Vec<f64>,
+    pub repulsion: Vec<f64>,
     /// Distance between the surfaces; empty if it is not known.
-    pub(crate) gap: Vec<f64>,
+    pub gap: Vec<f64>,
     /// Height of the elastic surface above the undeformed one; empty if it is not known.
-    pub(crate) level: Vec<f64>,
+    pub level: Vec<f64>,
 }
 
 impl Shown {
     /// The fields of a state; a base that moves adds `lift` to the displacement, and a plastic `depth` is drawn in the body.
-    pub(crate) fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
+    pub fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
         let mut level = contiguous(&state.displacement_z()).into_owned();
         let mut add = |field: Option<&Array2<f64>>, sign: f64| {
             let values = field.into_iter().flatten();
@@ -45,18 +45,18 @@ impl Shown {
     }
 
     /// Zeros for so many points.
-    pub(crate) fn zeros(points: usize) -> Self {
+    pub fn zeros(points: usize) -> Self {
         let zeros = || vec![0.0; points];
         Self { pressure: zeros(), repulsion: zeros(), gap: zeros(), level: zeros() }
     }
 
     /// The fields, to be kept.
-    pub(crate) fn fields_mut(&mut self) -> [&mut [f64]; 4] {
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 4] {
         [&mut self.pressure, &mut self.repulsion, &mut self.gap, &mut self.level].map(Vec::as_mut_slice)
     }
 
     /// The fields of the contact with a lower surface, as seen from there.
-    pub(crate) fn below(state: &impl Fields) -> Self {
+    pub fn below(state: &impl Fields) -> Self {
         let mut shown = Self::of(state, None, None);
         shown.level.iter_mut().for_each(|level| *level = -*level);
         shown
@@ -65,38 +65,48 @@ impl Shown {
 
 /// The face of the body that touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Face {
+pub enum Face {
+    /// Against the rigid surface above.
     Upper,
+    /// Of a slab, against the surface below it.
     Lower,
 }
 
 /// One state of a contact, as figures show it.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
-    pub(crate) shown: &'a Shown,
-    pub(crate) grid: &'a Grid,
+pub struct Scene<'a> {
+    /// The fields.
+    pub shown: &'a Shown,
+    /// Their points.
+    pub grid: &'a Grid,
     /// Unit of lengths.
-    pub(crate) unit: &'a str,
+    pub unit: &'a str,
     /// E*, the unit of pressures.
-    pub(crate) modulus: f64,
-    pub(crate) hardness: Option<&'a Hardness>,
+    pub modulus: f64,
+    /// The hardness, if the contact has one.
+    pub hardness: Option<&'a Hardness>,
     /// Name of the rough surface.
-    pub(crate) rigid: &'static str,
-    pub(crate) face: Face,
+    pub rigid: &'static str,
+    /// The face of the body that is shown.
+    pub face: Face,
 }
 
 /// The quantity that a figure shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
+    /// The pressure.
     Pressure,
+    /// Repulsion and attraction, with two colours.
     Traction,
+    /// The distance between the surfaces.
     Gap,
+    /// A section through both surfaces.
     Section,
 }
 
 impl Kind {
     /// The end of the name of its files.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Pressure => "map",
             Self::Traction => "traction",
@@ -107,7 +117,7 @@ impl Kind {
 }
 
 /// The name of a rough surface in a section.
-pub(crate) fn rough(is_composite: bool) -> &'static str {
+pub fn rough(is_composite: bool) -> &'static str {
     if is_composite { "composite of both surfaces" } else { "rigid surface" }
 }
 
@@ -116,7 +126,7 @@ const CONTACT: usize = 1;
 
 impl<'a> Scene<'a> {
     /// The upper face of a contact with this surface.
-    pub(crate) fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
+    pub fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
         let rigid = rough(surface.second.is_some());
         Self { shown, grid: &surface.grid, unit: surface.unit(), modulus, hardness, rigid, face: Face::Upper }
     }
@@ -124,7 +134,7 @@ impl<'a> Scene<'a> {
 
 impl Scene<'_> {
     /// Draws the figures: `PREFIX-map` and so on, of a lower face `PREFIX-lower-map` and so on.
-    pub(crate) fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
+    pub fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut files = Vec::new();
         self.figures(|kind, drawn| {
             let face = if self.face == Face::Upper { "" } else { "lower-" };
@@ -136,7 +146,7 @@ impl Scene<'_> {
 
     /// Gives the figures to `take`, one by one: the pressure; if anything is attracted, the traction with both signs; if it is known,
     /// the gap; if also the displacement is known, the section. A profile has no maps: its pressure and its section show all.
-    pub(crate) fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
+    pub fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
         let Shown { pressure, gap, level, .. } = self.shown;
         let is_line = self.grid.is_line();
         let in_units = |p: &f64| p / self.modulus;

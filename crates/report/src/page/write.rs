@@ -77,7 +77,7 @@ pub(crate) fn of(table: &toml::Table, name: &str) -> f64 {
 }
 
 /// A word of a command as a shell reads it back.
-pub(crate) fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         return word.into();

@@ -10,13 +10,14 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::figures::Drawn;
 
-pub(crate) use about::{warnings, whole_page};
+pub use about::{warnings, whole_page};
 pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
-pub(crate) use write::{given, interval, number, of, quoted, text, whole};
+pub use write::quoted;
+pub(crate) use write::{given, interval, number, of, text, whole};
 
 /// The contents of a page about a result; what is common to all kinds of results is added when it is written.
 #[derive(Default)]
-pub(crate) struct Page {
+pub struct Page {
     /// The problem that was computed, in a few words.
     pub(crate) title: String,
     /// The result, most important first.
@@ -32,7 +33,7 @@ pub(crate) struct Page {
     /// Works whose methods or theories were used.
     pub(crate) cited: Vec<&'static str>,
     /// Warnings, and parts that could not be shown.
-    pub(crate) remarks: Vec<String>,
+    pub remarks: Vec<String>,
 }
 
 /// A term and what is said of it.
@@ -69,6 +70,11 @@ pub(crate) struct Table {
 const MOST_ROWS: usize = 60;
 
 impl Page {
+    /// Number of figures.
+    pub fn figures(&self) -> usize {
+        self.figures.len()
+    }
+
     /// Adds the panels of a chart as figures of their own, since a phone has room for one in a row. What cannot be drawn becomes
     /// a remark.
     pub(crate) fn chart(&mut self, chart: &Chart, title: &str, caption: &Markup) {
@@ -115,8 +121,8 @@ pub(super) struct Common {
     pub(super) version: String,
 }
 
-/// The element of a page that tells that this command made it.
-pub(super) const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
+/// The element of a page that tells that this program made it.
+pub const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
 
 /// The page.
 pub(super) fn render(page: &Page, common: &Common) -> Markup {

@@ -7,7 +7,6 @@ use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
 use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
 use gfmd_sweep::{Analysis, Area, Config, Estimator, Extrapolation, Plan, Study};
 
-use super::protocol;
 use crate::figures::{area_chart, draw_pressure, named, theories};
 use gfmd_run::failure::Failure;
 
@@ -15,7 +14,7 @@ use gfmd_run::failure::Failure;
 ///
 /// # Errors
 /// Files that cannot be written.
-pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
+pub fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let Study { plan, analysis, example, .. } = study;
     let stem = stem(out);
     let mut files = Vec::new();
@@ -24,7 +23,7 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     if !chart.panels.is_empty() {
         files.extend(chart.save(&named(&stem, "extrapolation"))?);
     }
-    if let Some(chart) = protocol::chart(study) {
+    if let Some(chart) = protocol(study) {
         files.extend(chart.save(&named(&stem, "protocol"))?);
     }
     if let Some(chart) = area(plan, analysis) {
@@ -37,7 +36,7 @@ pub(super) fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// The prefix of the figures of a result.
-pub(super) fn stem(out: &Path) -> PathBuf {
+pub fn stem(out: &Path) -> PathBuf {
     out.with_extension("")
 }
 
@@ -180,4 +179,42 @@ pub(super) fn area(plan: &Plan, analysis: &Analysis) -> Option<Chart> {
         series.extend(theories(loads[0], loads[loads.len() - 1]));
     }
     Some(area_chart(series))
+}
+
+/// The chart of kappa against eps_c and eps_f, a curve for each value of the other one; `None` without reference cells.
+pub(super) fn protocol(study: &Study) -> Option<Chart> {
+    let first = study.analysis.protocols.first()?;
+    let loads = &study.plan.config.loads.p_star;
+    let load = loads.iter().position(|p_star| *p_star == first.p_star)?;
+    let arms = study.analysis.arms(&study.plan, first.hurst, load);
+    let mut panels = Vec::new();
+    for (axis, other) in [(Limit::Continuum, Limit::Fractal), (Limit::Fractal, Limit::Continuum)] {
+        // One size of cell: the one with most points.
+        let of_size = |t: f64| arms.iter().filter(move |arm| arm.axis == axis && arm.cell[0] == t);
+        let points = |t: f64| of_size(t).map(|arm| arm.inverse.len()).sum::<usize>();
+        let sizes = study.plan.points.iter().map(|point| point.discretisation.eps_t_inv);
+        let Some(size) = sizes.max_by_key(|t| points(*t)) else { continue };
+        let mut series = Vec::new();
+        for (hue, arm) in of_size(size).enumerate() {
+            let points = arm.inverse.iter().zip(&arm.kappa).map(|(inverse, kappa)| {
+                let point = Point::new(inverse.recip(), kappa.value);
+                Point { range: kappa.ci95, ..point }
+            });
+            let label = format!("1/*ε*_{} = {}", other.letter(), arm.cell[other as usize]);
+            series.push(Series::points(&label, hue, points.collect()));
+            if let (Some(curve), Some(coarsest)) = (arm.curve, arm.inverse.first()) {
+                let line = (0..=80).map(|k| {
+                    let eps = f64::from(k) / 80.0 / coarsest;
+                    (eps, curve.limit.value + curve.coefficient.value * eps.powf(curve.exponent.value))
+                });
+                series.push(Series { mark: Mark::Dashes, ..Series::line("", hue, line) });
+            }
+        }
+        if !series.is_empty() {
+            let x = Axis::linear(&format!("*ε*_{}", axis.letter()));
+            let title = format!("1/*ε*_t = {size}");
+            panels.push(Panel { title, x, y: Axis::linear("*κ*_{sim}"), series, ..Panel::default() });
+        }
+    }
+    (!panels.is_empty()).then(|| Chart { share_y: false, ..Chart::new(panels) })
 }

@@ -11,7 +11,7 @@ use ndarray::Array2;
 
 use gfmd_run::failure::Failure;
 
-pub(crate) use scene::{Face, Kind, Scene, Shown, rough};
+pub use scene::{Face, Kind, Scene, Shown, rough};
 
 /// Parses a prefix of figures, whose folder must exist.
 ///
@@ -30,7 +30,7 @@ pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
 ///
 /// # Errors
 /// A name that is too long for the file system.
-pub(crate) fn check_names(prefix: &Path) -> Result<(), String> {
+pub fn check_names(prefix: &Path) -> Result<(), String> {
     let longest = named(prefix, &format!("{LONGEST_NAME}.svg"));
     let name = |path: &Path| path.file_name().unwrap_or_default().len();
     match std::fs::symlink_metadata(&longest) {
@@ -48,7 +48,7 @@ pub(crate) fn check_names(prefix: &Path) -> Result<(), String> {
 const LONGEST_NAME: &str = "lower-traction";
 
 /// The file `PREFIX-what` of a prefix.
-pub(crate) fn named(stem: &Path, what: &str) -> PathBuf {
+pub fn named(stem: &Path, what: &str) -> PathBuf {
     debug_assert!(what.trim_end_matches(".svg").len() <= LONGEST_NAME.len(), "{what} is longer than {LONGEST_NAME}");
     let mut name = stem.file_name().unwrap_or_default().to_os_string();
     name.push(format!("-{what}"));
@@ -57,7 +57,7 @@ pub(crate) fn named(stem: &Path, what: &str) -> PathBuf {
 
 /// A chart of the contact area against the reduced pressure. Both axes are logarithmic: points without contact, or with
 /// an extrapolated area below zero, are left out.
-pub(crate) fn area_chart(mut series: Vec<Series>) -> Chart {
+pub fn area_chart(mut series: Vec<Series>) -> Chart {
     series.iter_mut().for_each(|series| series.points.retain(|point| point.x > 0.0 && point.y > 0.0));
     Chart::new(vec![Panel {
         x: Axis::log("reduced pressure *p*\\* = *p*/(*E*\\**g*)"),
@@ -68,7 +68,7 @@ pub(crate) fn area_chart(mut series: Vec<Series>) -> Chart {
 }
 
 /// The area of Persson's theory, and the straight line of Bush, Gibson and Thomas for areas below one half.
-pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
+pub fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     let pressures = |to: f64| (0..=80).map(move |i| lowest * (to / lowest).powf(f64::from(i) / 80.0));
     let persson = pressures(highest).map(|p| (p, persson_area(p)));
     let linear_to = highest.min(0.5 / BUSH_GIBSON_THOMAS_KAPPA).max(lowest);
@@ -78,7 +78,7 @@ pub(crate) fn theories(lowest: f64, highest: f64) -> [Series; 2] {
 
 /// A range of colours for a difference: about zero, without the largest two hundredths of the values in magnitude if they are much
 /// larger than the others, as beside singular edges; `None` if nothing differs.
-pub(crate) fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
+pub fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let (most, largest) = (*sizes.get(sizes.len().saturating_sub(1) * 98 / 100)?, *sizes.last()?);
@@ -90,7 +90,7 @@ pub(crate) fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
 const MOST_POINTS: usize = 4000;
 
 /// Writes a number with up to four digits, without an exponent unless it is very small or large.
-pub(crate) fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
     let signed = |text: String| text.replace('-', "−");
     let digits = |value: f64, places: i32| {
@@ -107,13 +107,19 @@ pub(crate) fn short(value: f64) -> String {
 const LONG: usize = 4;
 
 /// A figure of a field: a map, or the profile of a line contact.
-pub(crate) enum Drawn<'a> {
+pub enum Drawn<'a> {
+    /// The profile of a line contact.
     Chart(Chart),
+    /// A map.
     Map(Map<'a>),
 }
 
 impl Drawn<'_> {
-    pub(crate) fn save(&self, stem: &Path) -> Result<Vec<PathBuf>, Failure> {
+    /// Writes the figure as SVG and PNG; returns their names.
+    ///
+    /// # Errors
+    /// Files that cannot be written.
+    pub fn save(&self, stem: &Path) -> Result<Vec<PathBuf>, Failure> {
         Ok(match self {
             Self::Chart(chart) => chart.save(stem)?.to_vec(),
             Self::Map(map) => map.save(stem)?.to_vec(),
@@ -122,7 +128,7 @@ impl Drawn<'_> {
 }
 
 /// The figure of a field; of a long profile the largest value of every few is drawn.
-pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
+pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
     let [lx, ly] = grid.lengths();
     if grid.is_line() {
         let step = values.len().div_ceil(MOST_POINTS);
@@ -148,7 +154,7 @@ pub(crate) fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str)
 }
 
 /// The figure of the pressure, from its values over E*.
-pub(crate) fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<'a> {
+pub fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<'a> {
     let mut drawn = field(grid, values, "pressure *p*/*E*\\*", unit);
     if let Drawn::Map(map) = &mut drawn {
         map.below = Some(Below::pale(0.0, "no contact"));
@@ -157,7 +163,7 @@ pub(crate) fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<
 }
 
 /// Draws a map of the pressure, or its profile for a line contact.
-pub(crate) fn draw_pressure(
+pub fn draw_pressure(
     stem: &Path,
     grid: &Grid,
     values: &Array2<f64>,

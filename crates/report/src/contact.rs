@@ -1,9 +1,10 @@
 //! The page about a contact.
 
 use gfmd_files::Reader;
+use gfmd_plot::{Chart, Mark, Point, Series};
 use maud::html;
 
-use super::figures;
+use crate::figures::{area_chart, theories};
 use crate::page::{
     Certificate, FaceFields, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole,
 };
@@ -22,7 +23,7 @@ const CITED: [&str; 3] = [
 ///
 /// # Errors
 /// A file without loads.
-pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
+pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let loads = Stored::new(reader, "/loads", "mean_pressure")?;
     let table = config(reader);
     let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
@@ -87,7 +88,7 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
     let points: Vec<[f64; 3]> = solved.iter().map(|&load| [p_star[load], area[load], corrected[load]]).collect();
     if points.len() > 1 && word("law") == "hard-wall" {
         let caption = html! { "Contact area against the reduced pressure " i { "p" } "* = " i { "p" } "/(" i { "E" } "* " i { "g" } ")." };
-        page.chart(&figures::area(&points, is_line), "contact area against pressure", &caption);
+        page.chart(&areas(&points, is_line), "contact area against pressure", &caption);
     }
     // E* from the load with the largest pressure: with a law a load may be zero.
     let loudest = solved.iter().copied().max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()));
@@ -147,4 +148,20 @@ fn controlled(table: &toml::Table) -> &'static str {
         [_, true] => "prescribed reduced pressure",
         _ => "prescribed mean pressure",
     }
+}
+
+/// The contact area, counted and corrected, against the reduced pressure of loads, which are given in this order: reduced
+/// pressure, area, corrected area. Whatever the order of the loads, the line goes from the lowest to the highest.
+pub fn areas(loads: &[[f64; 3]], is_line: bool) -> Chart {
+    let mut loads = loads.to_vec();
+    loads.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let column = |k: usize| loads.iter().map(|load| Point::new(load[0], load[k])).collect();
+    let mut series = vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, column(1)) }];
+    if !is_line {
+        let label = "perimeter corrected".into();
+        series.push(Series { label, hue: 1, mark: Mark::HollowPoints, points: column(2) });
+        let p_star = || loads.iter().map(|load| load[0]);
+        series.extend(theories(p_star().fold(f64::INFINITY, f64::min), p_star().fold(0.0, f64::max)));
+    }
+    area_chart(series)
 }

@@ -1,17 +1,18 @@
 //! The page about a sweep. The numbers are those of the file; the figures are drawn from its runs.
 
+pub mod figures;
+
 use gfmd_files::Reader;
 use gfmd_green::BaseKind;
 use gfmd_sweep::{Alpha, Analysis, BodyConfig, Config, Method, Plan, StatisticsConfig, Study};
 use maud::{Markup, html};
 
-use super::check::runs;
-use super::{figures, protocol};
 use crate::figures::{field, pressure};
 use crate::page::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, whole};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::Comparison;
 use gfmd_run::session::Session;
+use gfmd_run::sweep::{example, runs};
 
 const CITED: [&str; 5] = [
     "N. Prodanov, W. B. Dapp, M. H. Müser, On the contact area and mean gap of rough, elastic contacts: dimensional \
@@ -27,7 +28,7 @@ const CITED: [&str; 5] = [
 ///
 /// # Errors
 /// A file without a fit or without runs.
-pub(crate) fn page(reader: &Reader, session: &Session) -> Result<Page, Failure> {
+pub fn page(reader: &Reader, session: &Session) -> Result<Page, Failure> {
     let fits = Stored::new(reader, "/fit", "kappa_tfc")?;
     let loads = Stored::new(reader, "/runs", "mean_pressure")?;
     let mut page = Page { title: "κ, extrapolated".into(), cited: CITED.to_vec(), ..Page::default() };
@@ -307,10 +308,10 @@ fn drawn(
     };
     page.chart(&chart, "κ against a refinement", &caption);
     let caption = html! { "Contact area against the reduced pressure: the finest grid, and the limit." };
-    let example = super::check::example(reader, &plan, false, &mut Comparison::default())?;
+    let example = example(reader, &plan, false, &mut Comparison::default())?;
     let study = Study { plan, runs, analysis, example };
     let Study { plan, analysis, example, .. } = &study;
-    if let Some(chart) = protocol::chart(&study) {
+    if let Some(chart) = figures::protocol(&study) {
         let caption =
             html! { "κ along one axis for cells about the reference; broken lines: power laws through each of them." };
         page.chart(&chart, "κ along one axis", &caption);

@@ -1,10 +1,9 @@
 //! The page about a path.
 
 use gfmd_files::Reader;
-use gfmd_plot::{Axis, Chart, Panel};
+use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use maud::html;
 
-use super::figures::legs;
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness;
@@ -18,7 +17,7 @@ const CITED: [&str; 2] = [
 ///
 /// # Errors
 /// A file without steps.
-pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
+pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/path", "mean_pressure")?;
     let table = config(reader);
     let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
@@ -163,4 +162,15 @@ pub(crate) fn page(reader: &Reader) -> Result<Page, Failure> {
         Fact(html! { "additional solves" }, whole(stored.sum("extra_solves"))),
     ]);
     Ok(page)
+}
+
+/// A path of points, leg by leg.
+pub fn legs(points: &[(f64, f64)], steps_of_leg: usize) -> Vec<Series> {
+    let last = points.len().saturating_sub(1);
+    let leg = |(hue, start): (usize, usize)| {
+        let points = points[start..=(start + steps_of_leg).min(last)].iter().map(|(x, y)| Point::new(*x, *y));
+        let label = format!("leg {}", hue + 1);
+        Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
+    };
+    (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
 }
