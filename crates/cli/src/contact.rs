@@ -54,7 +54,7 @@ use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 pub(crate) use check::{again, check};
 use conductance::Conducting;
 pub use report::Report;
-use statistics::{Findings, Gathered, Measured};
+use statistics::{Findings, Gathered, measured};
 pub use stored::{configuration, facts_of, records};
 use vtk::VtkFile;
 use whole::Whole;
@@ -413,7 +413,7 @@ impl Loads {
     fn finish(&self, mut file: StateFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
         let surface = &self.prepared.surface;
         if let Some(archive) = file.archive() {
-            statistics::write(archive, surface, &gathered.loads)?;
+            gfmd_run::statistics::write(archive, &surface.grid, surface.unit(), &gathered.loads)?;
             if let Some(found) = &report.flow_threshold {
                 threshold::write(archive, surface.unit(), found)?;
             }
@@ -501,7 +501,7 @@ impl Outlet for Measuring<'_> {
             let unusable = |error: ndarray::ShapeError| Failure::Input(error.to_string());
             let (repulsion, gap) = (field(repulsion).map_err(unusable)?, field(gap).map_err(unusable)?);
             let repulsion = repulsion.mapv(|p| p.max(0.0));
-            self.gathered.loads.push(Measured::of(surface, repulsion.view(), gap)?.0);
+            self.gathered.loads.push(measured(surface, repulsion.view(), gap)?.0);
         }
         Ok(())
     }

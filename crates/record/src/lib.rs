@@ -35,6 +35,7 @@ mod column;
 mod columns;
 mod json;
 mod record;
+mod statistics;
 
 pub use arrays::{ARRAYS, Array, arrays, repulsion};
 pub use at::{At, Measured, NOT_SOLVED};
@@ -43,3 +44,4 @@ pub use column::{Column, Meaning, Number, Origin};
 pub use columns::{COLUMNS, columns, page};
 pub use json::RecordError;
 pub use record::{Record, lines, reason_of, reasons};
+pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};

@@ -24,5 +24,6 @@ pub mod rows;
 pub mod series;
 pub mod session;
 pub mod source;
+pub mod statistics;
 pub mod sweep;
 pub mod trace;

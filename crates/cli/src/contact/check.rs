@@ -5,10 +5,10 @@ use std::path::Path;
 use gfmd_contact::{Fields as _, Load};
 use gfmd_files::Reader;
 use gfmd_law::Kind;
-use gfmd_record::{At, NOT_SOLVED, Record, repulsion};
+use gfmd_record::{At, NOT_SOLVED, Record, Statistics, repulsion};
 use ndarray::{Array2, ArrayView2};
 
-use super::statistics::{self, Findings, Measured};
+use super::statistics::Findings;
 use super::{Args, Loads, stiffness};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
@@ -17,6 +17,7 @@ use gfmd_run::result::{
 };
 use gfmd_run::series::{Prepared, StateFile, Stored};
 use gfmd_run::session::Session;
+use gfmd_run::statistics;
 
 /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
 pub(crate) fn check(
@@ -62,7 +63,7 @@ pub(crate) fn check(
         let (chosen, provenance) = (args.fields.clone().unwrap_or_default(), session.provenance(String::new()));
         let mut file = StateFile::of(Some(output), &provenance, &loads.prepared, asked, (chosen, session))?;
         if let (true, Some(archive)) = (facts.statistics, file.archive()) {
-            statistics::write(archive, surface, &measured)?;
+            statistics::write(archive, &surface.grid, surface.unit(), &measured)?;
         }
         let path = file.finish(&records, asked, None)?;
         path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
@@ -75,7 +76,7 @@ fn compare(
     stored: &Stored,
     (args, loads): (&Args, &Loads),
     comparison: &mut Comparison,
-) -> Result<(Vec<Record>, Vec<Measured>), Failure> {
+) -> Result<(Vec<Record>, Vec<Statistics>), Failure> {
     let (reader, facts) = (stored.reader, &loads.prepared.facts);
     let (mut records, mut measured) = (Vec::new(), Vec::new());
     for (index, drive) in loads.drives.iter().enumerate().take(stored.count()) {
@@ -100,13 +101,7 @@ fn compare(
         }
         records.push(record);
     }
-    for statistics::Stored { path, values } in statistics::arrays(&measured) {
-        if reader.contains(path) {
-            comparison.values(path, &reader.values::<f64>(path)?, &values, 0.0);
-        } else if !values.is_empty() {
-            comparison.differ(path, "it is missing".into());
-        }
-    }
+    statistics::compare(reader, &measured, comparison)?;
     Ok((records, measured))
 }
 

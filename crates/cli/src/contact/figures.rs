@@ -8,7 +8,8 @@ use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Scale, Series};
 use ndarray::ArrayView2;
 
 use super::Report;
-use super::statistics::{Gathered, patches};
+use super::statistics::Gathered;
+use gfmd_record::patches;
 use gfmd_report::contact::areas;
 use gfmd_report::figures::{Drawn, Scene, field, named, short};
 use gfmd_run::failure::Failure;
@@ -108,7 +109,7 @@ pub(super) fn measured(
         return Ok(files);
     }
     if !grid.is_line() {
-        let found = patches(surface, *repulsion);
+        let found = patches(*repulsion, surface.boundary);
         // Neighbours in the order of their numbers get distant colours, by steps of the golden section.
         let colour =
             |label: &u32| if *label == 0 { 0.0 } else { 0.05 + 0.95 * (f64::from(*label) * 0.618_033_988_75).fract() };

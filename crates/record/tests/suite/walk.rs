@@ -4,7 +4,7 @@ use crate::parts::{Parts, all_facts};
 use gfmd_contact::{Drive, Equilibrium, Fields, Load};
 use gfmd_interface::{Path, Quasistatic, Refinement, Step};
 use gfmd_problem::{Facts, Posed, Rest, Task, pose};
-use gfmd_record::{ARRAYS, At, COLUMNS, Cell, Column, Origin, Record, arrays, columns, page};
+use gfmd_record::{ARRAYS, Along, At, COLUMNS, Cell, Column, Origin, Record, arrays, columns, page};
 use gfmd_relax::Budget;
 
 /// Checks the state of a problem under one load, or after one step of a path.
@@ -116,15 +116,34 @@ fn the_page_has_the_columns() {
          `/loads/<name>[load]` and\n`/path/<name>[step]`, in the JSON of a load or step at the place given (`.0`, `.1`: places in a \
          list), in Python as attributes. A number without a\nvalue is `null`, NaN in HDF5 and Python, and its reason is in \
          `undefined`: an object of the load or step, an attribute of the dataset.\n\n{}\n\
-         Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}",
+         Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}\n\
+         With `--statistics` the loads of a contact also have these arrays: those of patches one after the other, all others one row a \
+         load.\n\n{}",
         page(),
-        fields()
+        fields(),
+        statistics()
     );
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/columns.md");
     if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
         std::fs::write(file, &text).unwrap();
     }
     assert_eq!(std::fs::read_to_string(file).unwrap(), text);
+}
+
+/// The patches, distributions and spectra as a table in Markdown.
+fn statistics() -> String {
+    let row = |array: &gfmd_record::Statistic| {
+        let along = match array.along {
+            Along::Patch => "patch",
+            Along::Bin => "load,bin",
+            Along::Ring => "load,wavenumber",
+            Along::LagX => "load,lag_x",
+            Along::LagY => "load,lag_y",
+        };
+        format!("| `{}[{along}]` | {} | {} |\n", array.path, array.unit.unwrap_or("length"), array.meaning)
+    };
+    let head = "| array | unit | definition |\n|---|---|---|\n";
+    gfmd_record::STATISTICS.iter().fold(head.to_owned(), |page, array| page + &row(array))
 }
 
 /// The fields as a table in Markdown.

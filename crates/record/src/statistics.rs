@@ -1,0 +1,259 @@
+//! The arrays that statistics add to a load, each once: patches, distributions, spectra.
+
+use gfmd_contact::Boundary;
+use gfmd_field::{Grid, Transform};
+use gfmd_measure::{Distribution, Patches, density_over_decades};
+use gfmd_surface::PowerSpectrum;
+use ndarray::ArrayView2;
+
+/// Number of bins of a distribution.
+const BINS: usize = 100;
+
+/// Decades of a distribution on a logarithmic scale, below the largest value.
+const DECADES: usize = 6;
+
+/// Its number of bins in a decade.
+const BINS_PER_DECADE: usize = 10;
+
+/// The axis along which the values of a load stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// The patches of points in contact, in the order of their first points.
+    Patch,
+    /// Bins of equal width between zero and the largest value of the load.
+    Bin,
+    /// Rings of wavevectors of about the same length; periodic fields alone have them.
+    Ring,
+    /// Distances along x, from zero to half of the cell; periodic fields alone have them.
+    LagX,
+    /// Distances along y.
+    LagY,
+}
+
+/// An array of a load.
+#[derive(Clone, Copy, Debug)]
+pub struct Statistic {
+    /// The path in a file.
+    pub path: &'static str,
+    /// The axis of its values.
+    pub along: Along,
+    /// The unit; `None` for that of the lengths of the surface.
+    pub unit: Option<&'static str>,
+    /// The definition.
+    pub meaning: &'static str,
+    /// The values of a load of this number.
+    pub values: fn(&Statistics, usize) -> Vec<f64>,
+}
+
+fn of_patches(found: &Statistics, number: usize) -> Vec<f64> {
+    found.patches.iter().map(|patch| patch[number]).collect()
+}
+
+fn of_spectra(found: &Statistics, part: fn(&Spectra) -> Vec<f64>) -> Vec<f64> {
+    found.spectra.as_ref().map(part).unwrap_or_default()
+}
+
+/// All arrays, in the order of a file.
+pub const STATISTICS: &[Statistic] = &[
+    Statistic {
+        path: "/patches/load",
+        along: Along::Patch,
+        unit: Some("1"),
+        meaning: "load step to which the patch belongs",
+        values: |found, load| vec![load as f64; found.patches.len()],
+    },
+    Statistic {
+        path: "/patches/area",
+        along: Along::Patch,
+        unit: Some("length^2"),
+        meaning: "area: number of points times that of a cell",
+        values: |found, _| of_patches(found, 0),
+    },
+    Statistic {
+        path: "/patches/perimeter",
+        along: Along::Patch,
+        unit: Some("length"),
+        meaning: "length of the edges between points in contact and points not in contact; the edge of a patch with free boundaries has no part in it",
+        values: |found, _| of_patches(found, 1),
+    },
+    Statistic {
+        path: "/patches/force",
+        along: Along::Patch,
+        unit: Some("stress*length^2"),
+        meaning: "force on the patch",
+        values: |found, _| of_patches(found, 2),
+    },
+    Statistic {
+        path: "/patches/x",
+        along: Along::Patch,
+        unit: None,
+        meaning: "x of the centre of area; NaN if the patch winds around the cell along x",
+        values: |found, _| of_patches(found, 3),
+    },
+    Statistic {
+        path: "/patches/y",
+        along: Along::Patch,
+        unit: None,
+        meaning: "y of the centre of area; NaN if the patch winds around the cell along y",
+        values: |found, _| of_patches(found, 4),
+    },
+    Statistic {
+        path: "/distributions/pressure",
+        along: Along::Bin,
+        unit: Some("1/stress"),
+        meaning: "density of the positive pressures over the whole surface",
+        values: |found, _| found.pressure.densities.clone(),
+    },
+    Statistic {
+        path: "/distributions/pressure_at",
+        along: Along::Bin,
+        unit: Some("stress"),
+        meaning: "pressure in the middle of the bin",
+        values: |found, _| found.pressure.middles.clone(),
+    },
+    Statistic {
+        path: "/distributions/gap",
+        along: Along::Bin,
+        unit: Some("1/length"),
+        meaning: "density of the gap of points not in contact over the whole surface",
+        values: |found, _| found.gap.densities.clone(),
+    },
+    Statistic {
+        path: "/distributions/gap_at",
+        along: Along::Bin,
+        unit: None,
+        meaning: "gap in the middle of the bin",
+        values: |found, _| found.gap.middles.clone(),
+    },
+    Statistic {
+        path: "/spectra/pressure",
+        along: Along::Ring,
+        unit: Some("stress^2*length^2"),
+        meaning: "radially averaged power spectral density of the pressure, as of heights",
+        values: |found, _| of_spectra(found, |spectra| spectra.radial.iter().map(|bin| bin[1]).collect()),
+    },
+    Statistic {
+        path: "/spectra/autocorrelation_x",
+        along: Along::LagX,
+        unit: Some("1"),
+        meaning: "autocorrelation of the pressure less its mean, along x",
+        values: |found, _| of_spectra(found, |spectra| spectra.correlation[0].clone()),
+    },
+    Statistic {
+        path: "/spectra/autocorrelation_y",
+        along: Along::LagY,
+        unit: Some("1"),
+        meaning: "autocorrelation of the pressure less its mean, along y",
+        values: |found, _| of_spectra(found, |spectra| spectra.correlation[1].clone()),
+    },
+];
+
+/// The patches of the points that are repelled.
+pub fn patches(repulsion: ArrayView2<'_, f64>, boundary: Boundary) -> Patches {
+    Patches::of(repulsion.mapv(|p| p > 0.0).view(), boundary.surroundings())
+}
+
+/// A field of which no statistics are made.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("the spectrum of the pressure: {0}")]
+pub struct Unmeasured(String);
+
+/// The patches, distributions and spectra of a load.
+#[derive(Clone, Debug)]
+pub struct Statistics {
+    /// Area, perimeter, force and centre of each patch, in the order of their first points.
+    patches: Vec<[f64; 5]>,
+    /// The distribution of the pressures.
+    pub pressure: Distribution,
+    /// That of the gap of points not in contact.
+    pub gap: Distribution,
+    /// Gaps and densities, in bins of equal width on a logarithmic scale.
+    pub gap_decades: Vec<[f64; 2]>,
+    /// Periodic fields alone have them.
+    spectra: Option<Spectra>,
+}
+
+/// The spectrum of a pressure.
+#[derive(Clone, Debug)]
+struct Spectra {
+    /// Wavenumbers and power spectral densities.
+    radial: Vec<[f64; 2]>,
+    /// Autocorrelation along x and along y.
+    correlation: [Vec<f64>; 2],
+}
+
+impl Statistics {
+    /// Measures the fields of a load, and its patches. The `pressure` is the repulsive part alone, which is zero out of contact.
+    ///
+    /// # Errors
+    /// Fields that do not fit the grid.
+    pub fn of(
+        grid: &Grid,
+        boundary: Boundary,
+        pressure: ArrayView2<'_, f64>,
+        gap: ArrayView2<'_, f64>,
+    ) -> Result<(Self, Patches), Unmeasured> {
+        let found = patches(pressure, boundary);
+        let [dx, dy] = grid.spacing();
+        let points = grid.len();
+        let forces = found.sums(pressure);
+        let rows = found.patches.iter().zip(forces).map(|(patch, force)| {
+            let perimeter = patch.links[0] as f64 * dy + patch.links[1] as f64 * dx;
+            let [x, y] = patch.centre;
+            [patch.points as f64 * dx * dy, perimeter, force * dx * dy, x * dx, y * dy]
+        });
+        let apart = || gap.iter().zip(pressure).filter(|(_, p)| **p <= 0.0).map(|(gap, _)| *gap);
+        let measured = Self {
+            patches: rows.collect(),
+            pressure: Distribution::of(pressure.iter().copied(), points, BINS),
+            gap: Distribution::of(apart(), points, BINS),
+            gap_decades: density_over_decades(apart(), points, DECADES, BINS_PER_DECADE),
+            spectra: (boundary == Boundary::Periodic).then(|| spectra(grid, pressure)).transpose()?,
+        };
+        Ok((measured, found))
+    }
+
+    /// The wavenumbers and densities of the spectrum of the pressure.
+    pub fn spectrum(&self) -> Option<&[[f64; 2]]> {
+        self.spectra.as_ref().map(|spectra| &spectra.radial[..])
+    }
+}
+
+/// The radially averaged spectrum of the pressure, and its autocorrelation along x and y over the variance, up to half of the
+/// cell.
+fn spectra(grid: &Grid, pressure: ArrayView2<'_, f64>) -> Result<Spectra, Unmeasured> {
+    let unusable = |error: &dyn std::fmt::Display| Unmeasured(error.to_string());
+    let spectrum = PowerSpectrum::of(&pressure.to_owned(), grid).map_err(|error| unusable(&error))?;
+    let radial = spectrum.radial().into_iter().map(|bin| [bin.wavenumber, bin.density]).collect();
+    let mut power = spectrum.power().to_vec();
+    // The mean has no part in it.
+    power[0] = 0.0;
+    // The transform of the power is its convolution with a unit at the origin.
+    let transform = Transform::new(*grid);
+    let (mut unit, mut correlation) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
+    unit[0] = 1.0;
+    let made = transform.convolve(&power, &unit, &mut correlation, &mut transform.workspace());
+    made.map_err(|error| unusable(&error))?;
+    let [nx, ny] = grid.points();
+    let relative = |index: usize| if correlation[0] > 0.0 { correlation[index] / correlation[0] } else { f64::NAN };
+    let along_x = (0..=nx / 2).map(|i| relative(i % nx * ny)).collect();
+    Ok(Spectra { radial, correlation: [along_x, (0..=ny / 2).map(|j| relative(j % ny)).collect()] })
+}
+
+impl Statistics {
+    /// The points of an axis: wavenumbers or distances; of patches and bins their number.
+    pub fn axis(&self, along: Along, grid: &Grid) -> Vec<f64> {
+        let [dx, dy] = grid.spacing();
+        let lags = |axis: usize, spacing: f64| {
+            let count = self.spectra.as_ref().map_or(0, |spectra| spectra.correlation[axis].len());
+            (0..count).map(|k| k as f64 * spacing).collect()
+        };
+        match along {
+            Along::Patch => (0..self.patches.len()).map(|k| k as f64).collect(),
+            Along::Bin => (0..BINS).map(|k| k as f64).collect(),
+            Along::Ring => of_spectra(self, |spectra| spectra.radial.iter().map(|bin| bin[0]).collect()),
+            Along::LagX => lags(0, dx),
+            Along::LagY => lags(1, dy),
+        }
+    }
+}

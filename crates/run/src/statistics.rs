@@ -1,0 +1,65 @@
+//! Patches, distributions and spectra of the loads in a file.
+
+use gfmd_field::Grid;
+use gfmd_files::{Archive, Dimension, Reader, Variable};
+use gfmd_record::{Along, STATISTICS, Statistic, Statistics};
+
+use crate::failure::Failure;
+use crate::result::Comparison;
+
+/// The values of all loads, one after another; none if a load has none.
+fn joined(statistic: &Statistic, loads: &[Statistics]) -> Vec<f64> {
+    let of_loads: Vec<Vec<f64>> =
+        loads.iter().enumerate().map(|(load, found)| (statistic.values)(found, load)).collect();
+    let is_whole = statistic.along == Along::Patch || of_loads.iter().all(|values| !values.is_empty());
+    if is_whole { of_loads.concat() } else { Vec::new() }
+}
+
+/// Writes the arrays of the loads that were solved, with lengths in this unit.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(archive: &mut Archive, grid: &Grid, unit: &str, loads: &[Statistics]) -> Result<(), Failure> {
+    let Some(first) = loads.first() else { return Ok(()) };
+    let load = Dimension::index("load", loads.len(), "load step");
+    let patches = joined(&STATISTICS[0], loads).len();
+    for statistic in STATISTICS {
+        let Statistic { path, along, unit: own, meaning, .. } = *statistic;
+        let values = joined(statistic, loads);
+        let axis =
+            |name: &str, unit: &str, meaning: &str| Dimension::values(name, first.axis(along, grid), unit, meaning);
+        let axis = match along {
+            Along::Patch => Dimension::index("patch", patches, "patch of any load"),
+            Along::Bin => {
+                let bins = first.axis(along, grid).len();
+                Dimension::index("bin", bins, "bin between zero and the largest value of the load")
+            }
+            Along::Ring => axis("wavenumber", "rad/length", "mean wavenumber of a ring"),
+            Along::LagX => axis("lag_x", unit, "distance"),
+            Along::LagY => axis("lag_y", unit, "distance"),
+        };
+        let both = [&load, &axis];
+        let dimensions = if along == Along::Patch { &both[1..] } else { &both };
+        if !values.is_empty() && !axis.is_empty() {
+            let variable = Variable { dimensions, units: own.unwrap_or(unit), long_name: meaning };
+            archive.write(path, &variable, &values)?;
+        }
+    }
+    Ok(())
+}
+
+/// Compares the arrays of a file with those of the loads.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn compare(reader: &Reader, loads: &[Statistics], comparison: &mut Comparison) -> Result<(), Failure> {
+    for statistic in STATISTICS {
+        let (path, values) = (statistic.path, joined(statistic, loads));
+        if reader.contains(path) {
+            comparison.values(path, &reader.values::<f64>(path)?, &values, 0.0);
+        } else if !values.is_empty() {
+            comparison.differ(path, "it is missing".into());
+        }
+    }
+    Ok(())
+}
