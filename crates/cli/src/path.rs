@@ -9,7 +9,7 @@ mod waypoints;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Visit};
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Solver, Visit};
 use gfmd_files::Output;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_law::{Kind, Limit};
@@ -156,6 +156,7 @@ impl Args {
             limit,
             boundary: self.boundary,
             dynamics: Dynamics::default(),
+            solver: Solver::Auto,
             budget: self.budget(),
             once: false,
         })
