@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Fields as _, Load, Refusal, Stiffness};
+use gfmd_contact::{Boundary, Drive, Fields as _, Load, Refusal, Stiffness};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
@@ -30,32 +30,26 @@ use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
-use gfmd_problem::options::DynamicsArgs;
-use gfmd_problem::options::LawArgs;
-use gfmd_problem::options::SolverArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{BodyArgs, height, parse_height};
-use gfmd_problem::options::{named, parse_choice};
+use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
-use gfmd_run::base::{BaseArgs, MovedBase};
-use gfmd_run::failure::{Failure, Outcome, reached};
-use gfmd_run::hardness::GivenHardness;
-use gfmd_run::lower::LowerArgs;
+use gfmd_run::base::MovedBase;
+use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
 use gfmd_run::series::{
-    Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, is_normal, keeping,
+    Asked, Chosen, ContactArgs, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, keeping,
 };
 use gfmd_run::session::Session;
-use gfmd_run::source::{SourceArgs, Surface};
+use gfmd_run::source::Surface;
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
 pub(crate) use check::{again, check};
 use conductance::Conducting;
 pub use report::Report;
 use statistics::{Findings, Gathered, measured};
-pub use stored::{configuration, facts_of, records};
+pub use stored::{configuration, records};
 use vtk::VtkFile;
 use whole::Whole;
 
@@ -76,37 +70,10 @@ use whole::Whole;
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
-    source: SourceArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    body: BodyArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    base: BaseArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    lower: LowerArgs,
+    problem: ContactArgs,
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
-    /// The surroundings of the surface
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
-    #[serde(with = "named")]
-    boundary: Boundary,
-    /// The components of the surface displacement that are unknown
-    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
-    #[serde(skip_serializing_if = "is_normal", with = "named")]
-    components: Unknown,
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
-    /// reached the surfaces are pressed into each other
-    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    hardness: Option<GivenHardness>,
-    /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act along the normal of
-    /// the rigid surface
-    #[arg(long)]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    finite_slope: bool,
     /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -125,20 +92,7 @@ pub struct Args {
     flow_threshold: bool,
     #[command(flatten)]
     #[serde(flatten)]
-    solver: SolverArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    dynamics: DynamicsArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
     trace: TraceArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    law: LawArgs,
-    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the other
-    #[arg(long)]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    range_continuation: bool,
     /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, displacement_x,
     /// displacement_y, lower_pressure, lower_displacement_z and lower_gap, or none; default: all
     #[arg(long, value_name = "F1,F2,..|none")]
@@ -227,9 +181,6 @@ fn is_infinite(height: &Height) -> bool {
     *height == Height::Infinite
 }
 
-/// The ranges of `--range-continuation`, over the one asked for.
-pub const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
-
 /// Runs the command.
 ///
 /// # Errors
@@ -255,17 +206,14 @@ struct Loads {
 impl Loads {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.checkpoint.every()?;
-        let count = args.control.check(args.law.law != Kind::HardWall)?;
-        if args.range_continuation && args.law.with_range(1.0)?.is_none() {
-            let found = format!("--range-continuation: the law {} has no range", args.law.law.name());
-            return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
-        }
-        args.check_dynamics()?;
+        let count = args.control.check(args.problem.law.law != Kind::HardWall)?;
+        args.problem.check()?;
+        args.check_history()?;
         if args.flow_threshold {
             threshold::check(args)?;
         }
         let once = count <= 1 && !args.statistics && !args.flow;
-        let prepared = Prepared::new(&Asked { once, ..args.asked()? }, |line| args.facts(line), session)?;
+        let prepared = Prepared::new(&Asked { once, ..args.problem.asked()? }, |line| args.facts(line), session)?;
         let Prepared { facts, surface, body, .. } = &prepared;
         args.check_fields(facts)?;
         args.trace.tracer(&surface.grid, args.axes(surface))?;
@@ -298,34 +246,11 @@ impl Loads {
         modes.map(|((mode, power), stiffness)| mode.weight * power * stiffness * stiffness).sum()
     }
 
-    /// The state of the first load by laws of longer ranges; `None` if that is not asked for.
-    fn after_longer_ranges(&self, args: &Args, session: &Session) -> Result<Option<Rest>, Failure> {
-        let mut last: Option<Rest> = None;
-        for factor in RANGES.into_iter().filter(|_| args.range_continuation) {
-            let Some(law) = args.law.with_range(factor)? else { break };
-            let interface = self.prepared.pose(&args.source, &law.into())?;
-            let mut watch = |_: &gfmd_contact::Progress| {
-                if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            };
-            let press = interface.press(self.drives[0]).solver(args.solver.solver).budget(args.solver.budget());
-            let (state, failure) = reached(press.starting_from(last.as_ref()).watch(&mut watch).solve())?;
-            if let Some(failure) = failure {
-                return Err(failure.at(&format!("range times {factor}")));
-            }
-            last = Some(state);
-        }
-        Ok(last)
-    }
-
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
-        let (asked, solver) = (args.asked()?, args.solver.solver);
-        let contact = prepared.pose_and_tell(&asked, session)?;
-        if !contact.solvers().contains(&solver) {
-            return Err(Refusal::Solver { found: solver, allowed: contact.solvers() }.into());
-        }
-        prepared.check_drives(&contact, drives, args.control.flag(), args.solver.tol)?;
-        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+        let contact = prepared.pose_and_tell(&args.problem.asked()?, session)?;
+        prepared.check_drives(&contact, drives, args.control.flag(), args.problem.solver.tol)?;
+        let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
         let kept = match output {
@@ -356,7 +281,7 @@ impl Loads {
             prepared,
             session,
             drives,
-            tolerance: args.solver.tol,
+            tolerance: args.problem.solver.tol,
             every: 1,
             chosen: args.fields.clone().unwrap_or_default(),
             ends_with_file: !args.flow_threshold,
@@ -365,10 +290,13 @@ impl Loads {
         let progress = Progress::new(session.quiet, "loads", drives.len() as f64);
         let mut measuring =
             Measuring { loads: self, contact, args, session, gathered: Gathered::default(), trace: None };
-        let mut path = Path::new(contact, args.solver.budget(), None).solver(args.solver.solver);
+        let mut path = Path::new(contact, args.problem.solver.budget(), None).solver(args.problem.solver.solver);
+        let mut stop = |_: &gfmd_contact::Progress| {
+            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
         let ended = series.run(
             &mut path,
-            || self.after_longer_ranges(args, session),
+            || args.problem.after_longer_ranges(prepared, drives[0], &mut stop),
             (file.as_mut(), kept.as_deref_mut()),
             &progress,
             &mut measuring,
@@ -377,7 +305,7 @@ impl Loads {
         let is_kept = ended.is_kept(kept.as_deref());
         let Ended { records, failure, not_converged, .. } = ended;
         let mut report = Report {
-            head: Head::new(&args.asked()?, prepared, contact.surface()),
+            head: Head::new(&args.problem.asked()?, prepared, contact.surface()),
             loads: records,
             history: trace,
             flow_threshold: None,
@@ -438,7 +366,7 @@ impl Loads {
         }
         let Some(prefix) = &args.plots else { return Ok(()) };
         let Whole { surface, hardness, shown, .. } = whole;
-        let variance = self.pressure_variance(surface, args.components);
+        let variance = self.pressure_variance(surface, args.problem.components);
         let upper = Scene::upper(surface, shown, report.head.e_star, hardness.as_deref());
         let below = state.lower().map(Shown::below);
         let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
@@ -472,7 +400,7 @@ impl Outlet for Measuring<'_> {
 
     fn refused(&self, refusal: Refusal) -> Failure {
         match refusal {
-            Refusal::Search(error) if self.args.dynamics.is_given() => Failure::input("--dt, --damping", error),
+            Refusal::Search(error) if self.args.problem.dynamics.is_given() => Failure::input("--dt, --damping", error),
             refusal => refusal.into(),
         }
     }
@@ -529,23 +457,6 @@ impl Default for Args {
 }
 
 impl Args {
-    /// The problem that the flags ask for.
-    fn asked(&self) -> Result<Asked<'_>, Failure> {
-        Ok(Asked {
-            source: &self.source,
-            body: &self.body,
-            base: &self.base,
-            lower: &self.lower,
-            law: &self.law,
-            hardness: self.hardness.as_ref(),
-            limit: None,
-            boundary: self.boundary,
-            dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
-            budget: self.solver.budget(),
-            once: false,
-        })
-    }
-
     /// Checks that the fields that are chosen are there, with those that are needed.
     fn check_fields(&self, facts: &Facts) -> Result<(), Failure> {
         let Some(fields) = &self.fields else { return Ok(()) };
@@ -571,7 +482,7 @@ impl Args {
     /// The axes of the components that move.
     fn axes(&self, surface: &Surface) -> &'static [usize] {
         let of_grid = Components::of(&surface.grid);
-        if self.components == Unknown::All || self.finite_slope {
+        if self.problem.components == Unknown::All || self.problem.finite_slope {
             of_grid.axes()
         } else {
             &of_grid.axes()[of_grid.normal()..]

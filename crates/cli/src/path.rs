@@ -8,7 +8,7 @@ mod waypoints;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Visit};
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Solver, Visit};
 use gfmd_files::Output;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_law::{Kind, Limit};
@@ -154,6 +154,7 @@ impl Args {
             limit,
             boundary: self.boundary,
             dynamics: Dynamics::default(),
+            solver: Solver::Auto,
             budget: self.budget(),
             once: false,
         })

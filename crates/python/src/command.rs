@@ -40,7 +40,7 @@ pub(crate) fn solve<'py>(
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
     let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
     let memory = Memory::default();
-    let session = Session::silent();
+    let session = Session::guest();
     let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let (finished, wait) = channel::<()>();
@@ -82,7 +82,7 @@ pub(crate) fn told(failure: Failure) -> (&'static str, String) {
 }
 
 /// The arrays of a dictionary: NumPy's, or a configuration and the values of a contact. One that is `None` is left out.
-fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
+pub(crate) fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
     let array = |value: &Bound<'_, PyAny>| -> PyResult<ArrayD<f64>> {
         Ok(value.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().as_standard_layout().into_owned())
     };

@@ -2,81 +2,61 @@
 
 use std::path::Path;
 
-use gfmd_cli::contact::{self, configuration, facts_of};
-use gfmd_contact::{Boundary, Hardness};
+use gfmd_cli::contact::{self, configuration};
 use gfmd_files::{Output, Reader};
-use gfmd_record::Record;
+use gfmd_record::{Record, arrays};
 use gfmd_run::failure::Failure;
 use gfmd_run::json;
-use gfmd_run::series::{Chosen, StateFile};
+use gfmd_run::series::{Chosen, Prepared, StateFile};
 use gfmd_run::session::Session;
-use gfmd_run::source::Surface;
-use gfmd_surface::Statistics;
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::command::table;
+use crate::contact::{described, prepared};
 use crate::failure::{failed, refused};
-use crate::surface::grid;
 use crate::worker::quick;
 
 /// The scalars as JSON, and the fields, in the order of a file.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
-/// A surface: heights, lengths, unit, description.
-type Given<'py> = (PyReadonlyArray2<'py, f64>, [f64; 2], Option<String>, String);
+/// The unit and the description of a surface.
+type Words = (Option<String>, String);
 
-/// The surface as a file has it.
-fn surface_of(
-    py: Python<'_>,
-    (heights, lengths, unit, description): Given<'_>,
-    boundary: Boundary,
-) -> PyResult<Surface> {
-    let heights = heights.as_array().to_owned();
-    let grid = grid(py, heights.dim().into(), lengths)?;
-    let statistics = quick(py, || Statistics::of(&heights, &grid))?;
-    let statistics = statistics.map_err(|error| refused(py, &format!("surface: {error}")))?;
-    let (share, scan, origin, second) = (grid.whole(), None, None, None);
-    Ok(Surface { heights, grid, share, unit, statistics, boundary, description, scan, origin, second })
-}
-
-/// Writes contacts of one surface; `hardness` is given if it is a field, `lower` if there is a surface below the slab.
+/// Writes contacts of one problem, which [`Problem`](crate::contact::Problem) takes in the same form, with the words of its surface,
+/// and of that below the slab, if there is one.
 #[pyfunction]
-#[pyo3(signature = (path, surface, loads, config, hardness=None, lower=None))]
 pub(crate) fn save(
     py: Python<'_>,
     path: &str,
-    surface: Given<'_>,
+    problem: &Bound<'_, PyDict>,
+    arrays: &Bound<'_, PyDict>,
+    words: Vec<Words>,
     loads: Vec<Load<'_>>,
     config: &Bound<'_, PyDict>,
-    hardness: Option<PyReadonlyArray2<'_, f64>>,
-    lower: Option<Given<'_>>,
 ) -> PyResult<()> {
+    let args = described(py, problem, arrays)?;
     let config = toml::to_string(&table(config)?).map_err(|error| refused(py, &error))?;
-    let line = surface.0.as_array().ncols() == 1;
-    let facts = facts_of(&config, line).map_err(|failure| refused(py, &failure))?;
+    let prepared = quick(py, || prepared(&args))?;
+    let mut prepared = prepared.map_err(|failure| failed(py, &failure))?;
+    let Prepared { surface, lower, .. } = &mut prepared;
+    for (surface, (unit, description)) in std::iter::once(surface).chain(lower).zip(words) {
+        (surface.unit, surface.description, surface.scan) = (unit, description, None);
+    }
     let mut records = Vec::new();
     let mut fields: Vec<Vec<Array2<f64>>> = Vec::new();
     for (record, of_load) in loads {
         let record: serde_json::Value = serde_json::from_str(&record).map_err(|error| refused(py, &error))?;
-        records.push(Record::from_json(&facts, &record).map_err(|error| refused(py, &error))?);
+        records.push(Record::from_json(&prepared.facts, &record).map_err(|error| refused(py, &error))?);
         fields.push(of_load.iter().map(|field| field.as_array().to_owned()).collect());
     }
-    let boundary = facts.boundary;
-    let hardness = hardness.map(|field| Hardness::Field(field.as_array().to_owned()));
-    let surface = surface_of(py, surface, boundary)?;
-    let lower = lower.map(|lower| surface_of(py, lower, boundary)).transpose()?;
     let written = quick(py, || {
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
-        let session = Session::silent();
+        let session = Session::guest();
         let provenance = session.provenance(config);
-        let mut file = StateFile::create(Some(&output), &provenance, &surface, records.len(), facts, Chosen::All)?;
-        if let Some(lower) = &lower {
-            file.write_lower(lower)?;
-        }
-        file.write_hardness(hardness.as_ref(), &surface)?;
+        let mut file = StateFile::of(Some(&output), &provenance, &prepared, records.len(), (Chosen::All, &session))?;
         for (index, fields) in fields.iter().enumerate() {
             file.write_fields(index, fields.iter().map(|field| field.view().into()))?;
         }
@@ -97,13 +77,20 @@ pub(crate) fn read_array<'py>(py: Python<'py>, path: &str, name: &str) -> PyResu
     Ok(array.into_pyarray(py))
 }
 
-/// The scalars of each load in a file of a contact, as JSON.
+/// The scalars of each load in a file of a contact, as JSON, and the names of the fields of the loads.
 #[pyfunction]
-pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<Vec<String>> {
-    let read = quick(py, || contact::records(&Reader::open(path)?))?;
+pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>, Vec<&'static str>)> {
+    let read = quick(py, || {
+        let reader = Reader::open(path)?;
+        let (facts, records) = contact::records(&reader)?;
+        // A file of an earlier version has no repulsion.
+        let there = |name: &&str| *name != "repulsion" || reader.contains(&format!("/fields/{name}"));
+        Ok::<_, Failure>((records, arrays(&facts).map(|array| array.name).filter(there).collect()))
+    })?;
     // A file that is not there is unusable input, like one of another kind.
-    let records = read.map_err(|failure| refused(py, &failure))?;
-    records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error))).collect()
+    let (records, fields) = read.map_err(|failure| refused(py, &failure))?;
+    let texts = records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error)));
+    Ok((texts.collect::<PyResult<_>>()?, fields))
 }
 
 /// A text attribute of a file.

@@ -7,7 +7,6 @@ mod command;
 mod contact;
 mod failure;
 mod files;
-mod loads;
 mod surface;
 mod worker;
 
@@ -17,7 +16,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::command::{program, solve};
     #[pymodule_export]
-    use crate::contact::{Problem, State, adhesion, check_law, conductance, solvers};
+    use crate::contact::{Problem, State, adhesion, check_law, conductance, options};
     #[pymodule_export]
     use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]
@@ -25,8 +24,6 @@ mod _gfmd {
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
-    #[pymodule_export]
-    const RANGES: [f64; 3] = gfmd_cli::contact::RANGES;
     #[pymodule_export]
     const GIT_COMMIT: &str = gfmd_run::session::GIT_COMMIT;
 }

@@ -98,9 +98,12 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.contact(SMALL, BODY, mean_pressure=np.nan), "mean_pressure is nan"),
         (lambda: gfmd.contact(SMALL, BODY, approach=1e9), "approach: the approach is 1000000000"),
         (lambda: gfmd.contact(SMALL, 1.0, p_star=1), "body is float"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="best"), "solver is 'best'; it must be one of auto, cg"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="best"), "solver is \"best\": it must be one of auto, cg"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="newton"), "solver: the solver is newton"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, tolerance=1.0), "tolerance is 1.0; it must be between"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, tolerance=1.0), "tolerance: the tolerance is 1e0; it must be between"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, best=1), "the option is 'best'; it must be one of base_displacement, "),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, e_star=1), "the option is 'e_star'"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, dt=0.1), "dt is 0.1; it must be left out without solver verlet-critical"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=-1), "threads is -1"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=10**9), "threads is 1000000000"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, max_iterations=1.5), "max_iterations is 1.5"),
@@ -253,3 +256,20 @@ def test_the_overhead_of_a_call_is_small():
         best = min(best, time.perf_counter() - before - contact.seconds)
     # About 1 ms on a quiet machine, with the scalars measured on the fields; a busy one takes some times that.
     assert best < 1e-2, best
+
+
+def test_every_option_of_the_description_is_one_of_python(tmp_path):
+    slab, base = gfmd.Body(young=1.0, poisson=0.3, height=0.5), np.zeros((32, 32, 3))
+    base[..., 2] = 1e-3
+    moved, still = (gfmd.contact(SMALL, slab, p_star=0.05, tolerance=1e-10, **given) for given in ({"base_displacement": base}, {}))
+    # A base that moves as a whole takes the slab along.
+    assert np.abs(moved.displacement_z - still.displacement_z - 1e-3).max() < 1e-8 and np.allclose(moved.gap, still.gap, atol=1e-8)
+    base[:, 0, 2] += 1e-4
+    moved = gfmd.contact(SMALL, slab, p_star=0.05, base_displacement=base)
+    moved.save(tmp_path / "moved.h5")
+    again = gfmd.load(tmp_path / "moved.h5")
+    assert np.array_equal(again.displacement_z, moved.displacement_z)
+    warm, cold = (gfmd.contact(SMALL, slab, p_star=0.0501, base_displacement=base, start=start) for start in (again, None))
+    assert warm.iterations < cold.iterations and abs(warm.area_fraction - cold.area_fraction) < 1e-3
+    damped = [gfmd.contact(SMALL, slab, p_star=0.05, components="all", solver="verlet-critical", **options) for options in ({}, {"damping": [1.0, 1.0, 0.9]})]
+    assert damped[0].iterations != damped[1].iterations

@@ -31,11 +31,11 @@ def test_it_survives_files_and_pickles_and_starts_the_next_load_with_the_same_bi
     wanted = gfmd.contacts(SMALL, BODY, **KINDS[kind], **{name: [low, high]})
     c.save(tmp_path / "c.h5")
     for again in (c, gfmd.load(tmp_path / "c.h5"), pickle.loads(pickle.dumps(c))):
-        assert again.finite_slope == c.finite_slope and list(again._fields()) == list(c._fields())
-        assert all(np.array_equal(field, c._fields()[key]) for key, field in again._fields().items())
-        assert again._fields()["pressure"].flags.writeable is False
+        assert again.finite_slope == c.finite_slope and list(again._fields) == list(c._fields)
+        assert all(np.array_equal(field, c._fields[key]) for key, field in again._fields.items())
+        assert again._fields["pressure"].flags.writeable is False
         started = gfmd.contact(SMALL, BODY, start=again, **KINDS[kind], **{name: high})
-        assert all(np.array_equal(field, started._fields()[key]) for key, field in wanted[1]._fields().items())
+        assert all(np.array_equal(field, started._fields[key]) for key, field in wanted[1]._fields.items())
         assert started.iterations == wanted[1].iterations
     for contact in (wanted, gfmd.load(tmp_path / "c.h5")):
         contact.save(tmp_path / "saved.h5")
@@ -88,7 +88,7 @@ def test_all_fields_are_drawn():
     pytest.importorskip("matplotlib")
     for kind, label in (("finite slopes", "displacement $u_x$ (length)"), ("squeezed", "lower pressure (stress)")):
         c = gfmd.contact(SMALL, BODY, p_star=0.05, **KINDS[kind])
-        drawn = [c.plot(field).figure.axes[1].get_ylabel() for field in c._fields()]
+        drawn = [c.plot(field).figure.axes[1].get_ylabel() for field in c._fields]
         assert label in drawn, drawn
         for other, shown in (("shear", "'shear'"), ([], r"\[\]")):
             with pytest.raises(gfmd.InputError, match=f"field is {shown}"):
@@ -118,7 +118,7 @@ def test_what_does_not_go_together_is_named():
         (dict(start=steep), "start has finite_slope=True"),
         (dict(start=squeezed), "start has a lower_surface"),
         (dict(start=plain, lower_surface=BELOW), "start has no lower_surface"),
-        (dict(coarse="no"), "coarse is 'no'"),
+        (dict(coarse="no"), "coarse is \"no\""),
         (dict(range_continuation=True), "range_continuation: the law hard-wall has no range"),
         (dict(range_continuation=True, law=law, start=plain), "range_continuation and start are both given"),
     ]:

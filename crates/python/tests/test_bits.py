@@ -76,8 +76,8 @@ def test_contacts_have_the_numbers_of_the_program(name, run_program, tmp_path):
     read = gfmd.load(file)
     read = [read] if isinstance(read, gfmd.Contact) else read
     for contact, written in zip(found, read):
-        assert list(contact._fields()) == list(written._fields())
-        for field, values in contact._fields().items():
+        assert list(contact._fields) == list(written._fields)
+        for field, values in contact._fields.items():
             assert np.array_equal(values, getattr(written, field)), field
         same(written, {key: value for key, value in contact.items() if key not in TIMES and value == value})
         assert np.array_equal(written.surface.heights, contact.surface.heights)

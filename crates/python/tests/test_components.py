@@ -42,12 +42,12 @@ def test_a_surface_that_is_held_sideways_is_stiffer():
 def test_components_that_cannot_be_unknown_are_named():
     law = gfmd.law("morse", gamma=1e-4, range=5e-3)
     for call, words in [
-        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="both"), "components is 'both'"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="both"), "components is \"both\""),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", law=law), "components is all"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", hardness=1.0), "components is all"),
         (lambda: gfmd.contact(SMALL, BODY, approach=0.01, components="all"), "approach"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", solver="cg"), "solver"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="held", start=gfmd.contact(SMALL, BODY, p_star=0.1)), "start has the components normal"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="held", start=gfmd.contact(SMALL, BODY, p_star=0.1)), "start has components='normal'"),
     ]:
         with pytest.raises(gfmd.InputError) as told:
             call()

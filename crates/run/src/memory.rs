@@ -35,7 +35,7 @@ impl Processes {
 /// # Errors
 /// A need of more memory than is available.
 pub fn fits(held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-    fits_beside(0, held, name, points, Processes::ALONE)
+    fits_with(0, held, name, points, Processes::ALONE)
 }
 
 /// As [`fits`], for what the processes of this machine hold together.
@@ -43,28 +43,25 @@ pub fn fits(held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
 /// # Errors
 /// A need of more memory than is available.
 pub(crate) fn fits_shared(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-    fits_beside(0, held, name, points, processes)
+    fits_with(0, held, name, points, processes)
 }
 
-/// As [`fits_shared`], if all that the processes hold is part of the problem: its surface, and freed memory that the
-/// allocator keeps.
+/// All that these processes of this machine hold, in bytes: the rest of a problem, and freed memory that the allocator keeps.
+pub(crate) fn resident(processes: Processes) -> u64 {
+    own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64)
+}
+
+/// As [`fits_shared`], if some bytes of the problem are `there` already.
 ///
 /// # Errors
 /// A need of more memory than is available.
-pub(crate) fn fits_with_rest(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-    let there = own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64);
-    fits_beside(there, held, name, points, processes)
-}
-
-/// Refuses a need that exceeds what is available and the bytes that are `there` of it already, such as those of its surface.
-///
-/// # Errors
-/// A need of more memory than is available.
-pub fn fits_with(there: u64, held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-    fits_beside(there, held, name, points, Processes::ALONE)
-}
-
-fn fits_beside(there: u64, held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
+pub(crate) fn fits_with(
+    there: u64,
+    held: Held,
+    name: &str,
+    points: [usize; 2],
+    processes: Processes,
+) -> Result<(), Failure> {
     let ([nx, ny], Processes { here, all }) = (points, processes);
     let (held, whose) = if all > 1 {
         (Held(held.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
@@ -183,7 +180,7 @@ mod tests {
             fits_shared(Held::HARD_WALL, "the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
         let needed = "shared by 4 processes, 2 of them on this machine, need 57344.0 GiB";
         assert!(available_bytes().is_none() || refused.is_err_and(|error| error.contains(needed)));
-        let held = fits_with(u64::MAX, Held::HARD_WALL, "the grid", [1 << 20, 1 << 20]);
+        let held = fits_with(u64::MAX, Held::HARD_WALL, "the grid", [1 << 20, 1 << 20], Processes::ALONE);
         assert!(held.is_ok(), "what is held already need not be available");
         for count in [1 << 40, u64::MAX] {
             assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());

@@ -9,11 +9,13 @@ use gfmd_contact::{Contact, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
 use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
+use gfmd_problem::Held;
 use gfmd_vector::Ranks;
+use ndarray::Array2;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::memory::Processes;
+use crate::memory::{self, Processes};
 use crate::processes;
 
 /// The commit that the program was built from, `unknown` if it is not known.
@@ -37,13 +39,39 @@ pub struct Session {
     ranks: Option<Arc<dyn Ranks>>,
     /// The number of those on this machine.
     here: usize,
+    /// True if the process is that of a caller, who holds other things in memory, too.
+    is_guest: bool,
 }
 
 impl Session {
     /// A session of one process that prints nothing.
     pub fn silent() -> Self {
         let interrupted = Arc::new(AtomicBool::new(false));
-        Self { quiet: true, json: true, interrupted, warnings: Warnings::default(), memory: None, ranks: None, here: 1 }
+        Self {
+            quiet: true,
+            json: true,
+            interrupted,
+            warnings: Warnings::default(),
+            memory: None,
+            ranks: None,
+            here: 1,
+            is_guest: false,
+        }
+    }
+
+    /// A session that prints nothing, in the process of a caller, who holds other things in memory, too.
+    pub fn guest() -> Self {
+        Self { is_guest: true, ..Self::silent() }
+    }
+
+    /// Refuses a problem on a grid that needs more memory than there is, of which it has its `heights` already. The other memory of
+    /// a process that it has for itself is its own: what the allocator keeps.
+    ///
+    /// # Errors
+    /// At all processes, a need of more memory than is available.
+    pub(crate) fn fits(&self, held: Held, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+        let there = if self.is_guest { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
+        self.agree(memory::fits_with(there, held, "the grid", grid.points(), self.processes()))
     }
 
     /// The same session on several processes, of which so many are on this machine.

@@ -28,11 +28,11 @@ pub(crate) fn check(
 ) -> Result<(), Failure> {
     compare_heights(reader, comparison)?;
     let args: Args = stored_problem(reader, config)?;
-    regenerated(reader, config, args.boundary, comparison, session)?;
+    regenerated(reader, config, args.problem.boundary, comparison, session)?;
     let mut loads = Loads::new(&args, session)?;
     loads.prepared.take_units(reader);
     let Prepared { facts, surface, base, lower, .. } = &loads.prepared;
-    let others = [(args.law.law != Kind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
+    let others = [(args.problem.law.law != Kind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
     let others = others.into_iter().filter_map(|(needed, field)| needed.then_some(field));
     let mut needed = ["/fields/pressure"].into_iter().chain(others);
     if let (Some(missing), true) = (needed.find(|needed| !reader.contains(needed)), args.fields.is_some()) {
@@ -52,8 +52,8 @@ pub(crate) fn check(
     {
         comparison.differ("/lower/height", "its checksum does not hold".into());
     }
-    let contact = loads.prepared.pose(&args.source, &loads.prepared.law)?;
-    let stored = Stored::new(reader, &loads.prepared, &contact, args.solver.tol)?;
+    let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
+    let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.tol)?;
     let (count, asked) = (stored.count(), loads.drives.len());
     if count != asked {
         comparison.differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {asked}"));

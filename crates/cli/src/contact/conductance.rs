@@ -52,12 +52,12 @@ impl Conducting {
         let refuse = |error: &dyn std::fmt::Display| Failure::input("--conductor-height", error);
         Conductor::new(height).map_err(|error| refuse(&error))?;
         let is_endless = |body: &Body| body.height() == Height::Infinite;
-        let are_alike = args.law.law == Kind::HardWall
-            && args.hardness.is_none()
-            && args.components == Unknown::Normal
+        let are_alike = args.problem.law.law == Kind::HardWall
+            && args.problem.hardness.is_none()
+            && args.problem.components == Unknown::Normal
             && [height, body.height()] == [Height::Infinite; 2]
             && body.second().is_none_or(is_endless);
-        let way = if args.finite_slope {
+        let way = if args.problem.finite_slope {
             Way::Undefined("with finite slopes the points in contact have moved sideways")
         } else if *boundary == Boundary::Free && grid.is_line() && height == Height::Infinite {
             Way::Undefined(

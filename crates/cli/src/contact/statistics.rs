@@ -61,14 +61,14 @@ const UNRESOLVED: f64 = 0.01;
 
 /// The reason why the error of the grid is not known for this kind of contact; `None` if it is.
 fn not_calibrated(args: &Args, surface: &Surface) -> Option<String> {
-    let BodyArgs { height, others, .. } = &args.body;
+    let BodyArgs { height, others, .. } = &args.problem.body;
     let is_half_space = *height == Height::Infinite && others.layer.is_empty() && others.second_body.is_none();
     let other = [
-        ("a law", args.law.law != Kind::HardWall),
-        ("a hardness", args.hardness.is_some()),
+        ("a law", args.problem.law.law != Kind::HardWall),
+        ("a hardness", args.problem.hardness.is_some()),
         ("free boundaries", surface.boundary == Boundary::Free),
-        ("further unknown components", args.components != Unknown::Normal),
-        ("finite slopes", args.finite_slope),
+        ("further unknown components", args.problem.components != Unknown::Normal),
+        ("finite slopes", args.problem.finite_slope),
         ("a body that is no half-space", !is_half_space),
     ];
     if let Some((name, _)) = other.into_iter().find(|(_, is_so)| *is_so) {

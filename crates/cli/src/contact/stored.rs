@@ -18,21 +18,14 @@ pub fn configuration(reader: &Reader) -> Result<toml::Table, Failure> {
     Configuration::read::<Args>(Kind::Contact, &text).map(Configuration::into_table)
 }
 
-/// The facts of the configuration of a contact, whose surface may be a `line`.
-///
-/// # Errors
-/// A configuration of another kind; a name that is not known.
-pub fn facts_of(config: &str, line: bool) -> Result<Facts, Failure> {
-    Ok(Configuration::read::<Args>(Kind::Contact, config)?.as_named::<Args>()?.facts(line))
-}
-
-/// The records of all loads of a file. A number that the file does not have is NaN.
+/// The facts of the contact of a file, and the records of all its loads. A number that the file does not have is NaN.
 ///
 /// # Errors
 /// A file that is no result of a contact.
-pub fn records(reader: &Reader) -> Result<Vec<Record>, Failure> {
+pub fn records(reader: &Reader) -> Result<(Facts, Vec<Record>), Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
     let config = reader.text("/", "config").map_err(refuse)?;
     let line = reader.shape("/surface/height").map_err(refuse)?.get(1) == Some(&1);
-    records_of(reader, &facts_of(&config, line)?)
+    let facts = Configuration::read::<Args>(Kind::Contact, &config)?.as_named::<Args>()?.facts(line);
+    Ok((facts, records_of(reader, &facts)?))
 }

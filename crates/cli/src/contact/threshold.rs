@@ -118,10 +118,10 @@ impl Loads {
     ) -> Result<Sample, Failure> {
         let Prepared { facts, surface, .. } = &self.prepared;
         let load = if facts.approach { Load::Approach(asked) } else { Load::MeanPressure(asked) };
-        let budget = args.solver.budget();
+        let budget = args.problem.solver.budget();
         let place = format!("--flow-threshold, load {asked:e}");
         let mut watch = Watching::new(place.clone(), progress, session);
-        let press = contact.press(load).solver(args.solver.solver).budget(budget).starting_from(last.as_ref());
+        let press = contact.press(load).solver(args.problem.solver.solver).budget(budget).starting_from(last.as_ref());
         let (state, stopped) = reached(press.watch(&mut watch).solve())?;
         if let Some(stopped) = stopped {
             return Err(stopped.at(&place));

@@ -330,7 +330,7 @@ def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
     """The keys of the body and the cell, and the displacement of the surface."""
     if isinstance(source, Contact):
         shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", source.get("mean_shear", ()))}
-        return {"length": list(source.surface.size)}, (config([source]), {**source._fields(), **shear})
+        return {"length": list(source.surface.size)}, (config([source]), {**source._fields, **shear})
     if isinstance(source, Punch):
         # Summed in the order of the program.
         columns = source.traction.reshape(-1, source.traction.shape[-1]).T

@@ -199,10 +199,6 @@ class Law(Record):
         """The parameters by name, in the units of `gfmd.law`."""
         return {name: value for name, value in self._values.items() if name != "name"}
 
-    @property
-    def _native(self) -> tuple[str, list[tuple[str, float]]]:
-        return self.name, list(self.parameters.items())
-
     def __reduce__(self) -> tuple[Any, ...]:
         return Law, (self.name, self.parameters)
 

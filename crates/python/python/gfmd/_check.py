@@ -161,6 +161,19 @@ def array(name: str, value: Any) -> Array:
     raise InputError(f"{name} has the type {given.dtype}; it must be an array of numbers")
 
 
+def plain(name: str, value: Any) -> Any:
+    """The value of an option, as a description has it: a text, a flag, a number, a list of such, or an array."""
+    if isinstance(value, np.ndarray) and value.ndim > 0:
+        return array(name, value)
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, str):
+        return word(name, value)
+    if isinstance(value, (list, tuple)):
+        return [plain(name, entry) for entry in value]
+    return integer(name, value, -(2**63)) if hasattr(value, "__index__") and np.ndim(value) == 0 else number(name, value)
+
+
 def frozen(array: Array) -> Array:
     array.flags.writeable = False
     return array

@@ -58,7 +58,8 @@ def _of(result: Any) -> Iterator[str]:
         yield _METHOD
         yield _AREA
         wall = result.law.name == "hard-wall"
-        yield _SOLVERS.get(result._settings.solver, "") if wall or result._settings.solver != "auto" else ""
+        solver = result._settings.description["solver"]
+        yield _SOLVERS.get(solver, "") if wall or solver != "auto" else ""
         yield _LAWS.get(result.law.name, "")
     elif isinstance(result, Path):
         yield _METHOD

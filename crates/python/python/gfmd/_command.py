@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Optional, TypeVar
 
 from . import _gfmd
-from ._body import Body
+from ._body import Body, Law
 from ._check import Array, frozen, integer
 from ._errors import Interrupted, NotConverged
 from ._progress import Progress
@@ -22,6 +22,11 @@ def body_keys(body: Body) -> dict[str, Any]:
     young, poisson, e_star, height = body._given
     elastic = {"young": young} if e_star is None else {"e_star": e_star}
     return {**elastic, "poisson": poisson, "height": height_key(height), **other_keys(body, body.layers)}
+
+
+def law_keys(law: Law) -> dict[str, Any]:
+    """The keys of a law."""
+    return {"law": law.name, "param": [[name, value] for name, value in law.parameters.items()]}
 
 
 def other_keys(values: Mapping[str, Any], layers: Sequence[Sequence[float]]) -> dict[str, Any]:

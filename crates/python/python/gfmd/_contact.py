@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import _gfmd
 from ._body import Body, Law
 from ._check import Array, frozen, number, shown
-from ._command import body_keys, records
+from ._command import records
 from ._errors import InputError
 from ._record import Record, Residual
 from ._surface import Surface
@@ -21,29 +21,23 @@ from ._surface import Surface
 if TYPE_CHECKING:
     from ._below import FieldsBelow
 
-# The fields of every contact, in the order of a file.
-FIELDS = ("pressure", "displacement_z", "gap")
-
-# Further fields, in the order of a file: those of a contact with a hardness, with lateral components, with a surface below, with a
-# law that has a wall.
-LATERAL = ("displacement_x", "displacement_y")
-LOWER = ("lower_pressure", "lower_displacement_z", "lower_gap")
-REPULSION = "repulsion"
 _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
 
 
 class Settings(NamedTuple):
     """What a contact was asked for, beside surface, body and law."""
 
-    solver: str = "auto"
-    tolerance: float = 1e-8
-    boundary: str = "periodic"
-    hardness: Union[float, Array, None] = None
-    components: str = "normal"
-    finite_slope: bool = False
+    # The keys of its options, as a file has them, and the arrays among their values.
+    description: dict[str, Any]
+    arrays: dict[str, Array]
     lower_surface: Optional[Surface] = None
-    # The prescribed quantity, by its flag, and its value.
+    # The prescribed quantity, by its key, and its value.
     load: Optional[tuple[str, float]] = None
+
+
+def _field(name: str, text: str) -> Optional[Array]:
+    """A property: a field that some contacts have."""
+    return property(lambda contact: contact._fields.get(name), doc=text)  # type: ignore[return-value]
 
 
 class Contact(Record):
@@ -135,86 +129,65 @@ class Contact(Record):
     passed_instability: bool
     lowest_curvature: float
     residual_equilibrium: float
-    _pressure: Array
-    _displacement_z: Array
-    _gap: Array
+    _fields: dict[str, Array]
     _settings: Settings
     _state: Any
-    _others: dict[str, Array]
 
-    def __init__(
-        self,
-        values: dict[str, Any],
-        parts: tuple[Surface, Body, Law],
-        fields: tuple[Array, Array, Array],
-        settings: Settings = Settings(),
-        state: Any = None,
-        others: Optional[dict[str, Array]] = None,
-    ) -> None:
+    def __init__(self, values: dict[str, Any], parts: tuple[Surface, Body, Law], fields: dict[str, Array], settings: Settings, state: Any = None) -> None:
         super().__init__(values)
-        object.__setattr__(self, "_others", {name: frozen(field) for name, field in (others or {}).items()})
-        names = ("surface", "body", "law", "_pressure", "_displacement_z", "_gap", "_settings", "_state")
-        for name, value in zip(names, (*parts, *(frozen(field) for field in fields), settings, state)):
+        names = ("surface", "body", "law", "_fields", "_settings", "_state")
+        for name, value in zip(names, (*parts, {name: frozen(field) for name, field in fields.items()}, settings, state)):
             object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        fields = (self._pressure, self._displacement_z, self._gap)
-        return Contact, (self._values, (self.surface, self.body, self.law), fields, self._settings, None, self._others)
+        return Contact, (self._values, (self.surface, self.body, self.law), self._fields, self._settings)
 
     @property
     def pressure(self) -> Array:
         """Pressure on the elastic surface [x, y], stress, compression positive; attraction is negative. Read-only."""
-        return self._pressure
+        return self._fields["pressure"]
 
     @property
     def displacement_z(self) -> Array:
         """Normal displacement of the elastic surface [x, y], length, negative downwards. Read-only."""
-        return self._displacement_z
+        return self._fields["displacement_z"]
 
     @property
     def gap(self) -> Array:
         """Distance between the surfaces [x, y], length. Read-only."""
-        return self._gap
+        return self._fields["gap"]
 
     @property
     def boundary(self) -> str:
         """The surroundings of the surface, by name: "periodic" or "free"."""
-        return self._settings.boundary
+        return str(self._settings.description["boundary"])
 
     @property
     def hardness(self) -> Union[float, Array, None]:
         """The largest pressure of a contact with a hardness, stress: a number, or that of each point [x, y]."""
-        return self._settings.hardness
+        return self._settings.arrays.get("hardness", self._settings.description.get("hardness"))
 
     @property
     def components(self) -> str:
         """The components of the surface displacement that were unknown, by name: "normal", "all" or "held"."""
-        return self._settings.components
+        return str(self._settings.description.get("components", "normal"))
 
     @property
     def finite_slope(self) -> bool:
         """True if slopes were not taken as small: points of the body met the height at their displaced place."""
-        return self._settings.finite_slope
+        return bool(self._settings.description.get("finite_slope"))
 
     @property
     def lower_surface(self) -> Optional[Surface]:
         """The second rigid surface, below the slab, on the same points; None without one."""
         return self._settings.lower_surface
 
-    @property
-    def displacement_x(self) -> Optional[Array]:
-        """Displacement of the elastic surface along x [x, y], length; None unless it was unknown (all components, finite slopes). Read-only."""
-        return self._others.get("displacement_x")
-
-    @property
-    def displacement_y(self) -> Optional[Array]:
-        """Displacement of the elastic surface along y [x, y], length, as `displacement_x`; None for a profile. Read-only."""
-        return self._others.get("displacement_y")
-
-    @property
-    def plastic_depth(self) -> Optional[Array]:
-        """Depth by which the surfaces are pressed into each other beyond touching [x, y], length; None without a hardness. Read-only."""
-        return self._others.get("plastic_depth")
+    displacement_x = _field("displacement_x", "Displacement of the elastic surface along x [x, y], length; None unless it was unknown (all components, finite slopes). Read-only.")
+    displacement_y = _field("displacement_y", "Displacement of the elastic surface along y [x, y], length, as `displacement_x`; None for a profile. Read-only.")
+    plastic_depth = _field("plastic_depth", "Depth by which the surfaces are pressed into each other beyond touching [x, y], length; None without a hardness. Read-only.")
+    lower_pressure = _field("lower_pressure", "Pressure on the lower face of the slab [x, y], stress; None without a lower surface. Read-only.")
+    lower_displacement_z = _field("lower_displacement_z", "Normal displacement of the lower face [x, y], length, positive upwards; None without a lower surface. Read-only.")
+    lower_gap = _field("lower_gap", "Distance between the lower face and the lower surface [x, y], length; None without a lower surface. Read-only.")
 
     @property
     def repulsion(self) -> Array:
@@ -223,23 +196,8 @@ class Contact(Record):
         Under a law it is the pressure of its wall, or, where no wall presses, the pressure beyond what is left unbalanced;
         without a law it is the pressure.
         """
-        own = self._others.get(REPULSION)
-        return frozen(np.maximum(self._pressure, 0.0)) if own is None else own
-
-    @property
-    def lower_pressure(self) -> Optional[Array]:
-        """Pressure on the lower face of the slab [x, y], stress; None without a lower surface. Read-only."""
-        return self._others.get("lower_pressure")
-
-    @property
-    def lower_displacement_z(self) -> Optional[Array]:
-        """Normal displacement of the lower face [x, y], length, positive upwards; None without a lower surface. Read-only."""
-        return self._others.get("lower_displacement_z")
-
-    @property
-    def lower_gap(self) -> Optional[Array]:
-        """Distance between the lower face and the lower surface [x, y], length; None without a lower surface. Read-only."""
-        return self._others.get("lower_gap")
+        own = self._fields.get("repulsion")
+        return frozen(np.maximum(self.pressure, 0.0)) if own is None else own
 
     @property
     def adhesion(self) -> Optional[Record]:
@@ -250,8 +208,8 @@ class Contact(Record):
         """
         if self.law.name == "hard-wall":
             return None
-        given = (self.surface.heights, self.surface.size, body_keys(self.body), self.law._native)
-        found: Optional[Record] = records(json.loads(_gfmd.adhesion(*given)))
+        problem, arrays = self._settings[:2]
+        found: Optional[Record] = records(json.loads(_gfmd.adhesion(problem, {**arrays, "surface": self.surface.heights})))
         return found
 
     @property
@@ -345,7 +303,7 @@ class Contact(Record):
         """
         from . import _show
 
-        return _show.grid(self.surface, {"height": self.surface.heights, **self._fields()})
+        return _show.grid(self.surface, {"height": self.surface.heights, **self._fields})
 
     def plot(self, field: str = "pressure", ax: Any = None) -> Any:
         """Draws a map (a curve of a line contact) of a field, with matplotlib. Returns the axes.
@@ -362,19 +320,15 @@ class Contact(Record):
         """
         from . import _show
 
-        fields = self._fields()
+        fields = self._fields
         if not isinstance(field, str) or field not in fields:
             raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, fields))}")
         return _show.field(fields[field], self.surface, field, ax)
 
-    def _fields(self) -> dict[str, Array]:
-        """The fields by name."""
-        return {**{name: getattr(self, name) for name in FIELDS}, **self._others}
-
     def _repr_html_(self) -> str:
         from . import _show
 
-        return _show.maps_html([self._pressure], "pressure") + super()._repr_html_()
+        return _show.maps_html([self.pressure], "pressure") + super()._repr_html_()
 
 
 class Contacts(Sequence[Contact]):
@@ -415,7 +369,7 @@ class Contacts(Sequence[Contact]):
 
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and self._contacts:
-            if name in self._contacts[0]._fields():
+            if name in self._contacts[0]._fields:
                 return np.stack([getattr(contact, name) for contact in self._contacts])
             if name == "residual":
                 return np.array([float(contact.residual) for contact in self._contacts])
@@ -427,7 +381,7 @@ class Contacts(Sequence[Contact]):
 
     def __dir__(self) -> list[str]:
         first = self._contacts[:1]
-        return [*super().__dir__(), "approach", *(name for contact in first for name in (*contact._fields(), *contact))]
+        return [*super().__dir__(), "approach", *(name for contact in first for name in (*contact._fields, *contact))]
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the file that `gfmd contact --out` writes with these loads.

@@ -7,7 +7,6 @@ import numpy.typing as npt
 __all__ = [
     "GIT_COMMIT",
     "Problem",
-    "RANGES",
     "State",
     "VERSION",
     "adhesion",
@@ -16,6 +15,7 @@ __all__ = [
     "conductance",
     "detrend",
     "fill",
+    "options",
     "periodise",
     "program",
     "read",
@@ -26,54 +26,32 @@ __all__ = [
     "save",
     "self_affine",
     "solve",
-    "solvers",
     "statistics",
 ]
 VERSION: str
 GIT_COMMIT: str
-RANGES: list[float]
 
 _Array = npt.NDArray[np.float64]
 _Tick = Optional[Callable[[int, float], None]]
 
 @final
 class State:
-    fields: tuple[_Array, _Array, _Array]
-    plastic_depth: Optional[_Array]
-    repulsion: Optional[_Array]
-    lateral: list[_Array]
-    lower: Optional[tuple[_Array, _Array, _Array]]
+    fields: list[tuple[str, _Array]]
 
 @final
 class Problem:
-    def __new__(
-        cls,
-        heights: _Array,
-        lengths: tuple[float, float],
-        body: dict[str, Any],
-        law: tuple[str, list[tuple[str, float]]],
-        hardness: float | _Array | None,
-        lower: Optional[_Array],
-        finite_slope: bool,
-        coarse: Optional[bool],
-        boundary: str,
-        components: str,
-        solver: str,
-        threads: int,
-    ) -> Problem: ...
+    description: str
+    def __new__(cls, problem: dict[str, Any], arrays: dict[str, _Array], threads: int) -> Problem: ...
     def solve(
-        self, control: str, value: float, tolerance: float, max_iterations: int, start: Optional[State], threads: int, tick: _Tick
+        self, control: str, value: float, start: Optional[State], threads: int, tick: _Tick
     ) -> tuple[State, str, Optional[tuple[str, str]], Optional[BaseException]]: ...
     def slopes(self, largest: float) -> Optional[str]: ...
-    def recall(
-        self, pressure: _Array, displacement: _Array, gap: _Array, approach: float, lower_pressure: Optional[_Array]
-    ) -> State: ...
+    def recall(self, fields: dict[str, _Array], approach: float) -> State: ...
 
-def adhesion(heights: _Array, lengths: tuple[float, float], body: dict[str, Any], law: tuple[str, list[tuple[str, float]]]) -> str: ...
-
+def adhesion(problem: dict[str, Any], arrays: dict[str, _Array]) -> str: ...
 def conductance(touching: npt.NDArray[np.bool_], lengths: tuple[float, float], boundary: str, height: float) -> float: ...
 def check_law(name: str, parameters: list[tuple[str, float]]) -> None: ...
-def solvers() -> list[str]: ...
+def options() -> list[str]: ...
 def self_affine(
     *,
     n: list[int],
@@ -105,13 +83,13 @@ def solve(
 def program(words: list[str]) -> int: ...
 def save(
     path: str,
-    surface: tuple[_Array, tuple[float, float], Optional[str], str],
+    problem: dict[str, Any],
+    arrays: dict[str, _Array],
+    words: list[tuple[Optional[str], str]],
     loads: list[tuple[str, list[_Array]]],
     config: dict[str, Any],
-    hardness: Optional[_Array] = None,
-    lower: Optional[tuple[_Array, tuple[float, float], Optional[str], str]] = None,
 ) -> None: ...
 def read_array(path: str, name: str) -> _Array: ...
 def read_text(path: str, group: str, name: str) -> str: ...
 def read_config(path: str) -> str: ...
-def read_records(path: str) -> list[str]: ...
+def read_records(path: str) -> tuple[list[str], list[str]]: ...

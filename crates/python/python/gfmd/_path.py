@@ -196,7 +196,7 @@ def path(
     )
     bound = as_hardness(hardness, made)
     if law is not None:
-        problem.update(law=given.name, param=[[name, value] for name, value in given.parameters.items()])
+        problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, float) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic))

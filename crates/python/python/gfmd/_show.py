@@ -106,8 +106,8 @@ def dataset(contacts: Sequence[Contact]) -> Any:
     surface = contacts[0].surface
     length = surface.unit or "length"
     variables: dict[str, Any] = {"height": (("x", "y"), surface.heights, {"units": length})}
-    for name in contacts[0]._fields():
-        values = np.stack([contact._fields()[name] for contact in contacts])
+    for name in contacts[0]._fields:
+        values = np.stack([contact._fields[name] for contact in contacts])
         variables[name] = (("load", "x", "y"), values, {"units": units(name, surface)})
     for name, of_loads in _columns(contacts):
         variables[name] = (("load", "axis")[: np.ndim(of_loads)], of_loads)

@@ -6,124 +6,75 @@ import math
 from typing import Any, Optional
 from weakref import WeakKeyDictionary
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _gfmd
 from ._body import Body, Law, as_body, as_law
-from ._check import flag, integer, number, numbers, word
-from ._command import body_keys
-from ._contact import LATERAL, LOWER, REPULSION, Contact, Contacts, Settings
+from ._check import Array, integer, number, numbers, plain
+from ._command import body_keys, law_keys
+from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
-from ._record import of_load
+from ._record import of_load, parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
 
-
-# The surroundings of a surface.
-BOUNDARIES = ("periodic", "free")
-
-# The components of the surface displacement that are unknown.
-COMPONENTS = ("normal", "all", "held")
 
 # The problem of a surface that is in use, and what it was made for.
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
-# The loads by the names that they have in a file.
-_FLAGS = {"mean_pressure": "pressure", "p_star": "p_star", "approach": "displacement"}
-
-_RANGED = ("exponential", "morse", "dugdale")
+# The loads, and options, by the keys that they have in a file.
+_KEYS = {"mean_pressure": "pressure", "p_star": "p_star", "approach": "displacement"}
+_OPTIONS: dict[str, tuple[str, Any]] = {"tolerance": ("tol", number), "max_iterations": ("max_iter", integer)}
 
 
 class _Setup:
-    """A surface against a body, checked, with the numbers of the solve."""
+    """A surface against a body: the description of the problem, and the problem that it poses."""
 
     def __init__(
-        self, surface: Any, body: Any, *, boundary: Any, law: Any, hardness: Any, components: Any, finite_slope: Any, lower_surface: Any, coarse: Any,
-        range_continuation: Any, solver: Any, tolerance: Any, max_iterations: Any, threads: Any, start: Any
-    ) -> None:  # fmt: skip
+        self, surface: Any, body: Any, *, law: Any = None, hardness: Any = None, lower_surface: Any = None, threads: Any = None, start: Any = None, **options: Any
+    ) -> None:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
-        self.solver, self.tolerance = word("solver", solver), number("tolerance", tolerance)
-        self.boundary = word("boundary", boundary)
-        self.hardness = as_hardness(hardness, self.surface)
-        self.components = word("components", components)
-        if self.components not in COMPONENTS:
-            raise InputError(f"components is {components!r}; it must be one of {', '.join(map(repr, COMPONENTS))}")
-        if self.boundary not in BOUNDARIES:
-            raise InputError(f"boundary is {boundary!r}; it must be one of {', '.join(map(repr, BOUNDARIES))}")
-        if self.solver not in _gfmd.solvers():
-            raise InputError(f"solver is {solver!r}; it must be one of {', '.join(_gfmd.solvers())}")
-        if not 1e-15 <= self.tolerance <= 0.1:
-            raise InputError(f"tolerance is {self.tolerance}; it must be between 1e-15 and 0.1")
-        self.finite_slope, self.coarse = flag("finite_slope", finite_slope), flag("coarse", coarse)
         self.lower_surface = as_lower(lower_surface, self.surface)
-        self.range_continuation = flag("range_continuation", range_continuation)
-        if self.range_continuation and self.law.name not in _RANGED:
-            raise InputError(f"range_continuation: the law {self.law.name} has no range; it must be one of {', '.join(_RANGED)}")
-        if self.range_continuation and start is not None:
-            raise InputError("range_continuation and start are both given; give one of the two")
-        self.max_iterations = integer("max_iterations", max_iterations)
         self.threads = 0 if threads is None else integer("threads", threads, 0, 4096)
+        problem: dict[str, Any] = {"length": list(self.surface.size), **body_keys(self.body), **law_keys(self.law)}
+        arrays: dict[str, Array] = {} if self.lower_surface is None else {"lower_surface": self.lower_surface.heights}
+        for name, value in {"hardness": as_hardness(hardness, self.surface), **_checked(options)}.items():
+            (arrays if isinstance(value, np.ndarray) else problem)[name] = value
         if start is not None and not isinstance(start, Contact):
             raise InputError(f"start is {type(start).__name__}; it must be a contact")
-        self.problem = self._problem()
+        if start is not None and problem.get("range_continuation"):
+            raise InputError("range_continuation and start are both given; give one of the two")
+        self.problem = self._posed(problem, arrays)
+        self.settings = Settings(parsed(self.problem.description), arrays, self.lower_surface)
         self.start = None if start is None else self._state(start)
 
-    def _problem(self) -> Any:
+    def _posed(self, problem: dict[str, Any], arrays: dict[str, Array]) -> Any:
         """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
-        bound = self.hardness if self.hardness is None or isinstance(self.hardness, float) else self.hardness.tobytes()
-        lower = None if self.lower_surface is None else self.lower_surface.heights.tobytes()
-        asked = (self.body, self.law, self.boundary, self.solver, bound, self.components, self.finite_slope, lower, self.coarse)
+        asked = (problem, {name: values.tobytes() for name, values in arrays.items()})
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
-            last = asked, self._posed(self.law, self.coarse)
+            last = asked, _gfmd.Problem(problem, {**arrays, "surface": self.surface.heights}, self.threads)
             _LAST[self.surface] = last
         return last[1]
-
-    def _posed(self, law: Law, coarse: Optional[bool]) -> Any:
-        """A problem; whether its grid is too coarse is not asked if `coarse` is None."""
-        heights, size, given = self.surface.heights, self.surface.size, body_keys(self.body)
-        lower = None if self.lower_surface is None else self.lower_surface.heights
-        how = (self.hardness, lower, self.finite_slope, coarse, self.boundary, self.components, self.solver, self.threads)
-        return _gfmd.Problem(heights, size, given, law._native, *how)
 
     def _state(self, start: Contact) -> Any:
         if start.surface.n != self.surface.n:
             raise InputError(f"start has {list(start.surface.n)} points; the surface has {list(self.surface.n)}")
-        if start.boundary != self.boundary:
-            raise InputError(f"start has the boundary {start.boundary}; it must be {self.boundary} as of the contact")
         if (start.law["name"] == "hard-wall") != (self.law["name"] == "hard-wall"):
             raise InputError(f"start has the law {start.law['name']}; a hard wall and a law do not start from each other")
-        if start.components != self.components:
-            raise InputError(f"start has the components {start.components}; they must be {self.components} as of the contact")
-        if start.finite_slope != self.finite_slope:
-            raise InputError(f"start has finite_slope={start.finite_slope}; it must be {self.finite_slope} as of the contact")
+        for name, default in (("boundary", None), ("components", "normal"), ("finite_slope", False)):
+            found, allowed = (settings.description.get(name, default) for settings in (start._settings, self.settings))
+            if found != allowed:
+                raise InputError(f"start has {name}={found!r}; it must be {allowed!r} as of the contact")
         if (start.lower_surface is None) != (self.lower_surface is None):
             raise InputError(f"start has {'no' if start.lower_surface is None else 'a'} lower_surface; it must be as of the contact")
-        if start._state is not None:
-            return start._state
-        return self.problem.recall(start.pressure, start.displacement_z, start.gap, start.approach, start.lower_pressure)
-
-    def first(self, control: str, value: float, progress: Progress) -> Any:
-        """The state to start from: the one given, or that of longer and longer ranges of the law."""
-        state = self.start
-        for factor in _gfmd.RANGES if self.range_continuation else ():
-            parameters = {**self.law.parameters, "range": factor * self.law.parameters["range"]}
-            longer = self._posed(Law(self.law.name, parameters), None)
-            try:
-                state = self.solved(longer, control, value, state, progress)._state
-            except (NotConverged, Interrupted) as error:
-                raise type(error)(f"range times {factor:g}: {error}", error.state) from error
-        return state
+        return self.problem.recall(start._fields, start.approach) if start._state is None else start._state
 
     def check(self, control: str, value: float) -> None:
         pulls = self.law["name"] != "hard-wall"
         if not math.isfinite(value) or not (pulls or value > 0.0):
             raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
-
-    def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
-        contact = self.solved(self.problem, control, value, start, progress)
-        progress.piece()
-        return contact
 
     def tell(self, done: list[Contact]) -> None:
         """Warns of slopes that are not small."""
@@ -131,25 +82,34 @@ class _Setup:
         if told is not None:
             warned(told)
 
-    def solved(self, problem: Any, control: str, value: float, start: Any, progress: Progress) -> Contact:
-        state, record, failure, raised = problem.solve(control, value, self.tolerance, self.max_iterations, start, self.threads, progress.tick)
-        values = of_load(record)
+    def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
+        """The contact under one load, from a state, or as the options ask."""
+        key = _KEYS[control]
+        state, record, failure, raised = self.problem.solve(key, value, start, self.threads, progress.tick)
         parts = (self.surface, self.body, self.law)
-        pressure, displacement, gap = state.fields
-        load = (_FLAGS[control], value)
-        settings = Settings(self.solver, self.tolerance, self.boundary, self.hardness, self.components, self.finite_slope, self.lower_surface, load)
-        others = dict(zip(LATERAL, state.lateral)) if state.plastic_depth is None else {"plastic_depth": state.plastic_depth}
-        others.update(zip(LOWER, state.lower or ()))
-        if state.repulsion is not None:
-            others[REPULSION] = state.repulsion
-        contact = Contact(values, parts, (pressure, displacement, gap), settings, state, others)
+        contact = Contact(of_load(record), parts, dict(state.fields), self.settings._replace(load=(key, value)), state)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:
             raise raised
         if failure is not None:
             raise NotConverged(failure[1], contact)
+        progress.piece()
         return contact
+
+
+def _checked(options: dict[str, Any]) -> dict[str, Any]:
+    """The options by their keys, as a description has them."""
+    names = {key: name for name, (key, _) in _OPTIONS.items()}
+    allowed = [names.get(key, key) for key in _gfmd.options() if key not in ("law", "param")]
+    found = {}
+    for name, value in options.items():
+        if name not in allowed:
+            raise InputError(f"the option is {name!r}; it must be one of {', '.join(allowed)}")
+        key, checked = _OPTIONS.get(name, (name, plain))
+        if value is not None:
+            found[key] = checked(name, value)
+    return found
 
 
 def _control(given: dict[str, Any]) -> tuple[str, Any]:
@@ -167,19 +127,20 @@ def contact(
     mean_pressure: Optional[float] = None,
     p_star: Optional[float] = None,
     approach: Optional[float] = None,
-    boundary: str = "periodic",
+    boundary: Optional[str] = None,
     law: Law | str | None = None,
     hardness: float | npt.ArrayLike | None = None,
-    components: str = "normal",
+    components: Optional[str] = None,
     finite_slope: bool = False,
     lower_surface: Surface | npt.ArrayLike | None = None,
     coarse: bool = False,
     range_continuation: bool = False,
-    solver: str = "auto",
-    tolerance: float = 1e-8,
-    max_iterations: int = 100_000,
+    solver: Optional[str] = None,
+    tolerance: Optional[float] = None,
+    max_iterations: Optional[int] = None,
     threads: Optional[int] = None,
     start: Optional[Contact] = None,
+    **options: Any,
 ) -> Contact:
     """Presses a rigid surface on an elastic body: the contact at rest under one load.
 
@@ -189,13 +150,13 @@ def contact(
         mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area); or
         p_star: mean pressure over E* times the rms gradient; or
         approach: rigid approach beyond first touch, length.
-        boundary: "periodic", or "free": the surface is a patch on an unbounded half-space, slab or stack of layers; its rms
+        boundary: "periodic", the default, or "free": the surface is a patch on an unbounded half-space, slab or stack of layers; its rms
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
         hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it is
             reached the surfaces are pressed into each other.
         components: the components of the surface displacement that are unknown, of a hard wall: "normal" (u_z; u_x and u_y follow
-            from the pressure), "all" (all are moved by damped dynamics, under a mean pressure; the same u_z at a higher cost),
+            from the pressure), the default, "all" (all are moved by damped dynamics, under a mean pressure; the same u_z at a higher cost),
             or "held" (u_z, with u_x and u_y held at zero).
         finite_slope: points of the body meet the height at their displaced place, and pressures act along the normal of the
             surface (a hard wall with periodic boundaries, one body, no hardness).
@@ -204,12 +165,14 @@ def contact(
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too: single points jump.
         range_continuation: start from the states of 8, 4 and 2 times the range of the law with the same work, one after the
             other. Their iterations are not counted.
-        solver: a name of docs/solvers.md.
-        tolerance: largest residual, 1e-15 to 0.1.
-        max_iterations: iterations after which the search is given up.
+        solver: a name of docs/solvers.md; "auto" by default.
+        tolerance: largest residual, 1e-15 to 0.1; 1e-8 by default.
+        max_iterations: iterations after which the search is given up; 100000 by default.
         threads: number of threads; all cores by default. Results do not depend on it.
         start: a contact of the same surface to start from, such as that of a smaller load, an interrupted one, or one from
             a file.
+        options: further options of `gfmd contact` that pose a problem, by the names of their flags, such as `dt`, `damping`,
+            `base_displacement` and `base_traction`, numbers, texts or arrays.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -226,11 +189,11 @@ def contact(
     setup = _Setup(
         surface, body, boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface,
         coarse=coarse, range_continuation=range_continuation, solver=solver, tolerance=tolerance, max_iterations=max_iterations, threads=threads,
-        start=start,
+        start=start, **options,
     )  # fmt: skip
     setup.check(control, value)
     with Progress("contact") as progress:
-        done = setup.solve(control, value, setup.first(control, value, progress), progress)
+        done = setup.solve(control, value, setup.start, progress)
     setup.tell([done])
     return done
 
@@ -242,28 +205,14 @@ def contacts(
     mean_pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
-    boundary: str = "periodic",
-    law: Law | str | None = None,
-    hardness: float | npt.ArrayLike | None = None,
-    components: str = "normal",
-    finite_slope: bool = False,
-    lower_surface: Surface | npt.ArrayLike | None = None,
-    coarse: bool = False,
-    range_continuation: bool = False,
-    solver: str = "auto",
-    tolerance: float = 1e-8,
-    max_iterations: int = 100_000,
-    threads: Optional[int] = None,
-    start: Optional[Contact] = None,
+    **options: Any,
 ) -> Contacts:
     """Contacts under several loads, one after the other, each started from the last.
 
     Args:
         surface, body: as of `contact`.
         mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
-        boundary, law, hardness, components, finite_slope, lower_surface, coarse, solver, tolerance, max_iterations, threads, start: as
-            of `contact`.
-        range_continuation: as of `contact`, for the first load.
+        options: the rest as of `contact`; `start` and `range_continuation` are those of the first load.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -276,19 +225,14 @@ def contacts(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     values = numbers(control, given)
-    setup = _Setup(
-        surface, body, boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface,
-        coarse=coarse, range_continuation=range_continuation, solver=solver, tolerance=tolerance, max_iterations=max_iterations, threads=threads,
-        start=start,
-    )  # fmt: skip
+    setup = _Setup(surface, body, **options)
     for value in values:
         setup.check(control, value)
     done: list[Contact] = []
-    state = None
+    state = setup.start
     with Progress("contacts", len(values)) as progress:
         for index, value in enumerate(values):
             try:
-                state = setup.first(control, value, progress) if index == 0 else state
                 done.append(setup.solve(control, value, state, progress))
             except (NotConverged, Interrupted) as error:
                 kept = [*done, error.state] if error.state is not None else done

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness};
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness, Refusal, Solver};
 use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
@@ -15,7 +15,6 @@ use crate::base::{BaseArgs, MovedBase};
 use crate::failure::Failure;
 use crate::hardness::{self, GivenHardness};
 use crate::lower::LowerArgs;
-use crate::memory;
 use crate::result::stored_unit;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
@@ -42,6 +41,8 @@ pub struct Asked<'a> {
     pub boundary: Boundary,
     /// Choices of the damped dynamics.
     pub dynamics: Dynamics,
+    /// Method.
+    pub solver: Solver,
     /// Tolerance and largest number of iterations.
     pub budget: Budget,
     /// True if one state is in memory at a time, and nothing is measured of it.
@@ -92,8 +93,7 @@ impl Prepared {
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
-        let held = facts.held(asked.once);
-        session.agree(memory::fits_with_rest(held, "the grid", surface.grid.points(), session.processes()))?;
+        session.fits(facts.held(asked.once), &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
             // What the contact sees is the surface that the base displaces.
@@ -153,9 +153,13 @@ impl Prepared {
     /// Poses the contact, and tells where the grid is too coarse for its law.
     ///
     /// # Errors
-    /// As [`pose`](Self::pose); a grid on which the law has no meaning, unless it is asked for.
+    /// As [`pose`](Self::pose); a method that does not solve it; a grid on which the law has no meaning, unless it is asked for.
     pub fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
         let contact = self.pose(asked.source, &self.law)?;
+        let (found, allowed) = (asked.solver, contact.solvers());
+        if !allowed.contains(&found) {
+            return Err(Refusal::Solver { found, allowed }.into());
+        }
         let adhesion = self.adhesion(asked.law);
         if let Some(adhesion) = adhesion {
             adhesion.check(asked.law.coarse)?;
@@ -176,8 +180,7 @@ impl Prepared {
     pub fn check_drives(&self, contact: &Posed, drives: &[Drive], flag: &str, tolerance: f64) -> Result<(), Failure> {
         let part = Parts::of(self.facts.task).name;
         for (index, drive) in drives.iter().enumerate() {
-            let checked = contact.check(*drive).and_then(|()| contact.check_resolution(*drive, tolerance));
-            checked.map_err(|refusal| Failure::input(&format!("{flag}, {part} {index}"), refusal))?;
+            check_drive(contact, *drive, &format!("{flag}, {part} {index}"), tolerance)?;
         }
         Ok(())
     }
@@ -191,6 +194,15 @@ impl Prepared {
             + &lower
             + &hardness::identity(self.hardness.as_ref())
     }
+}
+
+/// Checks that a contact can be solved under a drive, which `name` gives.
+///
+/// # Errors
+/// A drive under which it cannot be solved.
+pub fn check_drive(contact: &Posed, drive: Drive, name: &str, tolerance: f64) -> Result<(), Failure> {
+    let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, tolerance));
+    checked.map_err(|refusal| Failure::input(name, refusal))
 }
 
 impl Asked<'_> {

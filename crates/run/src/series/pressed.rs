@@ -1,0 +1,197 @@
+//! The options of one contact, and the contact that they pose.
+
+use clap::Args;
+use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Watch};
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::{BodyArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice};
+use gfmd_problem::{Facts, Lower, MovedBase, Posed, Rest, Unknown};
+use serde::{Deserialize, Serialize};
+
+use super::head::is_normal;
+use super::prepared::{Asked, Prepared};
+use crate::base::BaseArgs;
+use crate::failure::{Failure, reached};
+use crate::hardness::GivenHardness;
+use crate::lower::LowerArgs;
+use crate::session::Session;
+use crate::source::SourceArgs;
+
+/// The options of a contact, whatever its loads: what is pressed on what, and how it is solved. The program and Python pose by them.
+#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ContactArgs {
+    /// Surface.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub source: SourceArgs,
+    /// Elastic body.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub body: BodyArgs,
+    /// Displacement or traction of its base.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub base: BaseArgs,
+    /// Surface below it.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub lower: LowerArgs,
+    /// The surroundings of the surface
+    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[serde(with = "named")]
+    pub boundary: Boundary,
+    /// The components of the surface displacement that are unknown
+    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
+    #[serde(skip_serializing_if = "is_normal", with = "named")]
+    pub components: Unknown,
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
+    /// reached the surfaces are pressed into each other
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<GivenHardness>,
+    /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act along the normal of
+    /// the rigid surface
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub finite_slope: bool,
+    /// Method.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub solver: SolverArgs,
+    /// Time step and damping.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub dynamics: DynamicsArgs,
+    /// Interaction.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub law: LawArgs,
+    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the other
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub range_continuation: bool,
+}
+
+/// The ranges of `--range-continuation`, over the one asked for.
+const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
+
+impl Default for ContactArgs {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
+impl ContactArgs {
+    /// The facts of the contact, whose surface may be a `line`.
+    pub fn facts(&self, line: bool) -> Facts {
+        Facts {
+            law: self.law.law,
+            hardness: self.hardness.is_some(),
+            boundary: self.boundary,
+            unknown: self.components,
+            finite_slope: self.finite_slope,
+            lower: match (&self.lower.lower_surface, self.lower.lower_seed) {
+                (Some(_), _) => Some(Lower::Surface),
+                (_, Some(_)) => Some(Lower::Seed),
+                _ => None,
+            },
+            moved_base: match (&self.base.base_displacement, &self.base.base_traction) {
+                (Some(_), _) => Some(MovedBase::Displacement),
+                (_, Some(_)) => Some(MovedBase::Traction),
+                _ => None,
+            },
+            line,
+            ..self.body.facts()
+        }
+    }
+
+    /// The parts that the options ask for, of one state at a time.
+    ///
+    /// # Errors
+    /// Two numbers of damping.
+    pub fn asked(&self) -> Result<Asked<'_>, Failure> {
+        Ok(Asked {
+            source: &self.source,
+            body: &self.body,
+            base: &self.base,
+            lower: &self.lower,
+            law: &self.law,
+            hardness: self.hardness.as_ref(),
+            limit: None,
+            boundary: self.boundary,
+            dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
+            solver: self.solver.solver,
+            budget: self.solver.budget(),
+            once: true,
+        })
+    }
+
+    /// Checks what needs neither files nor arrays: the range of the law, time step and damping of the dynamics.
+    ///
+    /// # Errors
+    /// An option that does not go with the law, the method or the components.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.range_continuation && self.law.with_range(1.0)?.is_none() {
+            let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
+            return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
+        }
+        self.dynamics.check(match self.solver.solver {
+            Solver::VerletCritical => DampedBy::Numbers,
+            Solver::VerletModes => DampedBy::Modes,
+            _ => DampedBy::Other,
+        })?;
+        if let (Factors::Components(factors), true) = (self.dynamics.factors()?, self.components != Unknown::All) {
+            return Err(Failure::value("--damping", format!("{factors:?}"), "one number without --components all"));
+        }
+        Ok(())
+    }
+
+    /// The options with every default of the generator filled in, for the record of a run.
+    ///
+    /// # Errors
+    /// Numbers that make no grid.
+    pub fn resolved(&self) -> Result<Self, Failure> {
+        Ok(Self { source: self.source.resolved()?, ..self.clone() })
+    }
+
+    /// Reads and poses the contact, and tells what is doubtful.
+    ///
+    /// # Errors
+    /// Options that cannot be used, or do not go together; a surface and a body that cannot be in contact.
+    pub fn pose(&self, session: &Session) -> Result<(Prepared, Posed), Failure> {
+        self.check()?;
+        let asked = self.asked()?;
+        let prepared = Prepared::new(&asked, |line| self.facts(line), session)?;
+        let posed = prepared.pose_and_tell(&asked, session)?;
+        Ok((prepared, posed))
+    }
+
+    /// The state under the first drive from those of longer ranges of the law, one after the other; `None` if that is not asked for.
+    ///
+    /// # Errors
+    /// A search that was interrupted, or did not converge, at the range that is named.
+    pub fn after_longer_ranges(
+        &self,
+        prepared: &Prepared,
+        drive: Drive,
+        watch: &mut dyn Watch,
+    ) -> Result<Option<Rest>, Failure> {
+        let mut last: Option<Rest> = None;
+        for factor in RANGES.into_iter().filter(|_| self.range_continuation) {
+            let Some(law) = self.law.with_range(factor)? else { break };
+            let longer = prepared.pose(&self.source, &law.into())?;
+            let (state, failure) =
+                reached(self.press(&longer, drive).starting_from(last.as_ref()).watch(watch).solve())?;
+            if let Some(failure) = failure {
+                return Err(failure.at(&format!("range times {factor}")));
+            }
+            last = Some(state);
+        }
+        Ok(last)
+    }
+
+    /// A contact under a drive, by the method that is asked for.
+    pub fn press<'a>(&self, contact: &'a Posed, drive: Drive) -> Press<'a, Posed> {
+        contact.press(drive).solver(self.solver.solver).budget(self.solver.budget())
+    }
+}
