@@ -2,7 +2,7 @@
 //! solves small problems as a user would ask for them, and every number that comes out is compared with its definition, written anew here:
 //! plain loops, direct Fourier sums, layered bodies wave by wave, Gaussian elimination (docs/reliability.md, "Random combinations").
 //!
-//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` takes so many (default: 100) and prints
+//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` takes so many (default: 300) and prints
 //! counts; `GFMD_COMBINATION=N` runs the case N alone and keeps its folder.
 
 #![expect(clippy::print_stdout, reason = "the counts of cases")]
@@ -28,7 +28,7 @@ use gfmd_files::Reader;
 use serde_json::Value;
 
 /// The number of cases of the default run.
-const CASES: u64 = 100;
+const CASES: u64 = 300;
 
 /// Cases of longer runs in which the program or a definition was wrong: the default run takes them too.
 const ONCE_WRONG: [u64; 16] =
