@@ -101,8 +101,6 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="best"), "solver is \"best\": it must be one of auto, cg"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="newton"), "solver: the solver is newton"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, tolerance=1.0), "tolerance: the tolerance is 1e0; it must be between"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, best=1), "the option is 'best'; it must be one of base_displacement, "),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, e_star=1), "the option is 'e_star'"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, dt=0.1), "dt is 0.1; it must be left out without solver verlet-critical"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=-1), "threads is -1"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=10**9), "threads is 1000000000"),

@@ -245,7 +245,12 @@ def test_entry(name):
     assert tally
 
 
-@pytest.mark.parametrize("call", [lambda: gfmd.contact(), lambda: gfmd.contact(SURFACE, BODY, 0.1), lambda: gfmd.contact(SURFACE, BODY, pressure=0.1), lambda: gfmd.law(), lambda: SURFACE.detrend(1, 2)])
+@pytest.mark.parametrize("call", [lambda: gfmd.contact(), lambda: gfmd.contact(SURFACE, BODY, 0.1), lambda: gfmd.contact(SURFACE, BODY, pressure=0.1), lambda: gfmd.contacts(SURFACE, BODY, p_star=[1], e_star=1), lambda: gfmd.law(), lambda: SURFACE.detrend(1, 2)])
 def test_arguments_that_do_not_exist_are_type_errors(call):
     with pytest.raises(TypeError):
         call()
+
+
+def test_an_option_that_does_not_exist_is_named_with_those_that_do():
+    with pytest.raises(TypeError, match="the option is 'best'; it must be one of mean_pressure, p_star, approach, .*, solver, tolerance, "):
+        gfmd.contact(SURFACE, BODY, best=1)

@@ -98,22 +98,28 @@ class _Setup:
         return contact
 
 
+def _name(key: str) -> str:
+    """The name of an option, by the key that it has in a file."""
+    return next((name for name, (of, _) in _OPTIONS.items() if of == key), key)
+
+
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
     """The options by their keys, as a description has them."""
-    names = {key: name for name, (key, _) in _OPTIONS.items()}
-    allowed = [names.get(key, key) for key in _gfmd.options() if key not in ("law", "param")]
     found = {}
     for name, value in options.items():
-        if name not in allowed:
-            raise InputError(f"the option is {name!r}; it must be one of {', '.join(allowed)}")
         key, checked = _OPTIONS.get(name, (name, plain))
         if value is not None:
             found[key] = checked(name, value)
     return found
 
 
-def _control(given: dict[str, Any]) -> tuple[str, Any]:
-    found = [(name, value) for name, value in given.items() if value is not None]
+def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
+    """The load that is given, of a call whose other options exist."""
+    allowed = [_name(key) for key in _gfmd.options() if key not in ("law", "param")]
+    unknown = next((name for name in options if name not in (*allowed, "law", "threads", "start")), None)
+    if unknown is not None:
+        raise TypeError(f"the option is {unknown!r}; it must be one of {', '.join([*loads, *allowed])}")
+    found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"
         raise InputError(f"the load is given by {names}; it must be given by one of mean_pressure, p_star, approach")
@@ -184,7 +190,7 @@ def contact(
         >>> round(c.area_fraction, 3), c.pressure.shape
         (0.128, (64, 64))
     """
-    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
+    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
     value = number(control, given)
     setup = _Setup(
         surface, body, boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface,
@@ -223,7 +229,7 @@ def contacts(
         >>> [c.converged for c in cs], cs.kappa.shape
         ([True, True, True], (3,))
     """
-    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
+    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
     values = numbers(control, given)
     setup = _Setup(surface, body, **options)
     for value in values:
