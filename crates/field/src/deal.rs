@@ -30,22 +30,3 @@ pub(crate) fn deal<I: Send, S: Send>(
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_item_is_done_once_with_any_number_of_seats() {
-        for seats in [1, 2, 3, 7] {
-            let mut done = vec![0; 100];
-            let mut counts = vec![0; seats];
-            deal(&mut counts, done.iter_mut().enumerate(), |(number, done), count| {
-                *done += number;
-                *count += 1;
-            });
-            assert!(done.iter().enumerate().all(|(number, done)| number == *done));
-            assert_eq!(counts.iter().sum::<usize>(), 100);
-        }
-    }
-}

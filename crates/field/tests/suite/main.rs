@@ -1,5 +1,10 @@
 //! The tests of `gfmd-field` as one program: those of one file by `cargo test -p gfmd-field --test suite FILE::`.
 
+mod convolution;
+mod cosines;
+mod grid;
 mod identities;
 mod oracle;
+mod prefetch;
 mod ranks;
+mod spline;
