@@ -56,39 +56,3 @@ fn window_up_to(t: f64) -> f64 {
     }
     sum
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_left_to_long_waves_decays() {
-        // The near part of 1/r, whose transform is 1/k, leaves nothing at short distances: waves of k > 2 β are all in
-        // it.
-        let terms = terms();
-        assert_eq!(near_part(0.0), transform(&terms, 0.0));
-        for k in (0..400).map(|i| 0.1197 * f64::from(i)) {
-            let near = near_part(k);
-            assert!((near - transform(&terms, k)).abs() < 1e-5, "{k}: {near}");
-            let left = 1.0 - k * near;
-            assert!((-2e-3..=1.0).contains(&left) && (k < 2.0 * BETA || left.abs() < 1e-3), "{k}: {left}");
-        }
-    }
-
-    #[test]
-    fn the_window_is_that_of_kaiser_and_bessel() {
-        // I₀(6.5), and the integral by Simpson's rule.
-        let bessel = |x: f64| {
-            (1..60).scan(1.0, move |term, n| {
-                *term *= (x / (2.0 * f64::from(n))).powi(2);
-                Some(*term)
-            })
-        };
-        let window = |t: f64| 1.0 + bessel(BETA * (1.0 - t * t).max(0.0).sqrt()).sum::<f64>();
-        let simpson = (0..500).map(|i| {
-            let [a, b, c] = [0.0, 0.5, 1.0].map(|x| window((f64::from(i) + x) / 1000.0));
-            (a + 4.0 * b + c) / 6000.0
-        });
-        approx::assert_relative_eq!(simpson.sum::<f64>(), window_up_to(0.5), max_relative = 1e-12);
-    }
-}

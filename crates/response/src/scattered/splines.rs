@@ -192,20 +192,3 @@ fn spline(place: f64) -> [f64; ORDER] {
     }
     values
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn splines_are_parts_of_one_and_keep_their_centre() {
-        for place in [0.0, 0.25, 0.5, 0.9] {
-            let values = spline(place);
-            let [sum, centre] = [0, 1].map(|power| {
-                let terms = values.iter().enumerate();
-                terms.map(|(k, w)| w * (k as f64 + 1.0 - ORDER as f64 / 2.0).powi(power)).sum::<f64>()
-            });
-            assert!((sum - 1.0).abs() < 1e-14 && (centre - place).abs() < 1e-14, "{place}: {sum} {centre}");
-        }
-    }
-}

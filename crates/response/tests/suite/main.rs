@@ -1,3 +1,6 @@
 //! The tests of `gfmd-response` as one program: those of one file by `cargo test -p gfmd-response --test suite FILE::`.
 
+mod free_full;
 mod operators;
+mod scattered;
+mod units;

@@ -1,0 +1,78 @@
+//! All components of a patch that does not repeat.
+
+use std::sync::Arc;
+
+use gfmd_field::Grid;
+use gfmd_green::{Body, GreenError, Material};
+use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
+
+/// Far from the ends of a wide cell it does not matter what surrounds the patch, if the tractions have neither force nor
+/// moment. A periodic surface sees bands of waves in place of cells, which differ little for smooth tractions.
+#[test]
+fn smooth_tractions_without_force_move_a_patch_as_a_wide_periodic_surface() {
+    let (n, wide) = (40, 240);
+    let material = Material::from_young(1.0, 0.1).unwrap();
+    for body in [
+        Body::half_space(material),
+        Body::half_space(material).against(Body::half_space(Material::from_young(3.0, 0.45).unwrap())),
+    ] {
+        let [patch, cell] = [n, wide].map(|n| Grid::new([n, n], [n as f64, 1.2 * n as f64]).unwrap());
+        let mut free = FreeFullTransforms::of(&FreeFullCompliance::new(patch, &body).unwrap().into());
+        let mut periodic = FullTransforms::of(&FullResponse::new(cell, &body).into());
+        // The fourth difference of a bump along x, and the second along y.
+        let bump = |i: f64, j: f64| (-(i * i + j * j) / 16.0).exp();
+        let traction = |i: f64, j: f64| {
+            let along = |j: f64| bump(i - 6.0, j) - 2.0 * bump(i, j) + bump(i + 6.0, j);
+            along(j - 6.0) - 2.0 * along(j) + along(j + 6.0)
+        };
+        for loaded in 0..3 {
+            let field = |n: usize| {
+                let middle = |i: usize| i as f64 - n as f64 / 2.0;
+                let mut all = vec![0.0; 3 * n * n];
+                for (at, value) in all[loaded * n * n..][..n * n].iter_mut().enumerate() {
+                    *value = traction(middle(at / n), middle(at % n));
+                }
+                all
+            };
+            let (mut found, mut wanted) = (vec![0.0; 3 * n * n], vec![0.0; 3 * wide * wide]);
+            free.compliance(&field(n), &mut found);
+            periodic.compliance(&field(wide), &mut wanted);
+            let largest = wanted.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            for component in 0..3 {
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    let [i_wide, j_wide] = [i, j].map(|k| k + wide / 2 - n / 2);
+                    let u = found[(component * n + i) * n + j];
+                    let v = wanted[(component * wide + i_wide) * wide + j_wide];
+                    assert!((u - v).abs() < 0.02 * largest, "{loaded} {component} {i} {j}: {u} {v}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_matrix_is_symmetric_and_a_line_is_refused() {
+    let material = Material::from_young(2.0, 0.2).unwrap();
+    let body = Body::half_space(material);
+    let grid = Grid::new([5, 4], [1.0, 0.7]).unwrap();
+    let response = Arc::new(FreeFullCompliance::new(grid, &body).unwrap());
+    let size = 3 * grid.len();
+    let matrix: Vec<Vec<f64>> = (0..size).map(|k| column_of(&response, k)).collect();
+    for (i, j) in (0..size).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        assert!((matrix[i][j] - matrix[j][i]).abs() < 1e-14, "{i} {j}");
+    }
+    // At the centre of a square cell G_xx is (1 − ν/2)/(1 − ν) of G_zz.
+    let square = FreeFullCompliance::new(Grid::square(3, 1.0).unwrap(), &body).unwrap().into();
+    let [xx, zz] = [4, 2 * 9 + 4].map(|k| column_of(&square, k)[k]);
+    assert!((xx / zz - 0.9 / 0.8).abs() < 1e-14);
+    let line = Grid::line(8, 1.0).unwrap();
+    assert_eq!(FreeFullCompliance::new(line, &body).err(), Some(GreenError::LineShear));
+}
+
+fn column_of(response: &Arc<FreeFullCompliance>, k: usize) -> Vec<f64> {
+    let size = 3 * response.grid().len();
+    let (mut unit, mut out) = (vec![0.0; size], vec![0.0; size]);
+    unit[k] = 1.0;
+    FreeFullTransforms::of(response).compliance(&unit, &mut out);
+    out
+}
