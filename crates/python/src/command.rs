@@ -103,15 +103,24 @@ pub(crate) fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
 /// The table of a dictionary; an entry that is `None` is left out.
 pub(crate) fn table(values: &Bound<'_, PyDict>) -> PyResult<Table> {
     let given = values.iter().filter(|(_, value)| !value.is_none());
-    given.map(|(key, value)| Ok((key.extract()?, entry(&value)?))).collect()
+    let entry = |(key, value): (Bound<'_, PyAny>, _)| {
+        let key: String = key.extract()?;
+        let value = entry(&key, &value)?;
+        Ok((key, value))
+    };
+    given.map(entry).collect()
 }
 
-fn entry(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+fn entry(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(flag) = value.extract::<bool>() {
         return Ok(flag.into());
     }
     if value.is_instance_of::<PyInt>() {
-        return Ok(value.extract::<i64>()?.into());
+        let whole = value.extract::<i64>().map_err(|_| {
+            let error = format!("{key} is {value}; it must be between {} and {}", i64::MIN, i64::MAX);
+            refused(value.py(), &error)
+        })?;
+        return Ok(whole.into());
     }
     if let Ok(text) = value.extract::<String>() {
         return Ok(text.into());
@@ -121,7 +130,7 @@ fn entry(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
     match value.extract::<f64>() {
         Ok(number) => Ok(number.into()),
-        Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(&value?)).collect::<PyResult<_>>()?)),
+        Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(key, &value?)).collect::<PyResult<_>>()?)),
     }
 }
 

@@ -130,6 +130,7 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.read(3), "name is 3"),
         (lambda: SMALL.detrend("cubic"), "the trend is"),
         (lambda: gfmd.kappa_sweep("nothing"), "preset is \"nothing\": it must be one of smoke, default"),
+        (lambda: gfmd.kappa_sweep({"loads": {"p_star": 2**63}}), "p_star is 9223372036854775808; it must be between -9223372036854775808 and 9223372036854775807"),
         (lambda: gfmd.load("nowhere.h5"), "cannot open nowhere.h5"),
         (lambda: gfmd.green(BODY, qx=np.nan), "qx is nan"),
         (lambda: gfmd.punch(n=2**40), ""),
