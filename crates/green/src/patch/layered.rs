@@ -240,9 +240,9 @@ impl Layers {
 fn thickness(body: &Body) -> Result<Option<[f64; 2]>, GreenError> {
     let Height::Finite(height) = body.height() else { return Ok(None) };
     match body.base() {
-        Base::Bonded | Base::Sliding => Ok(Some([height; 2])),
         Base::Free => Err(GreenError::FreePlate),
         Base::Elastic(below) => Ok(Some([height, height + thickness(below)?.map_or(0.0, |[_, all]| all)])),
+        _ => Ok(Some([height; 2])),
     }
 }
 

@@ -318,13 +318,12 @@ impl OtherArgs {
         match base {
             _ if below.is_some() => parts.extend(below.map(str::to_owned)),
             BaseKind::Bonded if layer.is_empty() => {}
-            BaseKind::Bonded => parts.push("bonded to a rigid base".into()),
-            BaseKind::Sliding => parts.push("on a rigid base without friction".into()),
             BaseKind::Free => parts.push("free below".into()),
             BaseKind::HalfSpace => {
                 let [young, poisson] = [base_young, base_poisson].map(|value| value.unwrap_or(f64::NAN));
                 parts.push(format!("on a half-space (E = {young}, nu = {poisson})"));
             }
+            rigid => parts.push(rigid.meaning().into()),
         }
         if let Some(second) = second_body {
             let kind = match second.height {
