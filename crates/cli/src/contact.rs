@@ -343,7 +343,7 @@ impl Loads {
         if let Some(archive) = file.archive() {
             gfmd_run::statistics::write(archive, &surface.grid, surface.unit(), &gathered.loads)?;
             if let Some(found) = &report.flow_threshold {
-                threshold::write(archive, surface.unit(), found)?;
+                threshold::write(archive, surface.unit(), &self.prepared.facts, found)?;
             }
             if let Some(history) = &report.history {
                 history.write(archive, surface.unit())?;

@@ -172,7 +172,8 @@ impl Report {
 
 fn body(args: &Args) -> Result<Body, Failure> {
     let Args { young, poisson, height, others, .. } = args;
-    Ok(BodyArgs { young: *young, poisson: *poisson, e_star: None, height: *height, others: others.clone() }.body()?)
+    Ok(BodyArgs { young: *young, poisson: *poisson, height: *height, others: others.clone(), ..BodyArgs::default() }
+        .body()?)
 }
 
 fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {

@@ -11,7 +11,9 @@ mod law;
 mod solver;
 pub mod values;
 
-pub use body::{BodyArgs, HEIGHTS, OtherArgs, RecordedBodyArgs, body_of, height, height_if, parse_height, sides};
+pub use body::{
+    BodyArgs, HEIGHTS, OtherArgs, RecordedBodyArgs, Sheet, body_of, height, height_if, parse_height, sides,
+};
 pub use choice::{Choice, named, named_if, parse_choice};
 pub use dynamics::{DampedBy, DynamicsArgs};
 use flags::without_flags;

@@ -34,6 +34,53 @@ pub(crate) fn meaning(meanings: &[Meaning], facts: &Facts) -> &'static str {
     meanings.iter().find(|(applies, _)| applies(facts)).map_or("", |(_, meaning)| meaning)
 }
 
+/// The tables in which people read a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sheet {
+    /// Load, approach, area, gap, cost.
+    State,
+    /// Energies of a step of a path.
+    Energy,
+    /// The lower face of a slab between two surfaces.
+    LowerFace,
+    /// Patches and conductance.
+    Patches,
+    /// Flow through the gap.
+    Flow,
+}
+
+/// The way in which a table shows a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Five significant digits, as a power of ten.
+    Size,
+    /// The same, in a column that is left out if all its numbers are zero.
+    SizeUnlessZero,
+    /// Two significant digits, as a power of ten.
+    Rough,
+    /// Six decimals.
+    Share,
+    /// Four decimals.
+    Ratio,
+    /// A whole number, or one with a decimal.
+    Whole,
+    /// Yes or no.
+    Flag,
+    /// With the error that the column of this name has, such as `0.1014(12)`.
+    Uncertain(&'static str),
+}
+
+/// The place of a column in the tables that people read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Head {
+    /// The table.
+    pub sheet: Sheet,
+    /// The word above the numbers.
+    pub word: &'static str,
+    /// The digits.
+    pub form: Form,
+}
+
 /// A number of a record: its name, its unit, its definition, and its value.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
@@ -53,6 +100,8 @@ pub struct Column {
     pub present: fn(&Facts) -> bool,
     /// The reason why it has no value in a problem, whatever the state; `None` if it may have one.
     pub undefined: fn(&Facts) -> Option<&'static str>,
+    /// The place in the tables that people read, if it is in one.
+    pub head: Option<Head>,
     /// The source of the number.
     pub origin: Origin,
     /// The value.
@@ -75,6 +124,7 @@ impl Column {
             in_file: |_| true,
             present: |_| true,
             undefined: |_| None,
+            head: None,
             origin: Origin::Fields,
             value,
         }
@@ -102,6 +152,15 @@ impl Column {
 
     pub(crate) const fn unless(self, undefined: fn(&Facts) -> Option<&'static str>) -> Self {
         Self { undefined, ..self }
+    }
+
+    /// In the table of states.
+    pub(crate) const fn head(self, word: &'static str, form: Form) -> Self {
+        self.on(Sheet::State, word, form)
+    }
+
+    pub(crate) const fn on(self, sheet: Sheet, word: &'static str, form: Form) -> Self {
+        Self { head: Some(Head { sheet, word, form }), ..self }
     }
 
     pub(crate) const fn by(self, origin: Origin) -> Self {

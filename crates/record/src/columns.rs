@@ -5,7 +5,7 @@ use gfmd_interface::Loss;
 use gfmd_measure::GridLimit;
 use gfmd_problem::{Facts, Task, Unknown};
 
-use crate::column::{Column, Origin};
+use crate::column::{Column, Form, Origin, Sheet};
 use crate::{At, Cell};
 
 fn any(_: &Facts) -> bool {
@@ -238,8 +238,10 @@ pub const COLUMNS: &[Column] = &[
             (any, "mean pressure over the whole surface"),
         ],
         |at| at.summary.mean_pressure.into(),
-    ),
-    Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| at.summary.p_star.into()),
+    )
+    .head("pressure", Form::Size),
+    Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| at.summary.p_star.into())
+    .head("p*", Form::Size),
     Column::new(
         "displacement",
         "length",
@@ -252,17 +254,20 @@ pub const COLUMNS: &[Column] = &[
         ],
         |at| at.approach.into(),
     )
-    .unless(level),
+    .unless(level)
+    .head("approach", Form::Size),
     Column::new("lateral_x", "length", &[(any, "lateral displacement of the rigid surface along x")], |at| {
         sideways(at, 0)
     })
     .at("lateral.0")
-    .with(path),
+    .with(path)
+    .head("lateral x", Form::SizeUnlessZero),
     Column::new("lateral_y", "length", &[(any, "lateral displacement of the rigid surface along y")], |at| {
         sideways(at, 1)
     })
     .at("lateral.1")
-    .with(path),
+    .with(path)
+    .head("lateral y", Form::SizeUnlessZero),
     Column::new(
         "mean_shear_x",
         "stress",
@@ -273,7 +278,8 @@ pub const COLUMNS: &[Column] = &[
         |at| shear(at, 0),
     )
     .at("mean_shear.0")
-    .with(|facts| path(facts) || steep(facts)),
+    .with(|facts| path(facts) || steep(facts))
+    .head("shear x", Form::SizeUnlessZero),
     Column::new(
         "mean_shear_y",
         "stress",
@@ -281,7 +287,8 @@ pub const COLUMNS: &[Column] = &[
         |at| shear(at, 1),
     )
     .at("mean_shear.1")
-    .with(|facts| path(facts) || steep(facts)),
+    .with(|facts| path(facts) || steep(facts))
+    .head("shear y", Form::SizeUnlessZero),
     Column::new(
         "area_fraction",
         "1",
@@ -295,7 +302,8 @@ pub const COLUMNS: &[Column] = &[
             Some(law) => law.contact_fraction.into(),
             None => at.summary.area_fraction.into(),
         },
-    ),
+    )
+    .head("area", Form::Share),
     Column::new(
         "stick_fraction",
         "1",
@@ -303,21 +311,24 @@ pub const COLUMNS: &[Column] = &[
         |at| at.rest.and_then(|rest| rest.friction()).map_or(f64::NAN, |state| state.stick_fraction).into(),
     )
     .with(path)
-    .unless(|facts| (!friction(facts)).then_some("without friction nothing sticks")),
+    .unless(|facts| (!friction(facts)).then_some("without friction nothing sticks"))
+    .head("stick", Form::Share),
     Column::new(
         "area_fraction_corrected",
         "1",
         &[(any, "contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al. 2017)")],
         |at| at.summary.area_fraction_corrected.into(),
     )
-    .with(loads),
+    .with(loads)
+    .head("corrected", Form::Share),
     Column::new(
         "kappa",
         "1",
         &[(law, "area_fraction / p_star; NaN if attraction carries the load"), (any, "area_fraction / p_star")],
         |at| ratio(at, at.summary.kappa),
     )
-    .with(loads),
+    .with(loads)
+    .head("kappa", Form::Ratio),
     Column::new(
         "kappa_corrected",
         "1",
@@ -347,14 +358,16 @@ pub const COLUMNS: &[Column] = &[
     )
     .count()
     .with(loads),
-    Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into()),
+    Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into())
+    .head("mean gap", Form::Size),
     Column::new(
         "max_pressure",
         "stress",
         &[(law, "largest repulsive pressure"), (any, "largest pressure")],
         |at| at.summary.max_pressure.into(),
     )
-    .with(loads),
+    .with(loads)
+    .head("peak p", Form::Size),
     Column::new(
         "mean_pressure_in_contact",
         "stress",
@@ -394,7 +407,8 @@ pub const COLUMNS: &[Column] = &[
         ],
         |at| at.summary.elastic_energy.into(),
     )
-    .unless(level),
+    .unless(level)
+    .on(Sheet::Energy, "elastic", Form::Size),
     Column::new(
         "interface_energy",
         "stress*length",
@@ -408,7 +422,8 @@ pub const COLUMNS: &[Column] = &[
         },
     )
     .with(|facts| path(facts) || law(facts))
-    .unless(without_law),
+    .unless(without_law)
+    .on(Sheet::Energy, "interface", Form::Size),
     Column::new(
         "dissipated",
         "stress*length",
@@ -416,7 +431,8 @@ pub const COLUMNS: &[Column] = &[
         |at| lost(at, false),
     )
     .with(path)
-    .by(Origin::Way),
+    .by(Origin::Way)
+    .on(Sheet::Energy, "dissipated", Form::Size),
     Column::new(
         "dissipated_error",
         "stress*length",
@@ -427,7 +443,8 @@ pub const COLUMNS: &[Column] = &[
         |at| lost(at, true),
     )
     .with(path)
-    .by(Origin::Way),
+    .by(Origin::Way)
+    .on(Sheet::Energy, "+-", Form::Rough),
     Column::new(
         "passed_instability",
         "1",
@@ -464,7 +481,8 @@ pub const COLUMNS: &[Column] = &[
         )],
         |at| stiff(at, |found| found.value),
     )
-    .with(loads),
+    .with(loads)
+    .head("stiffness", Form::Size),
     Column::new(
         "stiffness_error",
         "1",
@@ -490,7 +508,8 @@ pub const COLUMNS: &[Column] = &[
     )
     .count()
     .with(friction)
-    .by(Origin::Way),
+    .by(Origin::Way)
+    .head("increments", Form::Whole),
     Column::new(
         "iterations",
         "1",
@@ -498,7 +517,8 @@ pub const COLUMNS: &[Column] = &[
         |at| at.step.as_ref().map_or(at.effort, |(step, _)| step.effort).iterations.into(),
     )
     .count()
-    .by(Origin::Way),
+    .by(Origin::Way)
+    .head("steps", Form::Whole),
     Column::new(
         "transform_pairs",
         "1",
@@ -511,7 +531,8 @@ pub const COLUMNS: &[Column] = &[
             None => at.effort.transform_pairs.into(),
         },
     )
-    .by(Origin::Way),
+    .by(Origin::Way)
+    .head("pairs", Form::Whole),
     Column::new(
         "converged",
         "1",
@@ -610,14 +631,16 @@ pub const COLUMNS: &[Column] = &[
         ],
         |at| plastic(at).map_or(f64::NAN, |(fraction, _)| fraction).into(),
     )
-    .with(hardness),
+    .with(hardness)
+    .head("plastic", Form::Share),
     Column::new(
         "plastic_volume",
         "length",
         &[(path, "mean plastic depth so far"), (any, "mean plastic depth over the whole surface")],
         |at| plastic(at).map_or(f64::NAN, |(_, volume)| volume).into(),
     )
-    .with(hardness),
+    .with(hardness)
+    .head("depth", Form::Size),
     Column::new(
         "projected_area_fraction",
         "1",
@@ -636,12 +659,14 @@ pub const COLUMNS: &[Column] = &[
     })
     .count()
     .at("patches.count")
-    .with(statistics),
+    .with(statistics)
+    .on(Sheet::Patches, "patches", Form::Whole),
     Column::new("largest_patch_fraction", "1", &[(any, "points of the largest patch over all points")], |at| {
         at.measured.patches.map_or(f64::NAN, |found| found.largest() as f64 / at.points as f64).into()
     })
     .at("patches.largest_fraction")
-    .with(statistics),
+    .with(statistics)
+    .on(Sheet::Patches, "largest", Form::Share),
     Column::new(
         "percolates_x",
         "1",
@@ -650,13 +675,15 @@ pub const COLUMNS: &[Column] = &[
     )
     .flag()
     .at("patches.percolates.0")
-    .with(statistics),
+    .with(statistics)
+    .on(Sheet::Patches, "through x", Form::Flag),
     Column::new("percolates_y", "1", &[(any, "the same along y")], |at| {
         flag(at.measured.patches.map(|found| found.percolate()), 1)
     })
     .flag()
     .at("patches.percolates.1")
-    .with(statistics),
+    .with(statistics)
+    .on(Sheet::Patches, "through y", Form::Flag),
     Column::new(
         "conductance",
         "1/length",
@@ -668,7 +695,8 @@ pub const COLUMNS: &[Column] = &[
         )],
         |at| at.measured.conductance.clone().map_or(Cell::Real(f64::NAN), Into::into),
     )
-    .with(statistics),
+    .with(statistics)
+    .on(Sheet::Patches, "conductance", Form::Size),
     Column::new(
         "flow_xx",
         "1",
@@ -676,16 +704,19 @@ pub const COLUMNS: &[Column] = &[
         |at| conductivity(at, [0, 0]),
     )
     .at("flow.conductivity.0.0")
-    .with(flow),
+    .with(flow)
+    .on(Sheet::Flow, "flow xx", Form::Rough),
     Column::new("flow_xy", "1", &[(any, "the same along x by a gradient along y")], |at| conductivity(at, [0, 1]))
         .at("flow.conductivity.0.1")
-        .with(flow),
+        .with(flow)
+    .on(Sheet::Flow, "flow xy", Form::Rough),
     Column::new("flow_yx", "1", &[(any, "the same along y by a gradient along x")], |at| conductivity(at, [1, 0]))
         .at("flow.conductivity.1.0")
         .with(flow),
     Column::new("flow_yy", "1", &[(any, "the same along y by a gradient along y")], |at| conductivity(at, [1, 1]))
         .at("flow.conductivity.1.1")
-        .with(flow),
+        .with(flow)
+    .on(Sheet::Flow, "flow yy", Form::Rough),
     Column::new(
         "flow_xx_limit",
         "1",
@@ -696,10 +727,12 @@ pub const COLUMNS: &[Column] = &[
         |at| limit(at, 0, limit_value),
     )
     .at("flow.conductivity_limit.0.0")
-    .with(flow),
+    .with(flow)
+    .on(Sheet::Flow, "fine grid xx", Form::Uncertain("flow_xx_limit_error")),
     Column::new("flow_yy_limit", "1", &[(any, "as flow_xx_limit, along y")], |at| limit(at, 1, limit_value))
         .at("flow.conductivity_limit.1.1")
-        .with(flow),
+        .with(flow)
+    .on(Sheet::Flow, "fine grid yy", Form::Uncertain("flow_yy_limit_error")),
     Column::new("flow_xx_limit_error", "1", &[(any, "95 % of the errors of flow_xx_limit are smaller")], |at| {
         limit(at, 0, limit_error)
     })
@@ -728,13 +761,15 @@ pub const COLUMNS: &[Column] = &[
     })
     .flag()
     .at("flow.percolates.0")
-    .with(flow),
+    .with(flow)
+    .on(Sheet::Flow, "through x", Form::Flag),
     Column::new("flow_percolates_y", "1", &[(any, "the same along y")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 1)
     })
     .flag()
     .at("flow.percolates.1")
-    .with(flow),
+    .with(flow)
+    .on(Sheet::Flow, "through y", Form::Flag),
     Column::new(
         "flow_residual",
         "1",
@@ -746,11 +781,14 @@ pub const COLUMNS: &[Column] = &[
     .by(Origin::Residual),
     lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
         .mean_pressure),
-    lower!("displacement", "length", "part of the approach at the lower face", |face, summary| face.approach),
-    lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction),
+    lower!("displacement", "length", "part of the approach at the lower face", |face, summary| face.approach)
+    .on(Sheet::LowerFace, "approach", Form::Size),
+    lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction)
+    .on(Sheet::LowerFace, "area", Form::Share),
     lower!("area_fraction_corrected", "1", "the same less the excess of the pixels along the perimeter", |face, summary| {
         summary.area_fraction_corrected
-    }),
+    })
+    .on(Sheet::LowerFace, "corrected", Form::Share),
     lower!("contact_nodes", "1", "number of points in contact at the lower face", |face, summary| summary.contact_nodes).count(),
     lower!(
         "boundary_links",
@@ -759,8 +797,10 @@ pub const COLUMNS: &[Column] = &[
         |face, summary| summary.boundary_links
     )
     .count(),
-    lower!("mean_gap", "length", "mean distance between lower face and lower surface", |face, summary| summary.mean_gap),
-    lower!("max_pressure", "stress", "largest pressure on the lower face", |face, summary| summary.max_pressure),
+    lower!("mean_gap", "length", "mean distance between lower face and lower surface", |face, summary| summary.mean_gap)
+    .on(Sheet::LowerFace, "mean gap", Form::Size),
+    lower!("max_pressure", "stress", "largest pressure on the lower face", |face, summary| summary.max_pressure)
+    .on(Sheet::LowerFace, "peak p", Form::Size),
     lower!(
         "mean_pressure_in_contact",
         "stress",

@@ -5,9 +5,7 @@ use gfmd_plot::{Chart, Mark, Point, Series};
 use maud::html;
 
 use crate::figures::{area_chart, theories};
-use crate::page::{
-    Certificate, FaceFields, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, text, whole,
-};
+use crate::page::{Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, text, whole};
 use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
 
@@ -111,28 +109,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         let largest = loads.worst(&name);
         Certificate { name: name.trim_start_matches("residual_").replace('_', " "), largest, allowed: tolerance }
     }));
-    let unit = |name: &str| html! { br; small { (loads.unit(name)) } };
-    page.tables.push(Table {
-        caption: html! { "The loads." },
-        head: vec![
-            html! { i { "p" } "*" },
-            html! { "pressure" (unit("mean_pressure")) },
-            html! { "approach" (unit("displacement")) },
-            html! { "area" },
-            html! { "corrected" },
-            html! { "κ" },
-            html! { "mean gap" (unit("mean_gap")) },
-            html! { "largest pressure" (unit("max_pressure")) },
-            html! { "iterations" },
-        ],
-        rows: (0..loads.len())
-            .map(|load| {
-                let numbers = [&p_star, &mean, &approach, &area, &corrected, &kappa, &gap, &peak];
-                let cells = numbers.into_iter().map(|column| number(column[load]));
-                cells.chain([whole(column("iterations")[load])]).collect()
-            })
-            .collect(),
-    });
+    page.numbers(&loads, loads.len(), "load");
     page.cost.extend([
         Fact(html! { "transform pairs" }, number(loads.sum("transform_pairs"))),
         Fact(html! { "iterations" }, whole(loads.sum("iterations"))),

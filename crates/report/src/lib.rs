@@ -6,7 +6,6 @@
 #![warn(missing_docs)]
 
 pub mod contact;
-pub mod digits;
 pub mod figures;
 pub mod kappa;
 mod page;

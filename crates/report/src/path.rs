@@ -4,7 +4,7 @@ use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use maud::html;
 
-use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
+use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness;
 
@@ -131,28 +131,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let tolerance = of(&table, "tol");
     let name = "largest of all conditions".into();
     page.certificates.push(Certificate { name, largest: stored.worst("residual"), allowed: tolerance });
-    let head = |word: &str, name: &str| html! { (word) br; small { (stored.unit(name)) } };
-    let columns = [
-        (html! { i { "p" } "*" }, p_star.clone()),
-        (head("pressure", "mean_pressure"), mean.clone()),
-        (head("approach", "displacement"), approach.clone()),
-        (head("lateral", "lateral_x"), lateral.clone()),
-        (head("shear", "mean_shear_x"), shear.clone()),
-        (html! { "area" }, area.clone()),
-        (html! { "sticking" }, stick.clone()),
-        (head("lost energy", "dissipated"), column("dissipated")),
-    ];
-    let shown: Vec<_> =
-        columns.into_iter().filter(|(_, values)| values.iter().any(|v| v.is_finite() && *v != 0.0)).collect();
-    page.tables.push(Table {
-        caption: html! { "The steps." },
-        head: [html! { "step" }].into_iter().chain(shown.iter().map(|(head, _)| head.clone())).collect(),
-        rows: (0..computed)
-            .map(|step| {
-                [whole(step as f64)].into_iter().chain(shown.iter().map(|(_, values)| number(values[step]))).collect()
-            })
-            .collect(),
-    });
+    page.numbers(&stored, computed, "step");
     if let Some(widest) = widest {
         page.answer.push(html! { p { "The contact is largest at step " (widest) ", " i { "p" } "* = " (number(p_star[widest])) "." } });
     }

@@ -4,7 +4,6 @@ use std::fmt;
 use gfmd_contact::{Solution, SolveError};
 use gfmd_field::GridError;
 use gfmd_fit::FitError;
-use gfmd_green::GreenError;
 use gfmd_surface::{Discretisation, SurfaceError};
 
 /// Reasons why a sweep ends without a result.
@@ -22,13 +21,8 @@ pub enum SweepError {
         allowed: String,
     },
     /// A property that no elastic body can have.
-    #[error("{field}: {source}")]
-    Body {
-        /// Its name.
-        field: &'static str,
-        /// The reason.
-        source: GreenError,
-    },
+    #[error("{0}")]
+    Body(String),
     /// Discretisation numbers that give no whole number of points.
     #[error("points: {0}")]
     Points(#[source] SurfaceError),

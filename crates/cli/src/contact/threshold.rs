@@ -4,8 +4,8 @@ use gfmd_contact::{Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_measure::Patches;
 use gfmd_problem::{Facts, Posed, Rest};
-use gfmd_record::{At, Record};
-use serde::Serialize;
+use gfmd_record::{At, COLUMNS, Column, Record};
+use serde::{Serialize, Serializer};
 
 use super::{Args, Loads};
 use crate::progress::Progress;
@@ -18,27 +18,33 @@ const WIDTH: f64 = 1e-3;
 
 /// The interval of loads in which the gap closes along one axis: the highest load at which it was open, and the lowest at
 /// which it was closed.
-#[derive(Clone, Debug, Serialize)]
-pub struct Threshold {
-    pub mean_pressure: [f64; 2],
-    pub p_star: [f64; 2],
-    pub displacement: [f64; 2],
-    pub area_fraction: [f64; 2],
-    pub area_fraction_corrected: [f64; 2],
-    pub mean_gap: [f64; 2],
+#[derive(Clone, Debug)]
+pub struct Threshold(Vec<(&'static Column, [f64; 2])>);
+
+/// The names of its columns.
+const NAMES: [&str; 6] =
+    ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
+
+/// Its columns, as of a load.
+fn columns() -> impl Iterator<Item = &'static Column> {
+    NAMES.iter().filter_map(|name| COLUMNS.iter().find(|column| column.name == *name))
 }
 
 impl Threshold {
     fn between(open: &Sample, closed: &Sample) -> Self {
-        let both = |name: &str| [open, closed].map(|sample| sample.record.number(name));
-        Self {
-            mean_pressure: both("mean_pressure"),
-            p_star: both("p_star"),
-            displacement: both("displacement"),
-            area_fraction: both("area_fraction"),
-            area_fraction_corrected: both("area_fraction_corrected"),
-            mean_gap: both("mean_gap"),
-        }
+        let both = |column: &'static Column| (column, [open, closed].map(|sample| sample.record.number(column.name)));
+        Self(columns().map(both).collect())
+    }
+
+    /// The numbers of a column on both sides.
+    pub fn of(&self, name: &str) -> [f64; 2] {
+        self.0.iter().find(|(column, _)| column.name == name).map_or([f64::NAN; 2], |(_, values)| *values)
+    }
+}
+
+impl Serialize for Threshold {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(column, values)| (column.name, values)))
     }
 }
 
@@ -150,19 +156,22 @@ impl Loads {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub(super) fn write(archive: &mut Archive, unit: &str, found: &[Option<Threshold>; 2]) -> Result<(), Failure> {
+pub(super) fn write(
+    archive: &mut Archive,
+    unit: &str,
+    facts: &Facts,
+    found: &[Option<Threshold>; 2],
+) -> Result<(), Failure> {
     let axis = Dimension::index("axis", 2, "axis of the flow: x, y");
     let side = Dimension::index("side", 2, "highest load at which the gap is open, lowest at which it is closed");
-    let mut column = |name: &str, units: &str, long_name: &str, of: fn(&Threshold) -> [f64; 2]| {
-        let values: Vec<f64> = found.iter().flat_map(|found| found.as_ref().map_or([f64::NAN; 2], of)).collect();
-        let variable = Variable { dimensions: &[&axis, &side], units, long_name };
-        archive.write(&format!("/flow_threshold/{name}"), &variable, &values)
-    };
-    column("mean_pressure", "stress", "mean pressure", |found| found.mean_pressure)?;
-    column("p_star", "1", "reduced pressure", |found| found.p_star)?;
-    column("displacement", unit, "approach", |found| found.displacement)?;
-    column("area_fraction", "1", "contact area fraction", |found| found.area_fraction)?;
-    column("area_fraction_corrected", "1", "contact area fraction, corrected", |found| found.area_fraction_corrected)?;
-    column("mean_gap", unit, "mean gap", |found| found.mean_gap)?;
+    for column in columns() {
+        let values: Vec<f64> = found
+            .iter()
+            .flat_map(|found| found.as_ref().map_or([f64::NAN; 2], |found| found.of(column.name)))
+            .collect();
+        let units = if column.unit == "length" { unit } else { column.unit };
+        let variable = Variable { dimensions: &[&axis, &side], units, long_name: column.meaning(facts) };
+        archive.write(&format!("/flow_threshold/{}", column.name), &variable, &values)?;
+    }
     Ok(())
 }

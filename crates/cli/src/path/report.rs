@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use gfmd_record::{Record, lines};
+use gfmd_record::{Record, Sheet, lines, table};
 use serde::Serialize;
 
 use crate::session::list_files;
@@ -105,64 +105,20 @@ impl Report {
 /// The columns of the table that may be without a value although others of their kind have one.
 const TABLE: [&str; 4] = ["displacement", "elastic_energy", "dissipated", "passed_instability"];
 
-/// A column of the table: its head, and its entry for a step.
-type Column<'a> = (&'static str, Box<dyn Fn(&Record) -> String + 'a>);
-
-impl Report {
-    /// The columns that apply to any of the steps.
-    fn columns(&self) -> Vec<Column<'_>> {
-        fn short<'a>(of: impl Fn(&Record) -> f64 + 'a) -> Box<dyn Fn(&Record) -> String + 'a> {
-            Box::new(move |step| format!("{:>12.4e}", of(step)))
-        }
-        fn share(name: &'static str) -> Box<dyn Fn(&Record) -> String> {
-            Box::new(move |step| format!("{:>12.6}", step.number(name)))
-        }
-        let number = |name: &'static str| short(move |step| step.number(name));
-        let any = |name: &str| self.steps.iter().any(|step| step.value(name).is_some());
-        let sideways = self.moves_sideways();
-        let columns: [(bool, Column); 14] = [
-            (true, ("pressure", number("mean_pressure"))),
-            (true, ("approach", number("displacement"))),
-            (sideways, ("lateral", short(|step| self.along(step.vector("lateral"))))),
-            (sideways, ("shear", short(|step| self.along(step.vector("mean_shear"))))),
-            (true, ("area", share("area_fraction"))),
-            (any("stick_fraction"), ("stick", share("stick_fraction"))),
-            (
-                true,
-                ("energy", short(|step| step.number("elastic_energy") + step.value("interface_energy").unwrap_or(0.0))),
-            ),
-            (any("plastic_volume"), ("plastic", share("plastic_fraction"))),
-            (any("plastic_volume"), ("depth", number("plastic_volume"))),
-            (any("dissipated"), ("dissipated", number("dissipated"))),
-            (any("dissipated_error"), ("+-", number("dissipated_error"))),
-            (
-                self.steps.iter().any(|step| step.number("increments") > 1.0),
-                ("increments", Box::new(|step| format!("{:>12}", step.number("increments")))),
-            ),
-            (true, ("steps", Box::new(|step| format!("{:>12}", step.number("iterations"))))),
-            (true, ("residual", Box::new(|step| format!("{:>12.1e}", step.worst())))),
-        ];
-        columns.into_iter().filter(|(applies, _)| *applies).map(|(_, column)| column).collect()
-    }
-}
-
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
         if let Some(hardness) = &self.head.hardness {
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
         }
-        let columns = self.columns();
-        let heads: String = columns.iter().map(|(head, _)| format!("{head:>12}")).collect();
-        writeln!(f, "{:>5}{heads}", "")?;
-        for (index, step) in self.steps.iter().enumerate() {
-            let values: String = columns.iter().map(|(_, value)| value(step)).collect();
-            writeln!(
-                f,
-                "{index:>5}{values}{}{}",
-                if step.is("passed_instability") { "  passed an instability" } else { "" },
-                if step.is("converged") { "" } else { "  NOT CONVERGED" }
-            )?;
+        for (index, line) in table(&self.steps, &[Sheet::State, Sheet::Energy]).iter().enumerate() {
+            let Some(step) = index.checked_sub(1) else {
+                writeln!(f, "{:>5}{line}", "")?;
+                continue;
+            };
+            let is = |name: &str| self.steps[step].is(name);
+            let jumped = if is("passed_instability") { "  passed an instability" } else { "" };
+            writeln!(f, "{step:>5}{line}{jumped}{}", if is("converged") { "" } else { "  NOT CONVERGED" })?;
         }
         if let Some(step) = self.parted_at {
             writeln!(f, "{step:>5}  the surfaces part")?;

@@ -144,7 +144,7 @@ fn a_sweep_has_bodies_of_its_own() {
     assert_eq!(run(folder, "check s.h5 --rerun --sample 2 --json")["differing"], 0);
     for (line, named) in [
         ("base = \"loose\"", "body.base"),
-        ("base = \"half-space\"", "body.base_young is absent"),
+        ("base = \"half-space\"", "body.base_young is missing"),
         ("base_young = 3.0", "body.base_young is 3"),
         ("second_body = [1.0]", "body.second_body is [1.0]"),
         ("layers = [[1.0, 0.7, 0.1]]", "body.layers: Poisson's ratio is 0.7"),
@@ -158,7 +158,7 @@ fn a_sweep_has_bodies_of_its_own() {
     std::fs::write(folder.join("w.toml"), "[body]\nbase = \"free\"\n").unwrap();
     let output = gfmd(folder, &words("kappa-sweep --config w.toml --dry-run"));
     assert!(
-        String::from_utf8_lossy(&output.stderr).contains("body.base is free; it must be bonded with height = \"inf\"")
+        String::from_utf8_lossy(&output.stderr).contains("body.base is free; it must be bonded with body.height inf")
     );
 }
 

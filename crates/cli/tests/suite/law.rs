@@ -142,16 +142,19 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
     let surface = "path --n 32 --dim 2 --eps-f-inv 4 --steps 1";
     let adhesive =
         table(&format!("{surface} --law exponential --param gamma=1e-5,range=3e-3 --displacement 0.001,0.002"));
-    assert_eq!(columns(&adhesive), "pressure approach area energy dissipated +- steps residual");
+    assert_eq!(
+        columns(&adhesive),
+        "pressure p* approach area mean gap steps pairs elastic interface dissipated +- residual"
+    );
     let slip = table(&format!("{surface} --p-star 0.05 --friction 0.3 --lateral 0,0.001"));
     assert_eq!(
         columns(&slip),
-        "pressure approach lateral shear area stick energy dissipated +- increments steps residual"
+        "pressure p* approach lateral x shear x area stick mean gap increments steps pairs elastic dissipated +- residual"
     );
     let cohesive =
         "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --displacement 0.002";
     let cohesive = table(&format!("{surface} {cohesive} --lateral 0,0.001"));
-    assert_eq!(columns(&cohesive), "pressure approach lateral shear area energy steps residual");
+    assert_eq!(columns(&cohesive), "pressure p* approach lateral x shear x area mean gap steps pairs elastic residual");
     assert!(cohesive.contains("no dissipated energy"));
     for text in [adhesive, slip, cohesive] {
         assert!(!text.contains("NaN"), "{text}");

@@ -71,7 +71,7 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
     assert_eq!((report["kind"].as_str(), report["figures"].as_u64()), (Some("contact"), Some(5)));
     let made = page(folder, "c.html");
     check_page(&made);
-    assert_eq!(outline(&made), (all.to_vec(), 5, 2));
+    assert_eq!(outline(&made), (all.to_vec(), 5, 3));
     let area = 100.0 * contact["loads"][1]["area_fraction"].as_f64().unwrap();
     assert!(made.contains(&format!("<p class=\"headline\">{area:.3} %")), "{area}");
     assert!(made.contains("Every residual is within its bound") && made.contains("gfmd check c.h5 --rerun"));
@@ -82,7 +82,7 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
     assert_eq!(make(folder, "report p.h5 --out path.html -q"), Some(0));
     let made = page(folder, "path.html");
     check_page(&made);
-    assert_eq!(outline(&made), (all.to_vec(), 6, 2));
+    assert_eq!(outline(&made), (all.to_vec(), 6, 3));
     assert!(made.contains("Section along"));
 
     let sweep = json(folder, &["kappa-sweep", "--config", "sweep.toml", "--out", "s.h5", "--json", "-q"]);

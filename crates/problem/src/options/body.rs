@@ -110,11 +110,8 @@ impl Serialize for Sheet {
 /// Reads a sheet of two or three numbers.
 impl<'de> Deserialize<'de> for Sheet {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match Vec::<f64>::deserialize(deserializer)?[..] {
-            [young, poisson] => Ok(Self { young, poisson, height: Height::Infinite }),
-            [young, poisson, height] => Ok(Self { young, poisson, height: Height::Finite(height) }),
-            _ => Err(D::Error::custom("it must be E, NU or E, NU, H: Young's modulus, Poisson's ratio, height")),
-        }
+        let wrong = || D::Error::custom("it must be E, NU or E, NU, H: Young's modulus, Poisson's ratio, height");
+        Self::of(&Vec::<f64>::deserialize(deserializer)?).ok_or_else(wrong)
     }
 }
 
@@ -127,6 +124,15 @@ impl fmt::Display for Sheet {
 }
 
 impl Sheet {
+    /// The sheet of two numbers, or of three; `None` of more or less.
+    pub fn of(numbers: &[f64]) -> Option<Self> {
+        match *numbers {
+            [young, poisson] => Some(Self { young, poisson, height: Height::Infinite }),
+            [young, poisson, height] => Some(Self { young, poisson, height: Height::Finite(height) }),
+            _ => None,
+        }
+    }
+
     fn material(&self, flag: &str) -> Result<Material, Unusable> {
         material([flag, flag], self.young, self.poisson)
     }

@@ -5,14 +5,20 @@ use std::convert::Infallible;
 use gfmd_contact::Hardness;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Panel, Series};
+use gfmd_record::{Form, Head, Sheet, heads, uncertain};
 use maud::html;
 
 use super::about::body;
-use super::reading::{FaceFields, StoredSurface};
-use super::write::{given, text, whole};
-use super::{Fact, Page};
+use super::reading::{FaceFields, Stored, StoredSurface};
+use super::write::{given, number, text, whole};
+use super::{Fact, Page, Table};
 use crate::figures::{Face, Kind, Scene, field, rough};
 use gfmd_run::convergence::StoredFailure;
+
+/// True for a column with a number, that is not left out.
+fn is_shown(form: Form, values: &[f64]) -> bool {
+    values.iter().any(|value| value.is_finite() && (form != Form::SizeUnlessZero || *value != 0.0))
+}
 
 impl Page {
     /// Says which surface, body and law were asked for.
@@ -102,6 +108,42 @@ impl Page {
             Ok::<_, Infallible>(())
         });
         drawn.unwrap_or_else(|never| match never {});
+    }
+
+    /// Adds the tables of the numbers of the first `rows` states, of which each has a number: those that people read.
+    pub(crate) fn numbers(&mut self, stored: &Stored, rows: usize, state: &str) {
+        let sheets = [
+            (Sheet::State, ""),
+            (Sheet::Energy, ", energies per area"),
+            (Sheet::LowerFace, ", the lower face"),
+            (Sheet::Patches, ", patches and conductance"),
+            (Sheet::Flow, ", flow through the gap"),
+        ];
+        for (sheet, part) in sheets {
+            let columns = heads(sheet).map(|(column, head)| (column.name, head, stored.column(column.name)));
+            let shown: Vec<_> = columns.filter(|(_, head, values)| is_shown(head.form, &values[..rows])).collect();
+            if !shown.iter().any(|(_, head, _)| head.sheet == sheet) {
+                continue;
+            }
+            let cell = |(_, head, values): &(&str, Head, Vec<f64>), row: usize| match head.form {
+                Form::Whole => whole(values[row]),
+                Form::Flag => html! { (if values[row] == 0.0 { "no" } else { "yes" }) },
+                Form::Uncertain(error) => html! { (uncertain(values[row], stored.column(error)[row])) },
+                _ => number(values[row]),
+            };
+            let head = |(name, head, _): &(&str, Head, Vec<f64>)| {
+                html! { span title=(stored.definition(name)) { (head.word) } br; small { (stored.unit(name)) } }
+            };
+            self.tables.push(Table {
+                caption: html! { "The " (state) "s" (part) "." },
+                head: [html! { (state) }].into_iter().chain(shown.iter().map(head)).collect(),
+                rows: (0..rows)
+                    .map(|row| {
+                        [whole(row as f64)].into_iter().chain(shown.iter().map(|column| cell(column, row))).collect()
+                    })
+                    .collect(),
+            });
+        }
     }
 
     /// Says how a search failed, if the file says so; `part` is what the file counts.

@@ -59,10 +59,19 @@ impl<'a> Stored<'a> {
         self.reader.names(self.group).into_iter().filter(|name| name.starts_with(prefix)).collect()
     }
 
-    /// The unit of a column, as the file has it.
+    /// The unit of a column, as the file has it; empty for a number without one.
     pub(crate) fn unit(&self, name: &str) -> String {
-        let unit = self.reader.text(&format!("{}/{name}", self.group), "units").unwrap_or_default();
-        text(&unit).replace('*', "·").replace("^2", "²")
+        let unit = self.attribute(name, "units");
+        if unit == "1" { String::new() } else { unit.replace('*', "·").replace("^2", "²") }
+    }
+
+    /// The definition of a column, as the file has it.
+    pub(crate) fn definition(&self, name: &str) -> String {
+        self.attribute(name, "long_name")
+    }
+
+    fn attribute(&self, name: &str, attribute: &str) -> String {
+        text(&self.reader.text(&format!("{}/{name}", self.group), attribute).unwrap_or_default())
     }
 }
 

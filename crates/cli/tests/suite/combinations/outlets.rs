@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gfmd_files::Reader;
+use gfmd_record::{Form, Sheet, heads};
 use serde_json::Value;
 
 use super::draw::{Case, Control};
@@ -81,34 +82,28 @@ pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &
     }
 }
 
-/// The heads of a table and the keys of their numbers.
-const HEADS: [(&str, &str); 11] = [
-    ("pressure", "mean_pressure"),
-    ("p*", "p_star"),
-    ("approach", "displacement"),
-    ("area", "area_fraction"),
-    ("corrected", "area_fraction_corrected"),
-    ("kappa", "kappa"),
-    ("mean-gap", "mean_gap"),
-    ("peak-p", "max_pressure"),
-    ("stiffness", "stiffness"),
-    ("steps", "iterations"),
-    ("pairs", "transform_pairs"),
-];
-
 /// The rows of the printed table, cell by cell below the heads. Rows of a path begin with their number.
 pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: bool) {
-    let lines: Vec<String> =
-        text.lines().map(|line| line.replace("mean gap", "mean-gap").replace("peak p", "peak-p")).collect();
+    let sheets: &[Sheet] = if is_path { &[Sheet::State, Sheet::Energy] } else { &[Sheet::State] };
+    let all: Vec<_> = sheets.iter().flat_map(|sheet| heads(*sheet)).collect();
+    let joined = |word: &str| word.replace(' ', "-");
+    let join =
+        |line: &str| all.iter().fold(line.to_owned(), |line, (_, head)| line.replace(head.word, &joined(head.word)));
+    let lines: Vec<String> = text.lines().map(join).collect();
     let is_head = |line: &String| ["pressure", "steps", "residual"].iter().all(|name| line.contains(name));
     let Some(head) = lines.iter().position(is_head) else { return found.complain("no table".into()) };
-    let heads: Vec<&str> = lines[head].split_whitespace().collect();
+    let shown: Vec<&str> = lines[head].split_whitespace().collect();
     for (k, record) in records.iter().enumerate() {
         let row: Vec<&str> = lines.get(head + 1 + k).map_or("", String::as_str).split_whitespace().collect();
-        for (name, key) in HEADS {
-            let Some(column) = heads.iter().position(|head| *head == name) else { continue };
-            let cell = row.get(column + usize::from(is_path)).copied().unwrap_or_default();
+        for (column, head) in &all {
+            let (name, key) = (joined(head.word), column.json);
             let told = super::found::number(record, key);
+            let Some(column) = shown.iter().position(|head| *head == name) else {
+                let nothing = told.is_nan() || (head.form == Form::SizeUnlessZero && told == 0.0);
+                found.must(nothing, || format!("the table has no {name}, {told:e} in JSON of row {k}"));
+                continue;
+            };
+            let cell = row.get(column + usize::from(is_path)).copied().unwrap_or_default();
             match cell.parse::<f64>() {
                 Ok(shown) if shown.is_finite() => {
                     // Half of the last digit that is printed.

@@ -1,0 +1,114 @@
+use crate::column::{Column, Form, Head, Sheet};
+use crate::columns::COLUMNS;
+use crate::digits::uncertain;
+use crate::record::Record;
+
+/// The columns of a sheet, in their order, with their places in it. Sheets other than that of the state and its energies begin
+/// with the reduced pressure.
+pub fn heads(sheet: Sheet) -> impl Iterator<Item = (&'static Column, Head)> {
+    let key = (!matches!(sheet, Sheet::State | Sheet::Energy)).then_some("p_star");
+    let of = move |column: &'static Column| column.head.filter(|head| head.sheet == sheet || key == Some(column.name));
+    COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
+}
+
+/// The numbers of states in sheets as lines of text, below a line of heads: the columns that have a number in any of the rows.
+/// The last one is the largest residual, of the sheet of the lower face its own. Empty if the states have nothing of the sheets.
+pub fn table(rows: &[Record], sheets: &[Sheet]) -> Vec<String> {
+    let has = |column: &Column, head: Head| {
+        rows.iter().any(|row| match row.value(column.name) {
+            Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
+            None => false,
+        })
+    };
+    let heads = sheets.iter().flat_map(|sheet| heads(*sheet)).filter(|(column, head)| has(column, *head));
+    let heads: Vec<(&Column, Head)> = heads.collect();
+    if !heads.iter().any(|(_, head)| sheets.contains(&head.sheet)) {
+        return Vec::new();
+    }
+    let columns = heads.iter().map(|(column, head)| {
+        let cells = rows.iter().map(|row| shown(row, column.name, head.form));
+        std::iter::once(head.word.to_owned()).chain(cells).collect::<Vec<_>>()
+    });
+    let residual = match sheets {
+        [Sheet::State, ..] => Some("residual"),
+        [Sheet::LowerFace, ..] => Some("lower_residual"),
+        _ => None,
+    };
+    let residuals = residual.map(|prefix| {
+        let cells = rows.iter().map(|row| format!("{:.1e}", row.worst_of(prefix)));
+        std::iter::once("residual".to_owned()).chain(cells).collect::<Vec<_>>()
+    });
+    let mut lines = vec![String::new(); rows.len() + 1];
+    for column in columns.chain(residuals) {
+        let width = column.iter().map(String::len).max().unwrap_or(0) + 2;
+        lines.iter_mut().zip(&column).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
+    }
+    lines
+}
+
+/// A number as a table shows it; `-` without a value.
+fn shown(row: &Record, name: &str, form: Form) -> String {
+    let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
+    match form {
+        Form::Size | Form::SizeUnlessZero => format!("{value:.4e}"),
+        Form::Rough => format!("{value:.1e}"),
+        Form::Share => format!("{value:.6}"),
+        Form::Ratio => format!("{value:.4}"),
+        Form::Whole if value.fract() == 0.0 => format!("{value:.0}"),
+        Form::Whole => format!("{value:.1}"),
+        Form::Flag => if value == 0.0 { "no" } else { "yes" }.into(),
+        Form::Uncertain(error) => uncertain(value, row.number(error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cell;
+
+    fn row(cells: &[(&str, Cell)]) -> Record {
+        let column = |name: &str| COLUMNS.iter().find(|column| column.name == name).unwrap();
+        Record { cells: cells.iter().map(|(name, cell)| (column(name), cell.clone())).collect() }
+    }
+
+    #[test]
+    fn tables_have_the_columns_with_a_number_below_their_heads() {
+        let rows = [
+            row(&[
+                ("p_star", Cell::Real(0.1)),
+                ("lateral_x", Cell::Real(0.0)),
+                ("area_fraction", Cell::Real(0.25)),
+                ("stiffness", Cell::undefined("full contact")),
+                ("iterations", Cell::Count(12)),
+                ("residual_load", Cell::Real(2e-9)),
+            ]),
+            row(&[
+                ("p_star", Cell::Real(0.2)),
+                ("lateral_x", Cell::Real(0.0)),
+                ("area_fraction", Cell::undefined("a reason")),
+                ("stiffness", Cell::undefined("full contact")),
+                ("iterations", Cell::Count(1234)),
+                ("residual_load", Cell::Real(f64::NAN)),
+            ]),
+        ];
+        let wanted = [
+            "         p*      area  steps  residual",
+            "  1.0000e-1  0.250000     12    2.0e-9",
+            "  2.0000e-1         -   1234       NaN",
+        ];
+        assert_eq!(table(&rows, &[Sheet::State, Sheet::Energy]), wanted);
+        assert!(table(&rows, &[Sheet::Patches]).is_empty());
+    }
+
+    #[test]
+    fn a_sheet_beside_that_of_the_state_begins_with_the_load_and_shows_errors_in_brackets() {
+        let flow = [
+            ("p_star", Cell::Real(0.1)),
+            ("flow_xx_limit", Cell::Real(0.101_41)),
+            ("flow_xx_limit_error", Cell::Real(0.001_2)),
+            ("flow_percolates_x", Cell::Flag(false)),
+        ];
+        let wanted = ["         p*  fine grid xx  through x", "  1.0000e-1    0.1014(12)         no"];
+        assert_eq!(table(&[row(&flow)], &[Sheet::Flow]), wanted);
+    }
+}
