@@ -8,6 +8,8 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use ndarray::Array2;
 
+use super::long;
+
 fn material(poisson: f64) -> Material {
     Material::from_contact_modulus(1.0, poisson).unwrap()
 }
@@ -197,9 +199,11 @@ fn a_patch_has_the_conductance_of_a_dense_solution() {
 /// A patch without a point apart: the stiffness of its uniform displacement is rounding alone, and no direction.
 #[test]
 fn full_contact_of_a_patch_has_the_conductance_of_a_dense_solution() {
-    for (points, lengths) in [([6, 8], [1.22151, 1.62868]), ([8, 8], [1.0, 1.0]), ([5, 9], [1.0, 1.3])] {
+    let grids = [([6, 8], [1.22151, 1.62868]), ([8, 8], [1.0, 1.0]), ([5, 9], [1.0, 1.3])];
+    for (shape, (points, lengths)) in grids.into_iter().enumerate() {
         let grid = Grid::new(points, lengths).unwrap();
-        for h in [0.1, 0.2, 0.3, 0.5] {
+        let all = [0.1, 0.2, 0.3, 0.5].into_iter().enumerate();
+        for (_, h) in all.filter(|(index, _)| long() || index % 3 == shape) {
             let (height, all) = (Height::Finite(h), Array2::ones(points));
             let table = free_table(points, lengths, height);
             let exact = dense(&all, |a, b| table[[a[0].abs_diff(b[0]), a[1].abs_diff(b[1])]]);

@@ -15,3 +15,8 @@ mod ranks;
 mod squeezed;
 mod steep;
 mod stiffness;
+
+/// True for the long tests (`.ci/long`).
+fn long() -> bool {
+    std::env::var_os("GFMD_LONG").is_some()
+}
