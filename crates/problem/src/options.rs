@@ -12,7 +12,7 @@ mod solver;
 pub mod values;
 
 pub use body::{
-    BodyArgs, HEIGHTS, OtherArgs, RecordedBodyArgs, Sheet, body_of, height, height_if, parse_height, sides,
+    BodyArgs, HEIGHTS, Layer, OtherArgs, RecordedBodyArgs, body_of, height, height_if, parse_height, sides,
 };
 pub use choice::{Choice, named, named_if, parse_choice};
 pub use dynamics::{DampedBy, DynamicsArgs};

@@ -36,7 +36,7 @@ pub(crate) fn meaning(meanings: &[Meaning], facts: &Facts) -> &'static str {
 
 /// The tables in which people read a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sheet {
+pub enum Table {
     /// Load, approach, area, gap, cost.
     State,
     /// Energies of a step of a path.
@@ -74,7 +74,7 @@ pub enum Form {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Head {
     /// The table.
-    pub sheet: Sheet,
+    pub table: Table,
     /// The word above the numbers.
     pub word: &'static str,
     /// The digits.
@@ -156,11 +156,11 @@ impl Column {
 
     /// In the table of states.
     pub(crate) const fn head(self, word: &'static str, form: Form) -> Self {
-        self.on(Sheet::State, word, form)
+        self.on(Table::State, word, form)
     }
 
-    pub(crate) const fn on(self, sheet: Sheet, word: &'static str, form: Form) -> Self {
-        Self { head: Some(Head { sheet, word, form }), ..self }
+    pub(crate) const fn on(self, table: Table, word: &'static str, form: Form) -> Self {
+        Self { head: Some(Head { table, word, form }), ..self }
     }
 
     pub(crate) const fn by(self, origin: Origin) -> Self {

@@ -5,7 +5,7 @@ use gfmd_interface::Loss;
 use gfmd_measure::GridLimit;
 use gfmd_problem::{Facts, Task, Unknown};
 
-use crate::column::{Column, Form, Origin, Sheet};
+use crate::column::{Column, Form, Origin, Table};
 use crate::{At, Cell};
 
 fn any(_: &Facts) -> bool {
@@ -408,7 +408,7 @@ pub const COLUMNS: &[Column] = &[
         |at| at.summary.elastic_energy.into(),
     )
     .unless(level)
-    .on(Sheet::Energy, "elastic", Form::Size),
+    .on(Table::Energy, "elastic", Form::Size),
     Column::new(
         "interface_energy",
         "stress*length",
@@ -423,7 +423,7 @@ pub const COLUMNS: &[Column] = &[
     )
     .with(|facts| path(facts) || law(facts))
     .unless(without_law)
-    .on(Sheet::Energy, "interface", Form::Size),
+    .on(Table::Energy, "interface", Form::Size),
     Column::new(
         "dissipated",
         "stress*length",
@@ -432,7 +432,7 @@ pub const COLUMNS: &[Column] = &[
     )
     .with(path)
     .by(Origin::Way)
-    .on(Sheet::Energy, "dissipated", Form::Size),
+    .on(Table::Energy, "dissipated", Form::Size),
     Column::new(
         "dissipated_error",
         "stress*length",
@@ -444,7 +444,7 @@ pub const COLUMNS: &[Column] = &[
     )
     .with(path)
     .by(Origin::Way)
-    .on(Sheet::Energy, "+-", Form::Rough),
+    .on(Table::Energy, "+-", Form::Rough),
     Column::new(
         "passed_instability",
         "1",
@@ -660,13 +660,13 @@ pub const COLUMNS: &[Column] = &[
     .count()
     .at("patches.count")
     .with(statistics)
-    .on(Sheet::Patches, "patches", Form::Whole),
+    .on(Table::Patches, "patches", Form::Whole),
     Column::new("largest_patch_fraction", "1", &[(any, "points of the largest patch over all points")], |at| {
         at.measured.patches.map_or(f64::NAN, |found| found.largest() as f64 / at.points as f64).into()
     })
     .at("patches.largest_fraction")
     .with(statistics)
-    .on(Sheet::Patches, "largest", Form::Share),
+    .on(Table::Patches, "largest", Form::Share),
     Column::new(
         "percolates_x",
         "1",
@@ -676,14 +676,14 @@ pub const COLUMNS: &[Column] = &[
     .flag()
     .at("patches.percolates.0")
     .with(statistics)
-    .on(Sheet::Patches, "through x", Form::Flag),
+    .on(Table::Patches, "through x", Form::Flag),
     Column::new("percolates_y", "1", &[(any, "the same along y")], |at| {
         flag(at.measured.patches.map(|found| found.percolate()), 1)
     })
     .flag()
     .at("patches.percolates.1")
     .with(statistics)
-    .on(Sheet::Patches, "through y", Form::Flag),
+    .on(Table::Patches, "through y", Form::Flag),
     Column::new(
         "conductance",
         "1/length",
@@ -696,7 +696,7 @@ pub const COLUMNS: &[Column] = &[
         |at| at.measured.conductance.clone().map_or(Cell::Real(f64::NAN), Into::into),
     )
     .with(statistics)
-    .on(Sheet::Patches, "conductance", Form::Size),
+    .on(Table::Patches, "conductance", Form::Size),
     Column::new(
         "flow_xx",
         "1",
@@ -705,18 +705,18 @@ pub const COLUMNS: &[Column] = &[
     )
     .at("flow.conductivity.0.0")
     .with(flow)
-    .on(Sheet::Flow, "flow xx", Form::Rough),
+    .on(Table::Flow, "flow xx", Form::Rough),
     Column::new("flow_xy", "1", &[(any, "the same along x by a gradient along y")], |at| conductivity(at, [0, 1]))
         .at("flow.conductivity.0.1")
         .with(flow)
-    .on(Sheet::Flow, "flow xy", Form::Rough),
+    .on(Table::Flow, "flow xy", Form::Rough),
     Column::new("flow_yx", "1", &[(any, "the same along y by a gradient along x")], |at| conductivity(at, [1, 0]))
         .at("flow.conductivity.1.0")
         .with(flow),
     Column::new("flow_yy", "1", &[(any, "the same along y by a gradient along y")], |at| conductivity(at, [1, 1]))
         .at("flow.conductivity.1.1")
         .with(flow)
-    .on(Sheet::Flow, "flow yy", Form::Rough),
+    .on(Table::Flow, "flow yy", Form::Rough),
     Column::new(
         "flow_xx_limit",
         "1",
@@ -728,11 +728,11 @@ pub const COLUMNS: &[Column] = &[
     )
     .at("flow.conductivity_limit.0.0")
     .with(flow)
-    .on(Sheet::Flow, "fine grid xx", Form::Uncertain("flow_xx_limit_error")),
+    .on(Table::Flow, "fine grid xx", Form::Uncertain("flow_xx_limit_error")),
     Column::new("flow_yy_limit", "1", &[(any, "as flow_xx_limit, along y")], |at| limit(at, 1, limit_value))
         .at("flow.conductivity_limit.1.1")
         .with(flow)
-    .on(Sheet::Flow, "fine grid yy", Form::Uncertain("flow_yy_limit_error")),
+    .on(Table::Flow, "fine grid yy", Form::Uncertain("flow_yy_limit_error")),
     Column::new("flow_xx_limit_error", "1", &[(any, "95 % of the errors of flow_xx_limit are smaller")], |at| {
         limit(at, 0, limit_error)
     })
@@ -762,14 +762,14 @@ pub const COLUMNS: &[Column] = &[
     .flag()
     .at("flow.percolates.0")
     .with(flow)
-    .on(Sheet::Flow, "through x", Form::Flag),
+    .on(Table::Flow, "through x", Form::Flag),
     Column::new("flow_percolates_y", "1", &[(any, "the same along y")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 1)
     })
     .flag()
     .at("flow.percolates.1")
     .with(flow)
-    .on(Sheet::Flow, "through y", Form::Flag),
+    .on(Table::Flow, "through y", Form::Flag),
     Column::new(
         "flow_residual",
         "1",
@@ -782,13 +782,13 @@ pub const COLUMNS: &[Column] = &[
     lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
         .mean_pressure),
     lower!("displacement", "length", "part of the approach at the lower face", |face, summary| face.approach)
-    .on(Sheet::LowerFace, "approach", Form::Size),
+    .on(Table::LowerFace, "approach", Form::Size),
     lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction)
-    .on(Sheet::LowerFace, "area", Form::Share),
+    .on(Table::LowerFace, "area", Form::Share),
     lower!("area_fraction_corrected", "1", "the same less the excess of the pixels along the perimeter", |face, summary| {
         summary.area_fraction_corrected
     })
-    .on(Sheet::LowerFace, "corrected", Form::Share),
+    .on(Table::LowerFace, "corrected", Form::Share),
     lower!("contact_nodes", "1", "number of points in contact at the lower face", |face, summary| summary.contact_nodes).count(),
     lower!(
         "boundary_links",
@@ -798,9 +798,9 @@ pub const COLUMNS: &[Column] = &[
     )
     .count(),
     lower!("mean_gap", "length", "mean distance between lower face and lower surface", |face, summary| summary.mean_gap)
-    .on(Sheet::LowerFace, "mean gap", Form::Size),
+    .on(Table::LowerFace, "mean gap", Form::Size),
     lower!("max_pressure", "stress", "largest pressure on the lower face", |face, summary| summary.max_pressure)
-    .on(Sheet::LowerFace, "peak p", Form::Size),
+    .on(Table::LowerFace, "peak p", Form::Size),
     lower!(
         "mean_pressure_in_contact",
         "stress",

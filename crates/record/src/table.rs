@@ -1,37 +1,37 @@
-use crate::column::{Column, Form, Head, Sheet};
+use crate::column::{Column, Form, Head, Table};
 use crate::columns::COLUMNS;
 use crate::digits::uncertain;
 use crate::record::Record;
 
-/// The columns of a sheet, in their order, with their places in it. Sheets other than that of the state and its energies begin
+/// The columns of a table, in their order, with their places in it. Tables other than that of the state and its energies begin
 /// with the reduced pressure.
-pub fn heads(sheet: Sheet) -> impl Iterator<Item = (&'static Column, Head)> {
-    let key = (!matches!(sheet, Sheet::State | Sheet::Energy)).then_some("p_star");
-    let of = move |column: &'static Column| column.head.filter(|head| head.sheet == sheet || key == Some(column.name));
+pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
+    let key = (!matches!(table, Table::State | Table::Energy)).then_some("p_star");
+    let of = move |column: &'static Column| column.head.filter(|head| head.table == table || key == Some(column.name));
     COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
 }
 
-/// The numbers of states in sheets as lines of text, below a line of heads: the columns that have a number in any of the rows.
-/// The last one is the largest residual, of the sheet of the lower face its own. Empty if the states have nothing of the sheets.
-pub fn table(rows: &[Record], sheets: &[Sheet]) -> Vec<String> {
+/// The numbers of states in tables as lines of text, below a line of heads: the columns that have a number in any of the rows.
+/// The last one is the largest residual, of the table of the lower face its own. Empty if the states have nothing of the tables.
+pub fn table_of(rows: &[Record], tables: &[Table]) -> Vec<String> {
     let has = |column: &Column, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
             Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
             None => false,
         })
     };
-    let heads = sheets.iter().flat_map(|sheet| heads(*sheet)).filter(|(column, head)| has(column, *head));
+    let heads = tables.iter().flat_map(|table| heads(*table)).filter(|(column, head)| has(column, *head));
     let heads: Vec<(&Column, Head)> = heads.collect();
-    if !heads.iter().any(|(_, head)| sheets.contains(&head.sheet)) {
+    if !heads.iter().any(|(_, head)| tables.contains(&head.table)) {
         return Vec::new();
     }
     let columns = heads.iter().map(|(column, head)| {
         let cells = rows.iter().map(|row| shown(row, column.name, head.form));
         std::iter::once(head.word.to_owned()).chain(cells).collect::<Vec<_>>()
     });
-    let residual = match sheets {
-        [Sheet::State, ..] => Some("residual"),
-        [Sheet::LowerFace, ..] => Some("lower_residual"),
+    let residual = match tables {
+        [Table::State, ..] => Some("residual"),
+        [Table::LowerFace, ..] => Some("lower_residual"),
         _ => None,
     };
     let residuals = residual.map(|prefix| {
@@ -96,8 +96,8 @@ mod tests {
             "  1.0000e-1  0.250000     12    2.0e-9",
             "  2.0000e-1         -   1234       NaN",
         ];
-        assert_eq!(table(&rows, &[Sheet::State, Sheet::Energy]), wanted);
-        assert!(table(&rows, &[Sheet::Patches]).is_empty());
+        assert_eq!(table_of(&rows, &[Table::State, Table::Energy]), wanted);
+        assert!(table_of(&rows, &[Table::Patches]).is_empty());
     }
 
     #[test]
@@ -109,6 +109,6 @@ mod tests {
             ("flow_percolates_x", Cell::Flag(false)),
         ];
         let wanted = ["         p*  fine grid xx  through x", "  1.0000e-1    0.1014(12)         no"];
-        assert_eq!(table(&[row(&flow)], &[Sheet::Flow]), wanted);
+        assert_eq!(table_of(&[row(&flow)], &[Table::Flow]), wanted);
     }
 }

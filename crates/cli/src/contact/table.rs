@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use gfmd_record::{Sheet, lines, table};
+use gfmd_record::{Table, lines, table_of};
 
 use super::Report;
 use crate::session::list_files;
@@ -14,12 +14,12 @@ impl fmt::Display for Report {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.number("plastic_fraction")));
             writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
-        for (index, line) in table(&self.loads, &[Sheet::State]).iter().enumerate() {
+        for (index, line) in table_of(&self.loads, &[Table::State]).iter().enumerate() {
             let converged = index == 0 || self.loads[index - 1].is("converged");
             writeln!(f, "{line}{}", if converged { "" } else { "  NOT CONVERGED" })?;
         }
-        for (title, sheet) in [("lower face\n", Sheet::LowerFace), ("", Sheet::Patches), ("", Sheet::Flow)] {
-            let lines = table(&self.loads, &[sheet]);
+        for (title, table) in [("lower face\n", Table::LowerFace), ("", Table::Patches), ("", Table::Flow)] {
+            let lines = table_of(&self.loads, &[table]);
             if !lines.is_empty() {
                 writeln!(f, "\n{title}{}", lines.join("\n"))?;
             }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use gfmd_record::{Record, Sheet, lines, table};
+use gfmd_record::{Record, Table, lines, table_of};
 use serde::Serialize;
 
 use crate::session::list_files;
@@ -111,7 +111,7 @@ impl fmt::Display for Report {
         if let Some(hardness) = &self.head.hardness {
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
         }
-        for (index, line) in table(&self.steps, &[Sheet::State, Sheet::Energy]).iter().enumerate() {
+        for (index, line) in table_of(&self.steps, &[Table::State, Table::Energy]).iter().enumerate() {
             let Some(step) = index.checked_sub(1) else {
                 writeln!(f, "{:>5}{line}", "")?;
                 continue;

@@ -58,16 +58,16 @@ pub struct OtherArgs {
     /// top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub layer: Vec<Sheet>,
+    pub layer: Vec<Layer>,
     /// The rough surface belongs to an elastic body, too: a half-space, or a slab of height H bonded at its back
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub second_body: Option<Sheet>,
+    pub second_body: Option<Layer>,
 }
 
 /// Young's modulus, Poisson's ratio, and the height of a layer or slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sheet {
+pub struct Layer {
     young: f64,
     poisson: f64,
     height: Height,
@@ -78,17 +78,17 @@ fn is_bonded(base: &BaseKind) -> bool {
     *base == BaseKind::Bonded
 }
 
-fn parse_layer(text: &str) -> Result<Sheet, String> {
+fn parse_layer(text: &str) -> Result<Layer, String> {
     match numbers(text)[..] {
-        [Some(young), Some(poisson), Some(height)] => Ok(Sheet { young, poisson, height: Height::Finite(height) }),
+        [Some(young), Some(poisson), Some(height)] => Ok(Layer { young, poisson, height: Height::Finite(height) }),
         _ => Err("it must be E,NU,H: Young's modulus, Poisson's ratio, height".into()),
     }
 }
 
-fn parse_second(text: &str) -> Result<Sheet, String> {
+fn parse_second(text: &str) -> Result<Layer, String> {
     match numbers(text)[..] {
-        [Some(young), Some(poisson)] => Ok(Sheet { young, poisson, height: Height::Infinite }),
-        [Some(young), Some(poisson), Some(height)] => Ok(Sheet { young, poisson, height: Height::Finite(height) }),
+        [Some(young), Some(poisson)] => Ok(Layer { young, poisson, height: Height::Infinite }),
+        [Some(young), Some(poisson), Some(height)] => Ok(Layer { young, poisson, height: Height::Finite(height) }),
         _ => Err("it must be E,NU or E,NU,H: Young's modulus, Poisson's ratio, height".into()),
     }
 }
@@ -97,7 +97,7 @@ fn numbers(text: &str) -> Vec<Option<f64>> {
     text.split(',').map(|number| number.trim().parse().ok()).collect()
 }
 
-impl Serialize for Sheet {
+impl Serialize for Layer {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { young, poisson, height } = *self;
         match height {
@@ -107,15 +107,15 @@ impl Serialize for Sheet {
     }
 }
 
-/// Reads a sheet of two or three numbers.
-impl<'de> Deserialize<'de> for Sheet {
+/// Reads a layer of two or three numbers.
+impl<'de> Deserialize<'de> for Layer {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let wrong = || D::Error::custom("it must be E, NU or E, NU, H: Young's modulus, Poisson's ratio, height");
         Self::of(&Vec::<f64>::deserialize(deserializer)?).ok_or_else(wrong)
     }
 }
 
-impl fmt::Display for Sheet {
+impl fmt::Display for Layer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { young, poisson, height } = *self;
         write!(f, "{young},{poisson}")?;
@@ -123,8 +123,8 @@ impl fmt::Display for Sheet {
     }
 }
 
-impl Sheet {
-    /// The sheet of two numbers, or of three; `None` of more or less.
+impl Layer {
+    /// The layer of two numbers, or of three; `None` of more or less.
     pub fn of(numbers: &[f64]) -> Option<Self> {
         match *numbers {
             [young, poisson] => Some(Self { young, poisson, height: Height::Infinite }),
@@ -261,12 +261,12 @@ impl OtherArgs {
             }
             Height::Finite(height) => {
                 let mut layers = vec![(material, height)];
-                for sheet in layer {
-                    sheet.body("--layer")?;
-                    let Height::Finite(height) = sheet.height else {
-                        return Err(Unusable::value("--layer", sheet, "E,NU,H with a height"));
+                for layer in layer {
+                    layer.body("--layer")?;
+                    let Height::Finite(height) = layer.height else {
+                        return Err(Unusable::value("--layer", layer, "E,NU,H with a height"));
                     };
-                    layers.push((sheet.material("--layer")?, height));
+                    layers.push((layer.material("--layer")?, height));
                 }
                 let below = match base {
                     BaseKind::HalfSpace => {
@@ -293,8 +293,8 @@ impl OtherArgs {
     /// # Errors
     /// A slab so thin or so high that digits are lost.
     pub fn check_heights(&self, height: Height, sides: &[f64]) -> Result<(), Unusable> {
-        let others = self.layer.iter().map(|sheet| ("--layer", sheet.height));
-        let second = self.second_body.iter().map(|sheet| ("--second-body", sheet.height));
+        let others = self.layer.iter().map(|layer| ("--layer", layer.height));
+        let second = self.second_body.iter().map(|layer| ("--second-body", layer.height));
         for (flag, height) in std::iter::once(("--height", height)).chain(others).chain(second) {
             let Height::Finite(height) = height else { continue };
             if let Some(side) = sides.iter().find(|side| !HEIGHTS.contains(&(height / **side))) {
@@ -317,9 +317,9 @@ impl OtherArgs {
     pub fn words(&self, below: Option<&str>) -> String {
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         let mut parts: Vec<String> = Vec::new();
-        for sheet in layer {
-            let Height::Finite(height) = sheet.height else { continue };
-            parts.push(format!("on a layer of height {height} ({})", sheet.words()));
+        for lower in layer {
+            let Height::Finite(height) = lower.height else { continue };
+            parts.push(format!("on a layer of height {height} ({})", lower.words()));
         }
         match base {
             _ if below.is_some() => parts.extend(below.map(str::to_owned)),
@@ -381,10 +381,10 @@ pub struct RecordedBodyArgs {
     /// One more layer below the top one, repeatable, from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    layer: Vec<Sheet>,
+    layer: Vec<Layer>,
     /// The body to which the rough surface belongs, which takes a part of the displacement
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
-    second_body: Option<Sheet>,
+    second_body: Option<Layer>,
 }
 
 impl RecordedBodyArgs {

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use gfmd_contact::Hardness;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Panel, Series};
-use gfmd_record::{Form, Head, Sheet, heads, uncertain};
+use gfmd_record::{Form, Head, Table as Kept, heads, uncertain};
 use maud::html;
 
 use super::about::body;
@@ -112,17 +112,17 @@ impl Page {
 
     /// Adds the tables of the numbers of the first `rows` states, of which each has a number: those that people read.
     pub(crate) fn numbers(&mut self, stored: &Stored, rows: usize, state: &str) {
-        let sheets = [
-            (Sheet::State, ""),
-            (Sheet::Energy, ", energies per area"),
-            (Sheet::LowerFace, ", the lower face"),
-            (Sheet::Patches, ", patches and conductance"),
-            (Sheet::Flow, ", flow through the gap"),
+        let tables = [
+            (Kept::State, ""),
+            (Kept::Energy, ", energies per area"),
+            (Kept::LowerFace, ", the lower face"),
+            (Kept::Patches, ", patches and conductance"),
+            (Kept::Flow, ", flow through the gap"),
         ];
-        for (sheet, part) in sheets {
-            let columns = heads(sheet).map(|(column, head)| (column.name, head, stored.column(column.name)));
+        for (table, part) in tables {
+            let columns = heads(table).map(|(column, head)| (column.name, head, stored.column(column.name)));
             let shown: Vec<_> = columns.filter(|(_, head, values)| is_shown(head.form, &values[..rows])).collect();
-            if !shown.iter().any(|(_, head, _)| head.sheet == sheet) {
+            if !shown.iter().any(|(_, head, _)| head.table == table) {
                 continue;
             }
             let cell = |(_, head, values): &(&str, Head, Vec<f64>), row: usize| match head.form {

@@ -2,7 +2,7 @@
 
 use gfmd_green::{Body, Height};
 use gfmd_problem::Unusable;
-use gfmd_problem::options::{BodyArgs, OtherArgs, Sheet};
+use gfmd_problem::options::{BodyArgs, Layer, OtherArgs};
 
 use super::BodyConfig;
 use crate::SweepError;
@@ -23,7 +23,7 @@ impl BodyConfig {
     /// The elastic body under a cell of length 1.
     pub(super) fn build(&self) -> Result<Body, SweepError> {
         let Self { young, poisson, height, base, base_young, base_poisson, layers, second_body } = self.clone();
-        let second = Sheet::of(&second_body);
+        let second = Layer::of(&second_body);
         if second.is_none() && !second_body.is_empty() {
             return Err(SweepError::Field {
                 field: "body.second_body",
@@ -31,7 +31,7 @@ impl BodyConfig {
                 allowed: "[E, nu] or [E, nu, H]: Young's modulus, Poisson's ratio, height".into(),
             });
         }
-        let layer = layers.iter().filter_map(|layer| Sheet::of(layer)).collect();
+        let layer = layers.iter().filter_map(|layer| Layer::of(layer)).collect();
         let others = OtherArgs { base, base_young, base_poisson, layer, second_body: second };
         let options = BodyArgs { young, poisson, height, others, ..BodyArgs::default() };
         let body = options.body().and_then(|body| options.others.check_heights(height, &[1.0]).map(|()| body));
