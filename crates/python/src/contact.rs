@@ -25,7 +25,7 @@ use pyo3::types::PyDict;
 use toml::Table;
 
 use crate::command::{arrays, table, told};
-use crate::failure::{failed, refused};
+use crate::failure::{failed, refused, unreached};
 use crate::surface::grid;
 use crate::worker::{quick, run};
 
@@ -169,7 +169,7 @@ impl Problem {
             (Ok(solved), raised) => (solved, raised),
             (Err(_), Some(raised)) if !raised.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(raised),
             // Without a state, the load was refused, or one of a longer range was not reached.
-            (Err(failure), _) => return Err(failed(py, &failure)),
+            (Err(failure), _) => return Err(unreached(py, &failure)),
         };
         let record = json::to_string(&record).map_err(|error| refused(py, &error))?;
         let raised = raised.map(|error| error.into_value(py).into_any());

@@ -27,6 +27,14 @@ pub(crate) fn failed(py: Python<'_>, failure: &Failure) -> PyErr {
     raised(py, maker, &failure.to_string())
 }
 
+/// A search that ended without a state.
+pub(crate) fn unreached(py: Python<'_>, failure: &Failure) -> PyErr {
+    match failure {
+        Failure::Computation(text) => raised(py, "unreached", &line(text)),
+        _ => failed(py, failure),
+    }
+}
+
 /// A panic of a library: a defect, told as an exception.
 pub(crate) fn panicked(py: Python<'_>, payload: &(dyn std::any::Any + Send)) -> PyErr {
     let text = payload.downcast_ref::<&str>().copied();

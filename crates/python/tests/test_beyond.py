@@ -164,3 +164,10 @@ def test_a_longer_range_first_pulls_the_surfaces_together():
     both = gfmd.contacts(SMALL, gfmd.Body(), law=law, range_continuation=True, approach=[-0.004, -0.0045])
     assert np.array_equal(both[0].gap, c.gap)
     assert np.array_equal(both[1].gap, gfmd.contact(SMALL, gfmd.Body(), law=law, start=c, approach=-0.0045).gap)
+
+
+def test_surfaces_that_part_under_a_longer_range_have_no_state():
+    law = gfmd.law("morse", gamma=1e-3, range=0.1)
+    with pytest.raises(gfmd.NotConverged, match="range times 8: the surfaces part") as caught:
+        gfmd.contacts(SMALL, gfmd.Body(), law=law, range_continuation=True, mean_pressure=[-0.03])
+    assert len(caught.value.state) == 0

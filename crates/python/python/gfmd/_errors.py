@@ -70,6 +70,10 @@ def failed(text: str) -> NotConverged | Error:
     return NotConverged(text) if "converge" in text else Error(_spoken(text))
 
 
+def unreached(text: str) -> NotConverged:
+    return NotConverged(_spoken(text))
+
+
 def interrupted(text: str) -> Interrupted:
     return Interrupted(text)
 
