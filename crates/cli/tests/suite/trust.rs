@@ -378,12 +378,19 @@ fn every_part_is_verified_as_the_page_says() {
     ndarray_npy::write_npy(folder.join("h.npy"), &ramp).unwrap();
     make(folder, "press.h5", "punch --n 16");
     let (mut wrong, mut verified, mut unnoticed, mut described) = (Vec::new(), 0, 0, 0);
-    for (name, kind, words) in FORGED {
+    // The columns of a series go one way: one of five of each file, others of the next one.
+    let columns = ["/loads/", "/path/", "/lower/"];
+    let skipped = if long() { 1 } else { 5 };
+    for (number, (name, kind, words)) in FORGED.iter().enumerate() {
+        let kind = *kind;
         let path = make(folder, name, words);
         let ended = run(folder, &["check", name, "--json", "--rerun"]);
         assert_eq!(ended.status, Some(0), "{name}: {:?} {}", differences(&ended), ended.stderr);
         let honest = std::fs::read(&path).unwrap();
-        for part in parts(&Reader::open(&path).unwrap()) {
+        for (index, part) in parts(&Reader::open(&path).unwrap()).into_iter().enumerate() {
+            if columns.iter().any(|group| part.starts_with(group)) && (index + number) % skipped != 0 {
+                continue;
+            }
             let is_coordinate = Reader::open(&path).unwrap().is_coordinate(&part);
             let row = row_of(kind, &part);
             let (plain, rerun) = match row {
@@ -425,7 +432,8 @@ fn every_part_is_verified_as_the_page_says() {
         std::fs::write(&path, &honest).unwrap();
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert!(verified > 150 && unnoticed > 50, "{verified} {unnoticed}");
+    let least = if long() { [150, 50] } else { [90, 35] };
+    assert!(verified > least[0] && unnoticed > least[1], "{verified} {unnoticed}");
 }
 
 #[test]
