@@ -4,12 +4,14 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 use gfmd_cli::program::{print, start};
-use gfmd_xtask::{bench_peers, reproduce, results, verify};
+use gfmd_xtask::{accuracy, bench_peers, reproduce, results, verify};
 
 #[derive(Subcommand)]
 enum Command {
     #[command(flatten)]
     Gfmd(gfmd_cli::program::Command),
+    /// Compare the estimates of the error of the grid with solutions on grids 8 times finer
+    Accuracy(accuracy::Args),
     /// Time this and other programs on common contact problems, to one certified residual
     BenchPeers(Box<bench_peers::Args>),
     /// Solve one contact for bench-peers
@@ -26,6 +28,7 @@ enum Command {
 fn main() -> ExitCode {
     start("cargo xtask", |command: &Command, session| match command {
         Command::Gfmd(command) => command.run(session),
+        Command::Accuracy(args) => print(&accuracy::run(args, session)?, session),
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
         Command::BenchSolve(args) => print(&bench_peers::solve(args)?, session),
         Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),

@@ -160,7 +160,7 @@ impl Problem {
                 Some(_) => Err(NOT_SOLVED),
                 None => stiffness(contact, &state, |text| tracing::warn!("{text}")),
             };
-            let at = At::in_scales(&prepared.facts, &state, &prepared.scales(), &prepared.surface.grid, tolerance);
+            let at = prepared.at(&state, tolerance);
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
             let record = Record::of(&At { stiffness, seconds, ..at });
             Ok::<_, Failure>((state, record, failure))

@@ -1,10 +1,11 @@
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 use gfmd_contact::{Effort, Fields as _, Stiffness};
 use gfmd_field::Grid;
 use gfmd_flow::Flow;
 use gfmd_interface::{Quasistatic as _, Reading, Step};
-use gfmd_measure::{Patches, Scales, Summary};
+use gfmd_measure::{Patches, Peak, Scales, Summary};
 use gfmd_problem::{Facts, Posed, Rest};
 
 /// The reason why a load without a state at rest has no stiffness.
@@ -17,11 +18,21 @@ pub struct At<'a> {
     pub facts: &'a Facts,
     /// The state; none for a number that does not need it.
     pub rest: Option<&'a Rest>,
-    /// Lengths of the cell or patch, and number of points.
+    /// Lengths of the cell or patch.
     pub lengths: [f64; 2],
+    /// Distance between points along x and along y, length.
+    pub spacing: [f64; 2],
     /// Number of points.
     pub points: usize,
-    /// The summary, in reduced quantities of the problem.
+    /// The share of the mean square gradient of the surface in waves shorter than four points; NaN if it is not known.
+    pub short_waves: f64,
+    /// Height of the surface's top above the highest point of the grid, length; `None` if it is not known.
+    pub rise: Option<f64>,
+    /// The peak of the pressure, found when it is first asked for.
+    pub peak: OnceCell<Option<Peak>>,
+    /// The scales of reduced quantities.
+    pub scales: Scales,
+    /// The summary, in these scales.
     pub summary: Summary,
     /// Rigid approach, length.
     pub approach: f64,
@@ -48,10 +59,10 @@ pub struct Measured<'a> {
     pub patches: Option<&'a Patches>,
     /// The conductance, 1/length, or the reason why there is none.
     pub conductance: Option<Result<f64, Cow<'static, str>>>,
+    /// True if its electrodes lie at a finite depth.
+    pub electrodes: bool,
     /// The flow through the gap.
     pub flow: Option<&'a Flow>,
-    /// The reason why the error of the flow by the grid is not known.
-    pub not_calibrated: Option<String>,
 }
 
 impl<'a> At<'a> {
@@ -65,20 +76,49 @@ impl<'a> At<'a> {
     /// A state in these scales, without a stiffness.
     pub fn in_scales(facts: &'a Facts, rest: &'a Rest, scales: &Scales, grid: &Grid, tolerance: f64) -> Self {
         Self {
-            facts,
             rest: Some(rest),
             lengths: grid.lengths(),
+            spacing: grid.spacing(),
             points: grid.len(),
-            summary: rest.summary_in(scales),
+            scales: *scales,
             approach: rest.approach(),
             effort: rest.effort(),
             residuals: rest.residuals(),
             tolerance,
+            ..Self::of_summary(facts, rest.summary_in(scales))
+        }
+    }
+
+    /// The numbers of a state of which no more is known; they are taken as converged.
+    pub fn of_summary(facts: &'a Facts, summary: Summary) -> Self {
+        Self {
+            facts,
+            rest: None,
+            lengths: [f64::NAN; 2],
+            spacing: [f64::NAN; 2],
+            points: 0,
+            short_waves: f64::NAN,
+            rise: None,
+            peak: OnceCell::new(),
+            scales: Scales { contact_modulus: f64::NAN, rms_gradient: f64::NAN },
+            summary,
+            approach: f64::NAN,
+            effort: Effort::default(),
+            residuals: Vec::new(),
+            tolerance: f64::INFINITY,
             seconds: f64::NAN,
             stiffness: Err(NOT_SOLVED.into()),
             measured: Measured::default(),
             step: None,
         }
+    }
+
+    /// The peak of the pressure; `None` if the whole field is not there.
+    pub(crate) fn peak(&self) -> Option<Peak> {
+        *self.peak.get_or_init(|| {
+            let pressure = self.rest?.pressure();
+            if pressure.len() == self.points { Peak::of(pressure.view()) } else { None }
+        })
     }
 
     /// The largest residual; NaN if one is NaN.

@@ -2,6 +2,9 @@ use gfmd_problem::Facts;
 
 use crate::{At, Cell};
 
+/// The end of the name of a column that has the limit of another on fine grids.
+pub(crate) const LIMIT: &str = "_limit";
+
 /// The source of a number: what determines it, and so how well a second computation repeats it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -9,6 +12,8 @@ pub enum Origin {
     Fields,
     /// The fields, as what rounding and the solver leave: small beside 1.
     Residual,
+    /// The fields, as an estimate of what they would be on a finer grid, or of its error.
+    Grid,
     /// The way to the state: iterations, increments, energy lost.
     Way,
     /// The clock.
@@ -66,8 +71,6 @@ pub enum Form {
     Whole,
     /// Yes or no.
     Flag,
-    /// With the error that the column of this name has, such as `0.1014(12)`.
-    Uncertain(&'static str),
 }
 
 /// The place of a column in the tables that people read.

@@ -1,9 +1,11 @@
 //! All columns, each once.
 
+use std::borrow::Cow;
+
 use gfmd_contact::{Boundary, Fields as _};
 use gfmd_interface::Loss;
-use gfmd_measure::GridLimit;
-use gfmd_problem::{Facts, Task, Unknown};
+use gfmd_measure::{GridLimit, GridLimits, NoLimit};
+use gfmd_problem::{Facts, Support, Task, Unknown};
 
 use crate::column::{Column, Form, Origin, Table};
 use crate::{At, Cell};
@@ -114,15 +116,63 @@ fn conductivity(at: &At, [row, column]: [usize; 2]) -> Cell {
     }
 }
 
-/// A number of the limit of the conductivity along an axis on an infinitely fine grid.
-fn limit(at: &At, axis: usize, of: fn(&GridLimit, f64) -> f64) -> Cell {
-    if let Some(reason) = &at.measured.not_calibrated {
-        return Cell::undefined(reason.clone());
+/// The reason why the error of the grid is not known in a problem.
+fn not_measured(facts: &Facts) -> Option<&'static str> {
+    macro_rules! with {
+        ($what:literal) => {
+            concat!("the error of the grid was measured for a hard wall on half-spaces, not with ", $what)
+        };
     }
-    let Some(flow) = at.measured.flow else { return f64::NAN.into() };
-    let value = flow.conductivity[axis][axis];
-    let found = GridLimit::of_flow(value, at.summary.contact_nodes, at.summary.boundary_links, at.points);
-    found.map(|found| of(&found, value)).map_err(|reason| reason.to_string()).into()
+    let reasons = [
+        (law(facts), with!("a law")),
+        (hardness(facts), with!("a hardness")),
+        (facts.boundary == Boundary::Free, with!("free boundaries")),
+        (facts.unknown != Unknown::Normal, with!("further unknown components")),
+        (steep(facts), with!("finite slopes")),
+        (facts.support != Support::HalfSpace || facts.second.is_some(), with!("a body that is no half-space")),
+        (facts.line, with!("a profile")),
+    ];
+    reasons.into_iter().find(|(is_so, _)| *is_so).map(|(_, reason)| reason)
+}
+
+/// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
+const UNRESOLVED: f64 = 0.01;
+
+/// The largest ratio of the distances between points along x and y.
+const LONGEST_CELL: f64 = 1.1;
+
+/// The contact on its grid, from which the limits of its numbers are estimated, or the reason why they are not known.
+fn grid_limits<'a>(at: &'a At) -> Result<GridLimits<'a>, Cow<'static, str>> {
+    let [dx, dy] = at.spacing;
+    let known = at.short_waves <= UNRESOLVED;
+    if !known {
+        return Err(format!(
+            "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points decides",
+            100.0 * at.short_waves
+        )
+        .into());
+    }
+    if dx.max(dy) > LONGEST_CELL * dx.min(dy) {
+        return Err("the error of the grid was measured with points as far apart along x as along y".into());
+    }
+    GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales).map_err(|reason| reason.to_string().into())
+}
+
+/// A number of the limit of a column on infinitely fine grids, or the reason why it is not known.
+fn limit(
+    at: &At,
+    name: &str,
+    found: fn(&GridLimits, &At, f64) -> Result<GridLimit, NoLimit>,
+    of: fn(&GridLimit, f64) -> f64,
+) -> Cell {
+    let column = MEASURED.iter().find(|column| column.name == name);
+    let value = column.map_or(f64::NAN, |column| column.cell(at).number());
+    if value.is_nan() {
+        return Cell::undefined("the number itself has no value");
+    }
+    let found =
+        grid_limits(at).and_then(|limits| found(&limits, at, value).map_err(|reason| reason.to_string().into()));
+    found.map(|found| of(&found, value)).into()
 }
 
 fn limit_value(found: &GridLimit, _: f64) -> f64 {
@@ -135,6 +185,42 @@ fn limit_error(found: &GridLimit, _: f64) -> f64 {
 
 fn grid_error(found: &GridLimit, value: f64) -> f64 {
     found.error_of(value)
+}
+
+/// The limit of a number on infinitely fine grids, its error, and the error of the number by the grid: the name, the place in JSON
+/// around the suffix, the unit, the column of the number, the limit.
+macro_rules! limits {
+    ($name:literal, $unit:literal, $limit:expr) => {
+        limits!($name, [$name, ""], $unit, loads, $limit)
+    };
+    ($name:literal, [$json:literal, $place:literal], $unit:literal, $present:expr, $limit:expr) => {
+        [
+            Column::new(
+                concat!($name, "_limit"),
+                $unit,
+                &[(any, concat!("estimate of ", $name, " on an infinitely fine grid that bears the same load"))],
+                |at| limit(at, $name, $limit, limit_value),
+            )
+            .at(concat!($json, "_limit", $place))
+            .with($present),
+            Column::new(
+                concat!($name, "_limit_error"),
+                $unit,
+                &[(any, concat!("95 % of the errors of ", $name, "_limit are smaller"))],
+                |at| limit(at, $name, $limit, limit_error),
+            )
+            .at(concat!($json, "_limit_error", $place))
+            .with($present),
+            Column::new(
+                concat!($name, "_grid_error"),
+                $unit,
+                &[(any, concat!("error of ", $name, " by the finite grid: |", $name, " - limit| + limit_error"))],
+                |at| limit(at, $name, $limit, grid_error),
+            )
+            .at(concat!($json, "_grid_error", $place))
+            .with($present),
+        ]
+    };
 }
 
 /// The plastic points, and the plastic depth in the mean.
@@ -229,7 +315,47 @@ macro_rules! residual {
 }
 
 /// All columns, in the order in which they are printed.
-pub const COLUMNS: &[Column] = &[
+pub const COLUMNS: &[Column] = &ALL;
+
+const ALL: [Column; MEASURED.len() + 3 * LIMITS.len()] = {
+    let mut all = [MEASURED[0]; MEASURED.len() + 3 * LIMITS.len()];
+    let mut index = 0;
+    while index < all.len() {
+        all[index] = match index.checked_sub(MEASURED.len()) {
+            None => MEASURED[index],
+            Some(limit) => LIMITS[limit / 3][limit % 3].by(Origin::Grid).unless(not_measured),
+        };
+        index += 1;
+    }
+    all
+};
+
+/// The limits on infinitely fine grids of numbers of a contact.
+const LIMITS: &[[Column; 3]] = &[
+    limits!("displacement", "length", |limits, at, value| {
+        at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
+    }),
+    limits!("area_fraction", "1", |limits, _, _| Ok(limits.area_fraction())),
+    limits!("kappa", "1", |limits, _, _| Ok(limits.kappa())),
+    limits!("boundary_links", "1", |limits, _, _| Ok(limits.boundary_links())),
+    limits!("mean_gap", "length", |limits, _, _| Ok(limits.mean_gap())),
+    limits!("max_pressure", "stress", |limits, at, _| {
+        at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
+    }),
+    limits!("mean_pressure_in_contact", "stress", |limits, _, _| Ok(limits.mean_pressure_in_contact())),
+    limits!("pressure_deviation_in_contact", "stress", |limits, _, _| Ok(limits.pressure_deviation_in_contact())),
+    limits!("pressure_moment_2", "stress^2", |limits, _, _| Ok(limits.pressure_moment_2())),
+    limits!("elastic_energy", "stress*length", |limits, _, _| Ok(limits.elastic_energy())),
+    limits!("stiffness", "stress/length", |limits, _, value| Ok(limits.stiffness(value))),
+    limits!("conductance", ["conductance", ""], "1/length", statistics, |limits, at, value| {
+        if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
+    }),
+    limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, |limits, _, value| limits.flow(value)),
+    limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, |limits, _, value| limits.flow(value)),
+];
+
+/// The columns that are measured.
+const MEASURED: &[Column] = &[
     Column::new(
         "mean_pressure",
         "stress",
@@ -319,8 +445,7 @@ pub const COLUMNS: &[Column] = &[
         &[(any, "contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al. 2017)")],
         |at| at.summary.area_fraction_corrected.into(),
     )
-    .with(loads)
-    .head("corrected", Form::Share),
+    .with(loads),
     Column::new(
         "kappa",
         "1",
@@ -717,45 +842,6 @@ pub const COLUMNS: &[Column] = &[
         .at("flow.conductivity.1.1")
         .with(flow)
     .on(Table::Flow, "flow yy", Form::Rough),
-    Column::new(
-        "flow_xx_limit",
-        "1",
-        &[(
-            any,
-            "estimate of flow_xx on an infinitely fine grid (grids of the same surface; hard wall on half-spaces only)",
-        )],
-        |at| limit(at, 0, limit_value),
-    )
-    .at("flow.conductivity_limit.0.0")
-    .with(flow)
-    .on(Table::Flow, "fine grid xx", Form::Uncertain("flow_xx_limit_error")),
-    Column::new("flow_yy_limit", "1", &[(any, "as flow_xx_limit, along y")], |at| limit(at, 1, limit_value))
-        .at("flow.conductivity_limit.1.1")
-        .with(flow)
-    .on(Table::Flow, "fine grid yy", Form::Uncertain("flow_yy_limit_error")),
-    Column::new("flow_xx_limit_error", "1", &[(any, "95 % of the errors of flow_xx_limit are smaller")], |at| {
-        limit(at, 0, limit_error)
-    })
-    .at("flow.conductivity_limit_error.0.0")
-    .with(flow),
-    Column::new("flow_yy_limit_error", "1", &[(any, "as flow_xx_limit_error, along y")], |at| {
-        limit(at, 1, limit_error)
-    })
-    .at("flow.conductivity_limit_error.1.1")
-    .with(flow),
-    Column::new(
-        "flow_xx_grid_error",
-        "1",
-        &[(any, "error of flow_xx by the finite grid: |flow_xx - limit| + limit_error")],
-        |at| limit(at, 0, grid_error),
-    )
-    .at("flow.conductivity_grid_error.0.0")
-    .with(flow),
-    Column::new("flow_yy_grid_error", "1", &[(any, "as flow_xx_grid_error, along y")], |at| {
-        limit(at, 1, grid_error)
-    })
-    .at("flow.conductivity_grid_error.1.1")
-    .with(flow),
     Column::new("flow_percolates_x", "1", &[(any, "1 if the gap lets a fluid through along x")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 0)
     })

@@ -44,7 +44,7 @@ pub use at::{At, Measured, NOT_SOLVED};
 pub use cell::Cell;
 pub use column::{Column, Form, Head, Meaning, Number, Origin, Table};
 pub use columns::{COLUMNS, columns, page};
-pub use digits::uncertain;
+pub use digits::with_limit;
 pub use json::RecordError;
 pub use record::{Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};

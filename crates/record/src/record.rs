@@ -1,9 +1,12 @@
-use std::collections::BTreeSet;
+use std::array::from_fn;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gfmd_problem::Facts;
 
+use crate::column::LIMIT;
 use crate::columns::columns;
-use crate::{At, Cell, Column};
+use crate::digits::with_limit;
+use crate::{At, Cell, Column, Origin};
 
 /// The numbers of one state: the columns of its problem, and their values.
 #[derive(Clone, Debug)]
@@ -35,6 +38,13 @@ impl Record {
     /// The number of a column; `None` without a value, or without the column.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.get(name).filter(|cell| !matches!(cell, Cell::Undefined(_))).map(Cell::number)
+    }
+
+    /// A number as its error by the grid leaves it ([`with_limit`]); `None` for a column without a limit.
+    pub(crate) fn with_limit(&self, name: &str) -> Option<String> {
+        let limit = format!("{name}{LIMIT}");
+        let error = || self.number(&format!("{limit}_error"));
+        self.has(&limit).then(|| with_limit(self.number(name), self.number(&limit), error()))
     }
 
     /// The numbers of the columns `name_x` and `name_y`.
@@ -135,18 +145,37 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
 }
 
 /// The lines below a table of rows: a reason once, with all columns, of those that are `shown`, which it leaves without a value;
-/// `name` is that of a row, in singular and plural.
+/// `name` is that of a row, in singular and plural. The columns of the error of a number by the grid are named by the number.
 pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
-    let columns: BTreeSet<&str> = rows.iter().flat_map(Record::undefined).map(|(column, _)| column).collect();
-    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
-    for column in columns.into_iter().filter(|column| shown(column)) {
-        let Some(reason) = reasons(rows, column, name) else { continue };
+    let cells = || rows.iter().flat_map(|row| &row.cells);
+    let limited = |column: &'static Column| column.name.strip_suffix(LIMIT).filter(|_| column.origin == Origin::Grid);
+    let all_limited: BTreeSet<&str> = cells().filter_map(|(column, _)| limited(column)).collect();
+    let undefined = cells().filter(|(column, cell)| matches!(cell, Cell::Undefined(_)) && shown(column.name));
+    let undefined: BTreeMap<&str, &'static Column> = undefined.map(|(column, _)| (column.name, *column)).collect();
+    // A reason, with its columns and the numbers whose error by the grid is not known.
+    let mut told: Vec<(String, [Vec<&str>; 2])> = Vec::new();
+    for column in undefined.into_values() {
+        let (list, named) = match (column.origin, limited(column)) {
+            (Origin::Grid, None) => continue,
+            (_, Some(number)) => (1, number),
+            (_, None) => (0, column.name),
+        };
+        let Some(reason) = reasons(rows, column.name, name) else { continue };
         match told.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, columns)) => columns.push(column),
-            None => told.push((reason, vec![column])),
+            Some((_, columns)) => columns[list].push(named),
+            None => told.push((reason, from_fn(|other| if other == list { vec![named] } else { Vec::new() }))),
         }
     }
-    told.into_iter().map(|(reason, columns)| format!("no {}: {reason}", columns.join(", "))).collect()
+    let line = |(reason, [columns, limits]): (String, [Vec<&str>; 2])| {
+        let limits = match limits.len() {
+            0 => None,
+            all if all == all_limited.len() => Some("error of the grid".to_owned()),
+            _ => Some(format!("error of the grid of {}", limits.join(", "))),
+        };
+        let named: Vec<String> = columns.into_iter().map(ToOwned::to_owned).chain(limits).collect();
+        format!("no {}: {reason}", named.join(", "))
+    };
+    told.into_iter().map(line).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 use crate::column::{Column, Form, Head, Table};
 use crate::columns::COLUMNS;
-use crate::digits::uncertain;
 use crate::record::Record;
 
 /// The columns of a table, in their order, with their places in it. Tables other than that of the state and its energies begin
@@ -46,10 +45,11 @@ pub fn table_of(rows: &[Record], tables: &[Table]) -> Vec<String> {
     lines
 }
 
-/// A number as a table shows it; `-` without a value.
+/// A number as a table shows it; `-` without a value. In place of a number that has an error by the grid stands its limit on fine
+/// grids, with the digits that are certain, or two digits and `~` where that is not known.
 fn shown(row: &Record, name: &str, form: Form) -> String {
     let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
-    match form {
+    row.with_limit(name).unwrap_or_else(|| match form {
         Form::Size | Form::SizeUnlessZero => format!("{value:.4e}"),
         Form::Rough => format!("{value:.1e}"),
         Form::Share => format!("{value:.6}"),
@@ -57,8 +57,7 @@ fn shown(row: &Record, name: &str, form: Form) -> String {
         Form::Whole if value.fract() == 0.0 => format!("{value:.0}"),
         Form::Whole => format!("{value:.1}"),
         Form::Flag => if value == 0.0 { "no" } else { "yes" }.into(),
-        Form::Uncertain(error) => uncertain(value, row.number(error)),
-    }
+    })
 }
 
 #[cfg(test)]
@@ -104,11 +103,14 @@ mod tests {
     fn a_sheet_beside_that_of_the_state_begins_with_the_load_and_shows_errors_in_brackets() {
         let flow = [
             ("p_star", Cell::Real(0.1)),
+            ("flow_xx", Cell::Real(0.098)),
             ("flow_xx_limit", Cell::Real(0.101_41)),
             ("flow_xx_limit_error", Cell::Real(0.001_2)),
+            ("flow_yy", Cell::Real(0.004_12)),
+            ("flow_yy_limit", Cell::undefined("near closing")),
             ("flow_percolates_x", Cell::Flag(false)),
         ];
-        let wanted = ["         p*  fine grid xx  through x", "  1.0000e-1    0.1014(12)         no"];
+        let wanted = ["         p*     flow xx  flow yy  through x", "  1.0000e-1  0.1014(12)  0.0041~         no"];
         assert_eq!(table_of(&[row(&flow)], &[Table::Flow]), wanted);
     }
 }

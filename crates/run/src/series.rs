@@ -145,7 +145,7 @@ impl Series<'_> {
         outlet: &mut dyn Outlet,
     ) -> Result<Ended, Failure> {
         let Self { prepared, session, drives, tolerance, every, .. } = *self;
-        let (facts, lift, scales) = (&prepared.facts, prepared.lift(), prepared.scales());
+        let (facts, lift) = (&prepared.facts, prepared.lift());
         let part = Parts::of(facts.task).name;
         let (mut file, mut ended) = (file, Ended::default());
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
@@ -193,7 +193,7 @@ impl Series<'_> {
             let Some(state) = cut.as_deref().or(path.state()) else { break };
             let effort = if stopped.is_some() { state.effort() } else { step.effort };
             let step = Step { effort, ..step };
-            let at = At::in_scales(facts, state, &scales, &prepared.surface.grid, tolerance);
+            let at = prepared.at(state, tolerance);
             let record =
                 outlet.record(Reached { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
             progress.advance(1.0, &told(&record));

@@ -1,3 +1,4 @@
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use gfmd_field::{Grid, Mode, Share};
@@ -30,9 +31,18 @@ pub struct Moments {
     pub mean_square_gradient: f64,
     /// The mean square of the Laplacian ∇²h, Σ q⁴|h̃|², 1/length².
     pub mean_square_laplacian: f64,
+    /// The part of the mean square gradient in waves shorter than four points.
+    pub mean_square_gradient_of_short_waves: f64,
 }
 
 impl Moments {
+    /// The share of the mean square gradient in waves shorter than four points: above 0.01 the grid does not resolve the
+    /// surface, and the numbers of a contact depend on what lies between the points.
+    pub fn short_waves(&self) -> f64 {
+        let short = self.mean_square_gradient_of_short_waves;
+        if short > 0.0 { short / self.mean_square_gradient } else { 0.0 }
+    }
+
     /// The root-mean-square height h_rms, length.
     pub fn rms_height(&self) -> f64 {
         self.mean_square_height.sqrt()
@@ -89,17 +99,25 @@ pub(crate) fn own_modes(grid: &Grid, lanes: Range<usize>) -> Range<usize> {
     lanes.start * positions..lanes.end * positions
 }
 
-/// Running sums of the three moments. Each task has its own sums, which are added in the order of the tasks.
+/// Running sums of the four moments. Each task has its own sums, which are added in the order of the tasks.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sums([f64; 3]);
+pub(crate) struct Sums([f64; 4]);
+
+/// The square of the largest wavenumber of waves of four points and more, along the axis whose points are farther apart.
+pub(crate) fn resolved(grid: &Grid) -> f64 {
+    let [dx, dy] = grid.spacing();
+    let spacing = if grid.is_line() { dx } else { dx.max(dy) };
+    (TAU / (4.0 * spacing) * (1.0 + 1e-9)).powi(2)
+}
 
 impl Sums {
-    /// Adds a mode of the half spectrum with |h̃|² = `square`.
-    pub(crate) fn add(&mut self, mode: &Mode, square: f64) {
+    /// Adds a mode of the half spectrum with |h̃|² = `square`, to the short waves if it is not [resolved].
+    pub(crate) fn add(&mut self, mode: &Mode, square: f64, resolved: f64) {
         let [x, y] = mode.wavevector;
         let q2 = x * x + y * y;
         let weighed = mode.weight * square;
-        for (sum, term) in self.0.iter_mut().zip([weighed, weighed * q2, weighed * q2 * q2]) {
+        let short = if q2 > resolved { weighed * q2 } else { 0.0 };
+        for (sum, term) in self.0.iter_mut().zip([weighed, weighed * q2, weighed * q2 * q2, short]) {
             *sum += term;
         }
     }
@@ -107,7 +125,7 @@ impl Sums {
     /// The sums of all modes, task by task, from |h̃|² of the `own` modes of this process, by their numbers in storage order. All
     /// processes get the sums of all.
     pub(crate) fn of_power(grid: &Grid, share: &Share, own: &Range<usize>, power: &[f64]) -> Vec<Self> {
-        let first = first_task(own);
+        let (first, resolved) = (first_task(own), resolved(grid));
         // The modes in front of it belong to the last task of a process before this one.
         let (head, rest) = power.split_at(first - own.start);
         let lengths = share.each(head.len());
@@ -119,7 +137,7 @@ impl Sums {
             for (index, square) in (first + task * MODES_PER_TASK..grid.spectrum_len()).zip(all) {
                 let mode = grid.mode_at(index);
                 if !mode.is_uniform() {
-                    sums.add(&mode, *square);
+                    sums.add(&mode, *square, resolved);
                 }
             }
             sums
@@ -132,7 +150,7 @@ impl Sums {
         if share.is_whole() {
             return own;
         }
-        let words: Vec<[f64; 3]> = own.iter().map(|sums| sums.0).collect();
+        let words: Vec<[f64; 4]> = own.iter().map(|sums| sums.0).collect();
         share.collect(&words, &share.each(words.len())).into_iter().map(Self).collect()
     }
 
@@ -144,6 +162,7 @@ impl Sums {
             mean_square_height: total(0),
             mean_square_gradient: total(1),
             mean_square_laplacian: total(2),
+            mean_square_gradient_of_short_waves: total(3),
         }
     }
 }

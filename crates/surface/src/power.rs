@@ -118,21 +118,6 @@ impl PowerSpectrum {
         ends.map(|ends| ends.map(|q| TAU / q))
     }
 
-    /// The share of the mean square gradient in waves shorter than four points: above 0.01 the grid does not resolve the
-    /// surface, and the numbers of a contact depend on what lies between the points.
-    pub fn short_waves(&self) -> f64 {
-        let [dx, dy] = self.grid.spacing();
-        let spacing = if self.grid.is_line() { dx } else { dx.max(dy) };
-        let resolved = TAU / (4.0 * spacing) * (1.0 + 1e-9);
-        let mut squares = [0.0; 2];
-        for (mode, power) in self.grid.modes().zip(&self.power) {
-            let q = mode.wavenumber();
-            squares[usize::from(q > resolved)] += mode.weight * q * q * power;
-        }
-        let [long, short] = squares;
-        if short > 0.0 { short / (long + short) } else { 0.0 }
-    }
-
     /// Fits the Hurst exponent to the modes with wavelengths from `longest` to `shortest`, both included.
     ///
     /// The fit maximises the likelihood of independent Gaussian modes, with |h̃|² distributed exponentially about c q^{−s},

@@ -5,7 +5,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::moments::{MODES_PER_TASK, Moments, Sums, first_task, own_modes};
+use crate::moments::{MODES_PER_TASK, Moments, Sums, first_task, own_modes, resolved};
 use crate::random::{keyed, uniform_pair};
 use crate::{Amplitudes, Normalisation, Scaling, SelfAffine, SurfaceError};
 
@@ -82,19 +82,20 @@ impl SelfAffine {
         for (value, mode) in head.iter_mut().zip(modes_from(grid, own.start)) {
             *value = drawn(&mode).map_or(Complex64::ZERO, |(value, _)| value);
         }
+        let resolved = resolved(grid);
         let sums = rest.par_chunks_mut(MODES_PER_TASK).enumerate().map(|(task, chunk)| {
             let mut sums = Sums::default();
             let start = first + task * MODES_PER_TASK;
             for (value, mode) in chunk.iter_mut().zip(modes_from(grid, start)) {
                 if let Some((amplitude, square)) = drawn(&mode) {
                     *value = amplitude;
-                    sums.add(&mode, square);
+                    sums.add(&mode, square, resolved);
                 }
             }
             // The last task goes on in the modes of the next process, which anyone can draw.
             for mode in modes_from(grid, start + chunk.len()).take(MODES_PER_TASK - chunk.len()) {
                 if let Some((_, square)) = drawn(&mode) {
-                    sums.add(&mode, square);
+                    sums.add(&mode, square, resolved);
                 }
             }
             sums
@@ -111,14 +112,14 @@ impl SelfAffine {
     /// # Errors
     /// As [`SelfAffine::heights`].
     pub fn expected_moments(&self, grid: &Grid) -> Result<Moments, SurfaceError> {
-        let band = self.on(grid)?;
+        let (band, resolved) = (self.on(grid)?, resolved(grid));
         let sums: Vec<Sums> = (0..grid.spectrum_len().div_ceil(MODES_PER_TASK))
             .into_par_iter()
             .map(|task| {
                 let mut sums = Sums::default();
                 for mode in modes_from(grid, task * MODES_PER_TASK).take(MODES_PER_TASK) {
                     if let Some(power) = band.power(&mode) {
-                        sums.add(&mode, power);
+                        sums.add(&mode, power, resolved);
                     }
                 }
                 sums

@@ -1,17 +1,12 @@
 //! The parts of a load that `--statistics` and `--flow` add: patches, distributions, spectra, flow through the gap.
 
-use gfmd_contact::Boundary;
 use gfmd_flow::{Flow, FlowError, flow};
 use gfmd_green::Height;
-use gfmd_law::Kind;
 use gfmd_measure::Patches;
-use gfmd_problem::Unknown;
 use gfmd_record::{At, Statistics};
-use gfmd_surface::PowerSpectrum;
 use ndarray::{Array2, ArrayView2, Zip};
 
 use super::{Args, Loads};
-use gfmd_problem::options::BodyArgs;
 use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
 
@@ -56,34 +51,6 @@ fn through(
     flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
 }
 
-/// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
-const UNRESOLVED: f64 = 0.01;
-
-/// The reason why the error of the grid is not known for this kind of contact; `None` if it is.
-fn not_calibrated(args: &Args, surface: &Surface) -> Option<String> {
-    let BodyArgs { height, others, .. } = &args.problem.body;
-    let is_half_space = *height == Height::Infinite && others.layer.is_empty() && others.second_body.is_none();
-    let other = [
-        ("a law", args.problem.law.law != Kind::HardWall),
-        ("a hardness", args.problem.hardness.is_some()),
-        ("free boundaries", surface.boundary == Boundary::Free),
-        ("further unknown components", args.problem.components != Unknown::Normal),
-        ("finite slopes", args.problem.finite_slope),
-        ("a body that is no half-space", !is_half_space),
-    ];
-    if let Some((name, _)) = other.into_iter().find(|(_, is_so)| *is_so) {
-        return Some(format!("the error of the grid was measured for a hard wall on half-spaces, not with {name}"));
-    }
-    let spectrum = PowerSpectrum::of(&surface.heights, &surface.grid).ok()?;
-    let short = spectrum.short_waves();
-    (short > UNRESOLVED).then(|| {
-        format!(
-            "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points decides",
-            100.0 * short
-        )
-    })
-}
-
 /// All that is measured of one load if it is asked for.
 #[derive(Default)]
 pub(super) struct Findings {
@@ -91,7 +58,7 @@ pub(super) struct Findings {
     pub(super) flow: Option<Flow>,
     patches: Option<Patches>,
     conductance: Option<Result<f64, &'static str>>,
-    not_calibrated: Option<String>,
+    electrodes: bool,
 }
 
 impl Findings {
@@ -112,6 +79,7 @@ impl Findings {
             let stiffness = at.stiffness.as_ref().ok().map(|found| found.value);
             let (conductance, warning) = conducting.measure(&repulsion, at.has_converged(), stiffness)?;
             found.conductance = Some(conductance);
+            found.electrodes = args.conductor_height != Height::Infinite;
             if let Some(warning) = warning {
                 warn("conductance", warning);
             }
@@ -132,7 +100,6 @@ impl Findings {
                     flow => flow.map_err(|error| Failure::Computation(error.to_string()))?,
                 };
                 found.flow = Some(flow);
-                found.not_calibrated = not_calibrated(args, surface);
             }
         }
         Ok(found)
@@ -143,8 +110,8 @@ impl Findings {
         gfmd_record::Measured {
             patches: self.patches.as_ref(),
             conductance: self.conductance.map(|found| found.map_err(Into::into)),
+            electrodes: self.electrodes,
             flow: self.flow.as_ref(),
-            not_calibrated: self.not_calibrated.clone(),
         }
     }
 }

@@ -134,8 +134,7 @@ impl Loads {
         }
         // Neither statistics nor flow are measured on the way.
         let plain = Facts { statistics: false, flow: false, ..*facts };
-        let scales = self.prepared.scales();
-        let record = Record::of(&At::in_scales(&plain, &state, &scales, &surface.grid, budget.tolerance));
+        let record = Record::of(&At { facts: &plain, ..self.prepared.at(&state, budget.tolerance) });
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
         let open = Patches::of(conducting.view(), surface.boundary.surroundings()).percolate();

@@ -6,7 +6,7 @@ use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
 use gfmd_problem::Facts;
-use gfmd_record::{At, COLUMNS, Measured, NOT_SOLVED, Record};
+use gfmd_record::{At, COLUMNS, Origin, Record};
 use gfmd_sweep::{
     Analysis, Area, Config, Control, Example, Extrapolation, Form, Key, Plan, Point, Pressed, Run, Study,
 };
@@ -104,7 +104,9 @@ fn exact(seed: u64) -> i64 {
 pub(super) fn scalars() -> impl Iterator<Item = &'static gfmd_record::Column> {
     let facts = Facts::default();
     COLUMNS.iter().filter(move |column| {
-        (column.present)(&facts) && !["stiffness", "stiffness_error", "seconds"].contains(&column.name)
+        (column.present)(&facts)
+            && column.origin != Origin::Grid
+            && !["stiffness", "stiffness_error", "seconds"].contains(&column.name)
     })
 }
 
@@ -112,19 +114,10 @@ pub(super) fn scalars() -> impl Iterator<Item = &'static gfmd_record::Column> {
 pub(super) fn record(load: &Pressed) -> Record {
     let facts = Facts::default();
     Record::of(&At {
-        facts: &facts,
-        rest: None,
-        lengths: [f64::NAN; 2],
-        points: 0,
-        summary: load.summary,
         approach: load.approach,
         effort: load.effort,
         residuals: load.residual.parts().into(),
-        tolerance: f64::INFINITY,
-        seconds: f64::NAN,
-        stiffness: Err(NOT_SOLVED.into()),
-        measured: Measured::default(),
-        step: None,
+        ..At::of_summary(&facts, load.summary)
     })
 }
 

@@ -303,7 +303,8 @@ fn every_stiffness_without_a_value_has_its_reason() {
         assert_eq!(run(folder, "check c.h5 --rerun --json")["differing"], 0, "{flags}");
     }
     let load = run(folder, &format!("contact {SURFACE} --p-star 0.1 --json"))["loads"][0].clone();
-    assert!(nulls(&load).is_empty() && load["stiffness"].is_number());
+    let of_the_grid = |name: &String| name.contains("_limit") || name.ends_with("_grid_error");
+    assert!(nulls(&load).iter().all(of_the_grid) && load["stiffness"].is_number());
 }
 
 /// The program and its check pose one contact, in units of its own size: every number is met to the last bit.

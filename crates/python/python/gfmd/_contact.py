@@ -64,6 +64,9 @@ class Contact(Record):
             `undefined`, with a law, with all components, with finite slopes, with a lower surface, for a profile with free boundaries
             on a half-space, and in full contact if the mean level is fixed (half-space), where it is infinite.
         stiffness_error: its relative error.
+        displacement_limit, displacement_limit_error, displacement_grid_error, and so on of each number from `area_fraction` to `stiffness`
+            that has one: its estimate on an infinitely fine grid that bears the same load, the error of that (95 %), and a bound of the
+            error of the number itself; NaN, with the reason in `undefined`, where they cannot be estimated.
         undefined: the reasons why numbers are NaN, by name; there only if one is.
         iterations, transform_pairs: effort of the solve.
         converged: True if no residual exceeds the tolerance.
@@ -113,6 +116,39 @@ class Contact(Record):
     elastic_energy: float
     stiffness: float
     stiffness_error: float
+    displacement_limit: float
+    displacement_limit_error: float
+    displacement_grid_error: float
+    area_fraction_limit: float
+    area_fraction_limit_error: float
+    area_fraction_grid_error: float
+    kappa_limit: float
+    kappa_limit_error: float
+    kappa_grid_error: float
+    boundary_links_limit: float
+    boundary_links_limit_error: float
+    boundary_links_grid_error: float
+    mean_gap_limit: float
+    mean_gap_limit_error: float
+    mean_gap_grid_error: float
+    max_pressure_limit: float
+    max_pressure_limit_error: float
+    max_pressure_grid_error: float
+    mean_pressure_in_contact_limit: float
+    mean_pressure_in_contact_limit_error: float
+    mean_pressure_in_contact_grid_error: float
+    pressure_deviation_in_contact_limit: float
+    pressure_deviation_in_contact_limit_error: float
+    pressure_deviation_in_contact_grid_error: float
+    pressure_moment_2_limit: float
+    pressure_moment_2_limit_error: float
+    pressure_moment_2_grid_error: float
+    elastic_energy_limit: float
+    elastic_energy_limit_error: float
+    elastic_energy_grid_error: float
+    stiffness_limit: float
+    stiffness_limit_error: float
+    stiffness_grid_error: float
     undefined: dict[str, str]
     iterations: int
     transform_pairs: float

@@ -5,12 +5,12 @@ use std::convert::Infallible;
 use gfmd_contact::Hardness;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Panel, Series};
-use gfmd_record::{Form, Head, Table as Kept, heads, uncertain};
+use gfmd_record::{Form, Head, Table as Kept, heads, with_limit};
 use maud::html;
 
 use super::about::body;
 use super::reading::{FaceFields, Stored, StoredSurface};
-use super::write::{given, number, text, whole};
+use super::write::{given, number, powers, text, whole};
 use super::{Fact, Page, Table};
 use crate::figures::{Face, Kind, Scene, field, rough};
 use gfmd_run::convergence::StoredFailure;
@@ -125,10 +125,13 @@ impl Page {
             if !shown.iter().any(|(_, head, _)| head.table == table) {
                 continue;
             }
-            let cell = |(_, head, values): &(&str, Head, Vec<f64>), row: usize| match head.form {
+            let cell = |(name, head, values): &(&str, Head, Vec<f64>), row: usize| match head.form {
                 Form::Whole => whole(values[row]),
                 Form::Flag => html! { (if values[row] == 0.0 { "no" } else { "yes" }) },
-                Form::Uncertain(error) => html! { (uncertain(values[row], stored.column(error)[row])) },
+                _ if stored.has(&format!("{name}_limit")) => {
+                    let [limit, error] = ["limit", "limit_error"].map(|of| stored.column(&format!("{name}_{of}"))[row]);
+                    powers(&with_limit(values[row], limit, error))
+                }
                 _ => number(values[row]),
             };
             let head = |(name, head, _): &(&str, Head, Vec<f64>)| {

@@ -41,6 +41,11 @@ impl<'a> Stored<'a> {
         if values.len() == self.length { values } else { vec![f64::NAN; self.length] }
     }
 
+    /// True if the file has the column.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.reader.contains(&format!("{}/{name}", self.group))
+    }
+
     /// The largest residual `name` of the rows that were computed, which have a mean pressure; NaN if one of them is NaN.
     pub(crate) fn worst(&self, name: &str) -> f64 {
         let rows = self.column("mean_pressure").into_iter().zip(self.column(name));

@@ -24,6 +24,18 @@ fn with_digits(value: f64, digits: usize) -> Markup {
     html! { (mantissa.replace('-', "−")) " × 10" sup { (power.to_string().replace('-', "−")) } }
 }
 
+/// A number as a table of text shows it, its power of ten raised.
+pub(crate) fn powers(shown: &str) -> Markup {
+    let shown = shown.replace('-', "−");
+    match shown.split_once('e') {
+        Some((mantissa, power)) => {
+            let (power, rough) = power.strip_suffix('~').map_or((power, ""), |power| (power, "~"));
+            html! { (mantissa) " × 10" sup { (power) } (rough) }
+        }
+        None => html! { (shown) },
+    }
+}
+
 /// A number that was given: as many of its digits as it has, at most six.
 pub(crate) fn given(value: f64) -> Markup {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);

@@ -137,9 +137,8 @@ impl<'a> Stored<'a> {
 
     /// The numbers of a state so far, whose residuals may be those that are [allowed](Self::allowed).
     pub fn at<'s>(&'s self, index: usize, state: &'s Rest) -> At<'s> {
-        let Prepared { facts, surface, .. } = self.prepared;
         let allowed = if self.number("converged", index) == 1.0 { self.allowed() } else { self.tolerance };
-        At::in_scales(facts, state, &self.prepared.scales(), &surface.grid, allowed)
+        self.prepared.at(state, allowed)
     }
 
     /// Compares the numbers of a part that follow from its fields.
@@ -147,7 +146,7 @@ impl<'a> Stored<'a> {
         let patch = self.is_law_on_patch();
         let has_converged = self.number("converged", index) == 1.0;
         comparison.accurate_to(if patch { OF_A_PATCH * self.tolerance } else { 0.0 });
-        let of_fields = |origin| matches!(origin, Origin::Fields | Origin::Residual);
+        let of_fields = |origin| matches!(origin, Origin::Fields | Origin::Grid | Origin::Residual);
         for (column, cell) in record.cells().filter(|(column, _)| of_fields(column.origin)) {
             let path = self.path(column.name);
             // The layout tells what is missing.

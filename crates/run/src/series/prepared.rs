@@ -6,8 +6,9 @@ use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness
 use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
-use gfmd_measure::Scales;
-use gfmd_problem::{Facts, Given, Posed, pose};
+use gfmd_measure::{Scales, top};
+use gfmd_problem::{Facts, Given, Posed, Rest, pose};
+use gfmd_record::At;
 use ndarray::Array2;
 
 use super::parts::Parts;
@@ -68,6 +69,8 @@ pub struct Prepared {
     /// Limit of the shear, with friction.
     pub limit: Option<Limit>,
     dynamics: Dynamics,
+    /// Height of the surface's top above the highest point of the grid, if this process has all of it.
+    rise: Option<f64>,
 }
 
 impl Prepared {
@@ -101,7 +104,11 @@ impl Prepared {
             None => surface,
         };
         asked.body.check_on(&surface.grid, body.contact_modulus() * surface.rms_gradient())?;
-        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, dynamics: asked.dynamics })
+        let rise = (surface.share.is_whole() && !facts.line).then(|| {
+            let highest = surface.heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height));
+            top(surface.heights.view()) - highest
+        });
+        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, dynamics: asked.dynamics, rise })
     }
 
     /// Takes the units of lengths as a file spells them.
@@ -125,6 +132,12 @@ impl Prepared {
     /// The lift that a base that moves adds to the displacement.
     pub fn lift(&self) -> Option<&Array2<f64>> {
         self.base.as_ref().map(|base| &base.lift)
+    }
+
+    /// A state of the contact, of which columns are computed; without a stiffness.
+    pub fn at<'a>(&'a self, state: &'a Rest, tolerance: f64) -> At<'a> {
+        let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
+        At { short_waves: self.surface.statistics.moments.short_waves(), rise: self.rise, ..at }
     }
 
     /// The numbers of the attraction, if there is one.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gfmd_files::Reader;
-use gfmd_record::{Form, Table, heads};
+use gfmd_record::{COLUMNS, Form, Origin, Table, heads};
 use serde_json::Value;
 
 use super::draw::{Case, Control};
@@ -82,6 +82,53 @@ pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &
     }
 }
 
+/// A number of a printed table: its value, the unit of its last digit, and its error in brackets.
+struct Shown {
+    value: f64,
+    unit: f64,
+    error: Option<f64>,
+}
+
+impl Shown {
+    /// A cell such as `1.2000e-1`, `0.1014(12)`, `1230(30)`, `2.512(4)e-9` or `0.10~`; `None` for one that has no number.
+    fn of(cell: &str) -> Option<Self> {
+        let cell = cell.strip_suffix('~').unwrap_or(cell);
+        let (mantissa, power) = cell.split_once('e').unwrap_or((cell, "0"));
+        let (mantissa, error) = match mantissa.split_once('(') {
+            Some((mantissa, error)) => (mantissa, Some(error.strip_suffix(')')?)),
+            None => (mantissa, None),
+        };
+        let scale = 10_f64.powi(power.parse().ok()?);
+        let last = scale * 10_f64.powi(-(mantissa.split_once('.').map_or(0, |(_, digits)| digits.len()) as i32));
+        // Errors have one digit, or two that begin with 1; zeros behind them only fill the place of whole numbers.
+        let zeros = error.map_or(0, |error| error.len() - error.len().min(1 + usize::from(error.starts_with('1'))));
+        let value = scale * mantissa.parse::<f64>().ok().filter(|value| value.is_finite())?;
+        let error = error.map(|error| Some(last * error.parse::<f64>().ok()?));
+        Some(Self { value, unit: last * 10_f64.powi(zeros as i32), error: error.flatten() })
+    }
+}
+
+/// The limits of numbers on fine grids: each bounds the error of its number, or has no value, as has its error.
+pub(crate) fn limits(found: &mut Found, record: &Value) {
+    let named = |name: &str| COLUMNS.iter().find(|column| column.name == name).map(|column| column.json);
+    for column in COLUMNS.iter().filter(|column| column.origin == Origin::Grid) {
+        let Some(number) = column.name.strip_suffix("_limit") else { continue };
+        let names = ["", "_limit", "_limit_error", "_grid_error"].map(|end| format!("{number}{end}"));
+        let [number, limit, error, bound] = names.each_ref().map(|name| named(name).unwrap_or_default());
+        if record.pointer(&format!("/{}", limit.replace('.', "/"))).is_none() {
+            continue;
+        }
+        let of = |key: &str| super::found::number(record, key);
+        if of(limit).is_nan() {
+            names[1..].iter().for_each(|name| found.null(record, name));
+        } else {
+            let expected = (of(number) - of(limit)).abs() + of(error);
+            found.near(bound, of(bound), expected, 1e-14 * of(number).abs());
+            found.must(of(error) >= 0.0, || format!("{error} is {:e}", of(error)));
+        }
+    }
+}
+
 /// The rows of the printed table, cell by cell below the heads. Rows of a path begin with their number.
 pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: bool) {
     let tables: &[Table] = if is_path { &[Table::State, Table::Energy] } else { &[Table::State] };
@@ -94,9 +141,10 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
     let Some(head) = lines.iter().position(is_head) else { return found.complain("no table".into()) };
     let shown: Vec<&str> = lines[head].split_whitespace().collect();
     for (k, record) in records.iter().enumerate() {
+        limits(found, record);
         let row: Vec<&str> = lines.get(head + 1 + k).map_or("", String::as_str).split_whitespace().collect();
         for (column, head) in &all {
-            let (name, key) = (joined(head.word), column.json);
+            let (at, name, key) = (column, joined(head.word), column.json);
             let told = super::found::number(record, key);
             let Some(column) = shown.iter().position(|head| *head == name) else {
                 let nothing = told.is_nan() || (head.form == Form::SizeUnlessZero && told == 0.0);
@@ -104,15 +152,20 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
                 continue;
             };
             let cell = row.get(column + usize::from(is_path)).copied().unwrap_or_default();
-            match cell.parse::<f64>() {
-                Ok(shown) if shown.is_finite() => {
-                    // Half of the last digit that is printed.
-                    let digits = cell.split('e').next().unwrap_or_default().split('.').nth(1).map_or(0, str::len);
-                    let power = cell.split_once('e').map_or(0, |(_, power)| power.parse().unwrap_or(0));
-                    let unit = 10_f64.powi(power - digits as i32);
-                    found.near(&format!("{name} in row {k} of the table"), shown, told, 0.5001 * unit);
+            match Shown::of(cell) {
+                Some(Shown { value, unit, error }) => {
+                    // An error is that of the limit on fine grids, which stands in place of the number.
+                    let [limit, of_limit] = ["_limit", "_limit_error"].map(|end| {
+                        let limit = COLUMNS.iter().find(|other| other.name == format!("{}{end}", at.name));
+                        limit.map_or(f64::NAN, |limit| super::found::number(record, limit.json))
+                    });
+                    let told = if error.is_some() { limit } else { told };
+                    found.near(&format!("{name} in row {k} of the table"), value, told, 0.5001 * unit);
+                    if let Some(error) = error {
+                        found.near(&format!("error of {name} in row {k} of the table"), error, of_limit, 0.5001 * unit);
+                    }
                 }
-                _ => found
+                None => found
                     .must(told.is_nan(), || format!("{name} in row {k} of the table is '{cell}', {told:e} in JSON")),
             }
         }

@@ -1,0 +1,153 @@
+//! The largest value of a field between its points.
+
+use std::array::from_fn;
+
+use ndarray::ArrayView2;
+
+/// The largest value of a periodic field `[x, y]`, by the quadratic through its largest point and the eight around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// The largest value of the quadratic, in the unit of the field; that of the point if the quadratic has no maximum.
+    pub value: f64,
+    /// The sharpness of the peak on this grid: less the sum of both second differences at the point, over its value.
+    pub sharpness: f64,
+}
+
+impl Peak {
+    /// The peak of `field`; `None` without points.
+    pub fn of(field: ArrayView2<f64>) -> Option<Self> {
+        let ((i, j), &top) = field.indexed_iter().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let (nx, ny) = field.dim();
+        let around = from_fn(|di| from_fn(|dj| field[[(i + nx + di - 1) % nx, (j + ny + dj - 1) % ny]]));
+        let (rise, differences) = rise(&around);
+        Some(Self { value: top + rise, sharpness: -differences / top })
+    }
+}
+
+/// Points on each side of a place from which a field without waves shorter than four points is interpolated there: the error of
+/// a sinc under a Gaussian is e^(−π REACH/4), 5e-8 of the field.
+const REACH: usize = 21;
+
+/// Parts of the distance of two points in which the neighbourhood of a high point is searched.
+const ZOOM: usize = 8;
+
+/// The number of high points that are searched.
+const CANDIDATES: usize = 8;
+
+/// The largest value between the points of a periodic field `[x, y]` that has no waves shorter than four points, in the unit of the
+/// field: the quadratic through the largest of eight times finer points around the highest maxima, to 3e-5 of the amplitude of
+/// the shortest waves. NaN without points.
+pub fn top(field: ArrayView2<f64>) -> f64 {
+    let (nx, ny) = field.dim();
+    let rows = field.outer_iter().map(|row| row.fold(f64::NEG_INFINITY, |most, value| most.max(*value)));
+    let most: Vec<f64> = rows.collect();
+    let highest = most.iter().fold(f64::NEG_INFINITY, |most, row| most.max(*row));
+    if !highest.is_finite() {
+        return f64::NAN;
+    }
+    let neighbourhood = |i: usize, j: usize| -> [[f64; 3]; 3] {
+        from_fn(|di| from_fn(|dj| field[[(i + nx + di - 1) % nx, (j + ny + dj - 1) % ny]]))
+    };
+    // Between points four to a wave, a wave rises above them by at most 1/cos(π/4) along each axis.
+    let mean = field.sum() / field.len() as f64;
+    let least = highest - 0.5 * (highest - mean);
+    let mut maxima = Vec::new();
+    for i in (0..nx).filter(|i| most[*i] >= least) {
+        for j in (0..ny).filter(|j| field[[i, *j]] >= least) {
+            let around = neighbourhood(i, j);
+            if around.iter().flatten().all(|value| *value <= around[1][1]) {
+                maxima.push((around[1][1] + rise(&around).0, [i, j]));
+            }
+        }
+    }
+    maxima.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    maxima.truncate(CANDIDATES);
+    maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place)))
+}
+
+/// The largest value around a point, by interpolation.
+fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2]) -> f64 {
+    const SIDE: usize = 2 * ZOOM + 1;
+    let (nx, ny) = field.dim();
+    // The weight of the point this many after the first one within reach.
+    let weight = |fine: usize, point: usize| {
+        let distance = point as f64 - REACH as f64 - (fine as f64 / ZOOM as f64 - 1.0);
+        let angle = std::f64::consts::PI * distance;
+        let sinc = if angle.abs() < 1e-12 { 1.0 } else { angle.sin() / angle };
+        sinc * (-0.25 * angle * distance / REACH as f64).exp()
+    };
+    let at = |middle: usize, point: usize, n: usize| (middle + point + REACH * n - REACH) % n;
+    let along_y: Vec<[f64; SIDE]> = (0..=2 * REACH)
+        .map(|dx| {
+            let row = field.row(at(i, dx, nx));
+            from_fn(|fine| (0..=2 * REACH).map(|dy| weight(fine, dy) * (row[at(j, dy, ny)] - field[[i, j]])).sum())
+        })
+        .collect();
+    let values: [[f64; SIDE]; SIDE] = from_fn(|x| {
+        let weights: [f64; 2 * REACH + 1] = from_fn(|dx| weight(x, dx));
+        from_fn(|y| along_y.iter().zip(&weights).map(|(row, weight)| weight * row[y]).sum())
+    });
+    let inside = (1..SIDE - 1).flat_map(|x| (1..SIDE - 1).map(move |y| [x, y]));
+    let highest = inside.max_by(|[x, y], [u, v]| values[*x][*y].total_cmp(&values[*u][*v]));
+    highest.map_or(f64::NAN, |[x, y]| {
+        let around = from_fn(|dx| from_fn(|dy| values[x + dx - 1][y + dy - 1]));
+        field[[i, j]] + around[1][1] + rise(&around).0
+    })
+}
+
+/// The rise of the quadratic through 3 × 3 points above the middle one, zero if it has no maximum, and the sum of both second
+/// differences.
+fn rise(at: &[[f64; 3]; 3]) -> (f64, f64) {
+    let middle = at[1][1];
+    let slope = [0.5 * (at[2][1] - at[0][1]), 0.5 * (at[1][2] - at[1][0])];
+    let [xx, yy] = [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]];
+    let xy = 0.25 * (at[2][2] - at[2][0] - at[0][2] + at[0][0]);
+    let determinant = xx * yy - xy * xy;
+    let has_maximum = xx < 0.0 && determinant > 0.0;
+    // Less half of the slope times the step to the maximum.
+    let along = yy * slope[0] * slope[0] - 2.0 * xy * slope[0] * slope[1] + xx * slope[1] * slope[1];
+    (if has_maximum { -0.5 * along / determinant } else { 0.0 }, xx + yy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    #[test]
+    fn the_maximum_of_a_quadratic_is_exact_and_that_of_a_wave_much_nearer_than_its_points() {
+        let quadratic = |x: f64, y: f64| 3.0 - 0.4 * x * x + 0.1 * x * y - 0.3 * y * y;
+        let field = Array2::from_shape_fn((9, 8), |(i, j)| quadratic(i as f64 - 4.3, j as f64 - 3.8));
+        let peak = Peak::of(field.view()).unwrap();
+        assert!((peak.value - 3.0).abs() < 1e-14, "{peak:?}");
+        assert!((peak.sharpness * field.iter().copied().fold(0.0, f64::max) - 1.4).abs() < 1e-13);
+        let wave = |k: usize, n: usize, at: f64| (std::f64::consts::TAU * (k as f64 - at) / n as f64).cos();
+        for at in [0.0, 0.2, 0.5] {
+            let field = Array2::from_shape_fn((16, 12), |(i, j)| 2.0 + wave(i, 16, at) + wave(j, 12, 0.4));
+            let (most, found) = (field.iter().copied().fold(0.0, f64::max), Peak::of(field.view()).unwrap());
+            assert!((found.value - 4.0).abs() < 0.06 * (4.0 - most), "{at}: {most} {found:?}");
+        }
+        assert_eq!(Peak::of(Array2::<f64>::zeros((0, 3)).view()), None);
+    }
+
+    #[test]
+    fn the_top_of_waves_four_points_long_is_found_between_the_points() {
+        let tau = std::f64::consts::TAU;
+        for (n, m, phase) in [(64, 64, 0.3), (64, 48, 0.5), (4, 8, 0.21), (128, 16, 0.77)] {
+            // One wave of four points along each axis and a long one, all highest at one place.
+            let place = [phase * n as f64 / 5.0, 1.3 * phase * m as f64 / 5.0];
+            let value = |x: f64, y: f64| {
+                let [x, y] = [x - place[0], y - place[1]];
+                (0.25 * tau * x).cos() + (0.25 * tau * y).cos() + 0.5 * (tau * (x / n as f64 + y / m as f64)).cos()
+            };
+            let field = Array2::from_shape_fn((n, m), |(i, j)| value(i as f64, j as f64));
+            let most = field.iter().copied().fold(0.0, f64::max);
+            let found = top(field.view());
+            assert!((found - 2.5).abs() < 3e-5 * 2.5, "{n} {m}: {found}, points {most}");
+            assert!(most < 2.475, "{most}");
+        }
+        assert_eq!(top(Array2::from_elem((5, 4), 0.3).view()), 0.3);
+        assert!(top(Array2::<f64>::zeros((0, 3)).view()).is_nan());
+        assert!(top(Array2::from_elem((5, 4), f64::NAN).view()).is_nan());
+    }
+}

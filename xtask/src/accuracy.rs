@@ -1,0 +1,206 @@
+//! `accuracy`: the estimates of the error of the grid, compared with solutions on grids 8 times finer, of new surfaces.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser};
+use gfmd_cli::contact;
+use gfmd_cli::progress::Progress;
+use gfmd_record::{COLUMNS, Origin};
+use gfmd_run::failure::Failure;
+use gfmd_run::session::Session;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// The Hurst exponents, of which the surfaces have one after the other.
+const HURST: [f64; 3] = [0.0, 0.3, 0.8];
+
+/// The points on the shortest wave, of which the surfaces have one after the other.
+const POINTS_PER_WAVE: [usize; 2] = [4, 8];
+
+/// The reduced pressures.
+const LOADS: [f64; 4] = [0.01, 0.05, 0.2, 0.5];
+
+/// The shortest waves over the length of the cell.
+const WAVES: usize = 16;
+
+/// The grid that has the exact value is finer by this factor.
+const FINER: usize = 8;
+
+/// Flags of `accuracy`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  cargo xtask accuracy --seeds 12 --out accuracy.json
+  cargo xtask results")]
+pub struct Args {
+    /// Number of surfaces
+    #[arg(long, default_value_t = 200, value_name = "N")]
+    seeds: u64,
+    /// Seed of the first one; the others follow
+    #[arg(long, default_value_t = 20_261_201, value_name = "SEED")]
+    first_seed: u64,
+    /// Write the summary to this file
+    #[arg(long, default_value = "data/results/accuracy.json", value_name = "FILE.json")]
+    out: PathBuf,
+}
+
+/// The comparison of all numbers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "docs/accuracy.md")]
+pub struct Report {
+    pub seeds: u64,
+    pub first_seed: u64,
+    /// By the name of the number, then by the surfaces and loads: `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
+    pub numbers: BTreeMap<String, BTreeMap<String, Coverage>>,
+}
+
+/// The errors of a number in some contacts.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "docs/accuracy.md")]
+pub struct Coverage {
+    /// Contacts with an estimate, and without one.
+    pub told: usize,
+    pub untold: usize,
+    /// Those whose limit is within its error of the exact value.
+    pub covered: usize,
+    /// Those whose number is within its error by the grid of the exact value.
+    pub bounded: usize,
+    /// Medians: |number - exact| / exact, |limit - exact| / exact, limit error / |limit - exact|.
+    pub number_error: f64,
+    pub limit_error: f64,
+    pub width: f64,
+    #[serde(skip)]
+    errors: Vec<[f64; 3]>,
+}
+
+impl Coverage {
+    fn add(&mut self, compared: Option<Compared>) {
+        let Some(Compared { number, limit, error, bound, exact }) = compared else { return self.untold += 1 };
+        self.told += 1;
+        self.covered += usize::from((limit - exact).abs() <= error);
+        self.bounded += usize::from((number - exact).abs() <= bound);
+        self.errors.push([(number / exact - 1.0).abs(), (limit / exact - 1.0).abs(), error / (limit - exact).abs()]);
+    }
+
+    fn finish(&mut self) {
+        let median = |k: usize| {
+            let mut sorted: Vec<f64> = self.errors.iter().map(|errors| errors[k]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get(sorted.len() / 2).copied().unwrap_or_default()
+        };
+        (self.number_error, self.limit_error, self.width) = (median(0), median(1), median(2));
+    }
+}
+
+/// A number, its limit, the errors that are told, and the exact value.
+struct Compared {
+    number: f64,
+    limit: f64,
+    error: f64,
+    bound: f64,
+    exact: f64,
+}
+
+#[derive(Parser)]
+struct Command {
+    #[command(flatten)]
+    contact: contact::Args,
+}
+
+/// The loads of a contact, as the program prints them.
+fn loads(points: usize, hurst: f64, seed: u64) -> Result<Vec<Value>, Failure> {
+    let p_star = LOADS.map(|load| load.to_string()).join(",");
+    let flags = format!(
+        "contact --n {points} --eps-t-inv 2 --eps-f-inv {} --hurst {hurst} --seed {seed} --p-star {p_star} --statistics --flow",
+        WAVES / 2
+    );
+    let command = Command::try_parse_from(flags.split(' ')).map_err(|error| Failure::Input(error.to_string()))?;
+    let outcome = contact::run(&command.contact, &Session::silent())?;
+    if let Some(failure) = outcome.failure {
+        return Err(failure);
+    }
+    let report = serde_json::to_value(&outcome.report).map_err(|error| Failure::Computation(error.to_string()))?;
+    Ok(report["loads"].as_array().cloned().unwrap_or_default())
+}
+
+/// A number of a load; `None` if it has no value.
+fn number(load: &Value, name: &str) -> Option<f64> {
+    let column = COLUMNS.iter().find(|column| column.name == name)?;
+    load.pointer(&format!("/{}", column.json.replace('.', "/")))?.as_f64()
+}
+
+fn compared(coarse: &Value, fine: &Value, name: &str) -> Option<Compared> {
+    let [number, limit, error, bound] =
+        ["", "_limit", "_limit_error", "_grid_error"].map(|end| number(coarse, &format!("{name}{end}")));
+    let exact = self::number(fine, &format!("{name}_limit"))?;
+    // Boundary links are counted in the spacing of their grid.
+    let exact = if name == "boundary_links" { exact / FINER as f64 } else { exact };
+    Some(Compared { number: number?, limit: limit?, error: error?, bound: bound?, exact })
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A contact that was not solved; a file that cannot be written.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let names: Vec<&str> = COLUMNS
+        .iter()
+        .filter(|column| column.origin == Origin::Grid)
+        .filter_map(|column| column.name.strip_suffix("_limit"))
+        .collect();
+    let mut numbers: BTreeMap<String, BTreeMap<String, Coverage>> = BTreeMap::new();
+    let progress = Progress::new(session.quiet, "surfaces", args.seeds as f64);
+    for index in 0..args.seeds {
+        let (seed, place) = (args.first_seed + index, index as usize);
+        let hurst = HURST[place % HURST.len()];
+        let density = POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()];
+        let points = WAVES * density;
+        let [coarse, fine] = [points, FINER * points].map(|points| loads(points, hurst, seed));
+        for ((coarse, fine), p_star) in coarse?.iter().zip(&fine?).zip(LOADS) {
+            let groups = [
+                "all".to_owned(),
+                format!("H = {hurst}"),
+                format!("{density} points a wave"),
+                format!("p* = {p_star}"),
+            ];
+            for (name, group) in names.iter().flat_map(|name| groups.iter().map(move |group| (name, group))) {
+                let coverage = numbers.entry((*name).to_owned()).or_default().entry(group.clone()).or_default();
+                coverage.add(compared(coarse, fine, name));
+            }
+        }
+        progress.advance(1.0, &format!("seed {seed}"));
+    }
+    progress.finish();
+    numbers.values_mut().flat_map(BTreeMap::values_mut).for_each(Coverage::finish);
+    let report = Report { seeds: args.seeds, first_seed: args.first_seed, numbers };
+    let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
+    gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
+    Ok(report)
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{} surfaces from seed {}", self.seeds, self.first_seed)?;
+        writeln!(
+            f,
+            "{:32}{:>10}{:>12}{:>12}{:>10}{:>8}{:>8}",
+            "number", "told", "error", "of limit", "covered", "bound", "width"
+        )?;
+        for (name, groups) in &self.numbers {
+            let Some(Coverage { told, untold, covered, bounded, number_error, limit_error, width, .. }) =
+                groups.get("all")
+            else {
+                continue;
+            };
+            let part = |count: usize| count as f64 / *told as f64;
+            writeln!(
+                f,
+                "{name:32}{told:>5}/{:<4}{number_error:>12.1e}{limit_error:>12.1e}{:>10.3}{:>8.3}{width:>8.2}",
+                told + untold,
+                part(*covered),
+                part(*bounded)
+            )?;
+        }
+        Ok(())
+    }
+}
