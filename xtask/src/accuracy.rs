@@ -9,6 +9,7 @@ use gfmd_cli::progress::Progress;
 use gfmd_record::{COLUMNS, Origin};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -50,8 +51,9 @@ pub struct Args {
 pub struct Report {
     pub seeds: u64,
     pub first_seed: u64,
-    /// By the name of the number, then by the surfaces and loads: `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
-    pub numbers: BTreeMap<String, BTreeMap<String, Coverage>>,
+    /// By the mode of `--grid-error`, then by the name of the number, then by the surfaces and loads: `all`,
+    /// `H = 0.3`, `4 points a wave`, `p* = 0.01`.
+    pub modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>>,
 }
 
 /// The errors of a number in some contacts.
@@ -74,8 +76,8 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    fn add(&mut self, compared: Option<Compared>) {
-        let Some(Compared { number, limit, error, bound, exact }) = compared else { return self.untold += 1 };
+    fn add(&mut self, compared: Option<&Compared>) {
+        let Some(&Compared { number, limit, error, bound, exact }) = compared else { return self.untold += 1 };
         self.told += 1;
         self.covered += usize::from((limit - exact).abs() <= error);
         self.bounded += usize::from((number - exact).abs() <= bound);
@@ -107,20 +109,65 @@ struct Command {
     contact: contact::Args,
 }
 
-/// The loads of a contact, as the program prints them.
-fn loads(points: usize, hurst: f64, seed: u64) -> Result<Vec<Value>, Failure> {
-    let p_star = LOADS.map(|load| load.to_string()).join(",");
-    let flags = format!(
-        "contact --n {points} --eps-t-inv 2 --eps-f-inv {} --hurst {hurst} --seed {seed} --p-star {p_star} --statistics --flow",
-        WAVES / 2
-    );
-    let command = Command::try_parse_from(flags.split(' ')).map_err(|error| Failure::Input(error.to_string()))?;
-    let outcome = contact::run(&command.contact, &Session::silent())?;
-    if let Some(failure) = outcome.failure {
-        return Err(failure);
+/// The mode, the name of a number, the reduced pressure, and the comparison; `None` where the error is not told.
+type Row = (&'static str, &'static str, f64, Option<Compared>);
+
+/// A surface, and the way in which its contact is solved.
+struct Case {
+    seed: u64,
+    hurst: f64,
+    points_per_wave: usize,
+}
+
+impl Case {
+    /// The surface of this index.
+    fn new(args: &Args, index: u64) -> Self {
+        let place = index as usize;
+        Self {
+            seed: args.first_seed + index,
+            hurst: HURST[place % HURST.len()],
+            points_per_wave: POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()],
+        }
     }
-    let report = serde_json::to_value(&outcome.report).map_err(|error| Failure::Computation(error.to_string()))?;
-    Ok(report["loads"].as_array().cloned().unwrap_or_default())
+
+    /// The loads of the contact on a grid that is finer by this factor, as the program prints them.
+    fn loads(&self, finer: usize, mode: &str) -> Result<Vec<Value>, Failure> {
+        let p_star = LOADS.map(|load| load.to_string()).join(",");
+        let flags = format!(
+            "contact --n {} --eps-t-inv 2 --eps-f-inv {} --hurst {} --seed {} --p-star {p_star} --statistics --flow \
+             --grid-error {mode}",
+            WAVES * self.points_per_wave * finer,
+            WAVES / 2,
+            self.hurst,
+            self.seed
+        );
+        let command = Command::try_parse_from(flags.split(' ')).map_err(|error| Failure::Input(error.to_string()))?;
+        let run = || contact::run(&command.contact, &Session::silent());
+        let outcome = tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), run)?;
+        if let Some(failure) = outcome.failure {
+            return Err(failure);
+        }
+        let report = serde_json::to_value(&outcome.report).map_err(|error| Failure::Computation(error.to_string()))?;
+        Ok(report["loads"].as_array().cloned().unwrap_or_default())
+    }
+
+    /// The numbers of all loads compared with those of the finest grid.
+    fn compared(&self) -> Result<Vec<Row>, Failure> {
+        let fine = self.loads(FINER, "estimate")?;
+        let mut found = Vec::new();
+        for mode in ["estimate", "refine"] {
+            for ((coarse, fine), p_star) in self.loads(1, mode)?.iter().zip(&fine).zip(LOADS) {
+                found.extend(names().map(|number| (mode, number, p_star, compared(coarse, fine, number))));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The numbers that have a limit.
+fn names() -> impl Iterator<Item = &'static str> {
+    let limits = COLUMNS.iter().filter(|column| column.origin == Origin::Grid);
+    limits.filter_map(|column| column.name.strip_suffix("_limit"))
 }
 
 /// A number of a load; `None` if it has no value.
@@ -143,36 +190,31 @@ fn compared(coarse: &Value, fine: &Value, name: &str) -> Option<Compared> {
 /// # Errors
 /// A contact that was not solved; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let names: Vec<&str> = COLUMNS
-        .iter()
-        .filter(|column| column.origin == Origin::Grid)
-        .filter_map(|column| column.name.strip_suffix("_limit"))
-        .collect();
-    let mut numbers: BTreeMap<String, BTreeMap<String, Coverage>> = BTreeMap::new();
     let progress = Progress::new(session.quiet, "surfaces", args.seeds as f64);
-    for index in 0..args.seeds {
-        let (seed, place) = (args.first_seed + index, index as usize);
-        let hurst = HURST[place % HURST.len()];
-        let density = POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()];
-        let points = WAVES * density;
-        let [coarse, fine] = [points, FINER * points].map(|points| loads(points, hurst, seed));
-        for ((coarse, fine), p_star) in coarse?.iter().zip(&fine?).zip(LOADS) {
+    let of_surface = |index: u64| {
+        let case = Case::new(args, index);
+        let found = case.compared()?;
+        progress.advance(1.0, &format!("seed {}", case.seed));
+        Ok((case, found))
+    };
+    let surfaces: Vec<_> = (0..args.seeds).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
+    progress.finish();
+    let mut modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>> = BTreeMap::new();
+    for (Case { hurst, points_per_wave, .. }, found) in surfaces {
+        for (mode, name, p_star, compared) in found {
+            let numbers = modes.entry(mode.to_owned()).or_default().entry(name.to_owned()).or_default();
             let groups = [
                 "all".to_owned(),
                 format!("H = {hurst}"),
-                format!("{density} points a wave"),
+                format!("{points_per_wave} points a wave"),
                 format!("p* = {p_star}"),
             ];
-            for (name, group) in names.iter().flat_map(|name| groups.iter().map(move |group| (name, group))) {
-                let coverage = numbers.entry((*name).to_owned()).or_default().entry(group.clone()).or_default();
-                coverage.add(compared(coarse, fine, name));
-            }
+            groups.into_iter().for_each(|group| numbers.entry(group).or_default().add(compared.as_ref()));
         }
-        progress.advance(1.0, &format!("seed {seed}"));
     }
-    progress.finish();
-    numbers.values_mut().flat_map(BTreeMap::values_mut).for_each(Coverage::finish);
-    let report = Report { seeds: args.seeds, first_seed: args.first_seed, numbers };
+    let all = modes.values_mut().flat_map(BTreeMap::values_mut).flat_map(BTreeMap::values_mut);
+    all.for_each(Coverage::finish);
+    let report = Report { seeds: args.seeds, first_seed: args.first_seed, modes };
     let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
     Ok(report)
@@ -181,25 +223,28 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "{} surfaces from seed {}", self.seeds, self.first_seed)?;
-        writeln!(
-            f,
-            "{:32}{:>10}{:>12}{:>12}{:>10}{:>8}{:>8}",
-            "number", "told", "error", "of limit", "covered", "bound", "width"
-        )?;
-        for (name, groups) in &self.numbers {
-            let Some(Coverage { told, untold, covered, bounded, number_error, limit_error, width, .. }) =
-                groups.get("all")
-            else {
-                continue;
-            };
-            let part = |count: usize| count as f64 / *told as f64;
+        for (mode, numbers) in &self.modes {
+            writeln!(f, "\n{mode}")?;
             writeln!(
                 f,
-                "{name:32}{told:>5}/{:<4}{number_error:>12.1e}{limit_error:>12.1e}{:>10.3}{:>8.3}{width:>8.2}",
-                told + untold,
-                part(*covered),
-                part(*bounded)
+                "{:32}{:>10}{:>12}{:>12}{:>10}{:>8}{:>8}",
+                "number", "told", "error", "of limit", "covered", "bound", "width"
             )?;
+            for (name, groups) in numbers {
+                let Some(Coverage { told, untold, covered, bounded, number_error, limit_error, width, .. }) =
+                    groups.get("all")
+                else {
+                    continue;
+                };
+                let part = |count: usize| count as f64 / *told as f64;
+                writeln!(
+                    f,
+                    "{name:32}{told:>5}/{:<4}{number_error:>12.1e}{limit_error:>12.1e}{:>10.3}{:>8.3}{width:>8.2}",
+                    told + untold,
+                    part(*covered),
+                    part(*bounded)
+                )?;
+            }
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
-//! `results`: draws the figures and writes the tables of docs/results.md from the summaries in data/results.
+//! `results`: draws the figures and writes the tables of docs/results.md and docs/accuracy.md from the summaries in data/results.
 //!
 //! A table stands between `<!-- results: NAME -->` and `<!-- end -->`; the text around it is written by hand.
 
+mod accuracy;
 mod axes;
 mod limits;
 mod loads;
@@ -26,10 +27,10 @@ pub struct Args {
     /// Read the summaries of sweeps from this folder
     #[arg(long, default_value = "data/results", value_name = "FOLDER")]
     data: PathBuf,
-    /// Write results.md and its figures in this folder
+    /// Write results.md, accuracy.md and their figures in this folder
     #[arg(long, default_value = "docs", value_name = "FOLDER")]
     docs: PathBuf,
-    /// Write nothing; fail if the page or a figure is not what the summaries make
+    /// Write nothing; fail if a page or a figure is not what the summaries make
     #[arg(long)]
     check: bool,
 }
@@ -44,27 +45,29 @@ pub struct Report {
     pub written: Vec<PathBuf>,
 }
 
-/// A table by the name of its place in the page.
-type Table = (&'static str, fn(&Summaries) -> Result<String, Failure>);
+/// A table by the names of its page and of its place there.
+type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failure>);
 
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 11] = [
-    ("table 5.1", limits::table),
-    ("budget", loads::budget),
-    ("light", loads::light),
-    ("edge", loads::edge),
-    ("nayak", loads::nayak_table),
-    ("one", loads::one),
-    ("table 5.2", source::table),
-    ("cells", source::cells),
-    ("slabs", axes::slabs),
-    ("surfaces", axes::surfaces),
-    ("lines", axes::lines),
+const TABLES: [Table; 12] = [
+    ("accuracy", "accuracy", accuracy::table),
+    ("results", "table 5.1", limits::table),
+    ("results", "budget", loads::budget),
+    ("results", "light", loads::light),
+    ("results", "edge", loads::edge),
+    ("results", "nayak", loads::nayak_table),
+    ("results", "one", loads::one),
+    ("results", "table 5.2", source::table),
+    ("results", "cells", source::cells),
+    ("results", "slabs", axes::slabs),
+    ("results", "surfaces", axes::surfaces),
+    ("results", "lines", axes::lines),
 ];
 
-const FIGURES: [Figure; 4] = [
+const FIGURES: [Figure; 5] = [
+    ("accuracy", accuracy::figure),
     ("results-nayak", loads::nayak_figure),
     ("results-source", source::figure),
     ("results-slabs", axes::slab_figure),
@@ -77,13 +80,16 @@ const FIGURES: [Figure; 4] = [
 /// A summary that is missing or has another form; a page without the place of a table; with `--check` a difference.
 pub fn run(args: &Args) -> Result<Report, Failure> {
     let summaries = Summaries::new(&args.data);
-    let page = args.docs.join("results.md");
-    let mut text =
-        std::fs::read_to_string(&page).map_err(|error| Failure::input(&page.display().to_string(), error))?;
-    for (name, table) in TABLES {
-        text = filled(&text, name, &table(&summaries)?)?;
+    let mut files = Vec::new();
+    for page in ["results", "accuracy"] {
+        let path = args.docs.join(format!("{page}.md"));
+        let mut text =
+            std::fs::read_to_string(&path).map_err(|error| Failure::input(&path.display().to_string(), error))?;
+        for (_, name, table) in TABLES.into_iter().filter(|(of, ..)| *of == page) {
+            text = filled(&text, name, &table(&summaries)?)?;
+        }
+        files.push((path, text));
     }
-    let mut files = vec![(page, text)];
     for (name, figure) in FIGURES {
         files.push((args.docs.join("images").join(format!("{name}.svg")), figure(&summaries)?));
     }
@@ -103,7 +109,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
 /// The page with a table in its place.
 fn filled(page: &str, name: &str, table: &str) -> Result<String, Failure> {
     let (start, end) = (format!("<!-- results: {name} -->\n"), "<!-- end -->");
-    let missing = || Failure::Input(format!("results.md has no place for {name}; it must have {start:?} and {end:?}"));
+    let missing = || Failure::Input(format!("the page has no place for {name}; it must have {start:?} and {end:?}"));
     let (before, rest) = page.split_once(&start).ok_or_else(missing)?;
     let (_, after) = rest.split_once(end).ok_or_else(missing)?;
     Ok(format!("{before}{start}{table}{end}{after}"))

@@ -15,6 +15,7 @@ mod whole;
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Boundary, Drive, Fields as _, Load, Refusal, Stiffness};
@@ -25,7 +26,7 @@ use gfmd_law::Kind;
 use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown};
 use gfmd_record::{At, NOT_SOLVED, Record, repulsion};
 use gfmd_response::Components;
-use gfmd_surface::PowerSpectrum;
+use gfmd_surface::{Interpolation, PowerSpectrum};
 use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
@@ -34,12 +35,13 @@ use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
+use gfmd_run::accuracy;
 use gfmd_run::base::MovedBase;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
 use gfmd_run::series::{
-    Asked, Chosen, ContactArgs, Ended, Head, Outlet, Prepared, Reached, Series, StateFile, fields, keeping,
+    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Prepared, Reached, Series, StateFile, fields, keeping,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -48,6 +50,7 @@ use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 pub(crate) use check::{again, check};
 use conductance::Conducting;
 pub use report::Report;
+use report::{Accurate, GridUsed};
 use statistics::{Findings, Gathered, measured};
 pub use stored::{configuration, records};
 use vtk::VtkFile;
@@ -186,6 +189,44 @@ fn is_infinite(height: &Height) -> bool {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
+    let Some(asked) = args.problem.accuracy else { return on_one_grid(args, session) };
+    // The first grid tells which one is needed, and has no files of its own.
+    let mut now = Args { out: None, vtk: None, plots: None, ..args.clone() };
+    now.problem.accuracy = None;
+    session.agree(
+        Loads::new(&now, session)
+            .and_then(|loads| accuracy::check(asked, &loads.prepared, loads.prepared.facts.approach)),
+    )?;
+    let mut grids: Vec<GridUsed> = Vec::new();
+    let mut last: Option<Report> = None;
+    loop {
+        let started = Instant::now();
+        let Outcome { mut report, failure } = match (on_one_grid(&now, session), last) {
+            (Ok(outcome), _) => outcome,
+            // A grid that is refused: what was found before stays.
+            (Err(failure), Some(report)) => {
+                let found = grids.last().map_or_else(String::new, ToString::to_string);
+                let failure = Failure::Computation(format!("--accuracy is {}; {found}: {failure}", asked.relative()));
+                return Ok(Outcome { report, failure: Some(failure) });
+            }
+            (Err(failure), None) => return Err(failure),
+        };
+        let worst = accuracy::worst(&report.loads, asked);
+        let times = worst.as_ref().map_or(1, |worst| worst.times);
+        grids.push(GridUsed { n: report.head.n, seconds: started.elapsed().as_secs_f64(), worst });
+        report.accuracy = Some(Accurate { asked: asked.relative(), grids: grids.clone() });
+        let has_files = now.out == args.out && now.vtk == args.vtk && now.plots == args.plots;
+        if failure.is_some() || (times == 1 && has_files) {
+            return Ok(Outcome { report, failure });
+        }
+        let source = now.problem.source.finer(times, Interpolation::Waves)?;
+        now = Args { problem: ContactArgs { source, ..now.problem }, ..args.clone() };
+        last = Some(report);
+    }
+}
+
+/// Runs the command on the grid that is given.
+fn on_one_grid(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if session.ranks().is_none() {
         return Loads::new(args, session)?.run(args, session);
     }
@@ -288,8 +329,13 @@ impl Loads {
         };
         let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
         let progress = Progress::new(session.quiet, "loads", drives.len() as f64);
+        let finer = Finer::pose(&args.problem, prepared)?.into_iter().map(|finer| {
+            let conducting = Conducting::new(args, &finer.prepared.body, &finer.prepared.surface)?;
+            Ok((finer, conducting))
+        });
+        let finer = finer.collect::<Result<_, Failure>>()?;
         let mut measuring =
-            Measuring { loads: self, contact, args, session, gathered: Gathered::default(), trace: None };
+            Measuring { loads: self, contact, args, session, finer, gathered: Gathered::default(), trace: None };
         let mut path = Path::new(contact, args.problem.solver.budget(), None).solver(args.problem.solver.solver);
         let mut stop = |_: &gfmd_contact::Progress| {
             if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -306,6 +352,7 @@ impl Loads {
         let Ended { records, failure, not_converged, .. } = ended;
         let mut report = Report {
             head: Head::new(&args.problem.asked()?, prepared, contact.surface()),
+            accuracy: None,
             loads: records,
             history: trace,
             flow_threshold: None,
@@ -384,6 +431,7 @@ struct Measuring<'a> {
     contact: &'a Posed,
     args: &'a Args,
     session: &'a Session,
+    finer: Vec<(Finer, Conducting)>,
     gathered: Gathered,
     trace: Option<Trace>,
 }
@@ -412,10 +460,16 @@ impl Outlet for Measuring<'_> {
             if is_cut { Err(NOT_SOLVED) } else { stiffness(self.contact, state, |text| warn("stiffness", text)) };
         let at = At { stiffness: stiffness.map_err(Into::into), ..at };
         let repulsion = state.repulsion();
-        let findings = Findings::of((self.args, self.loads), [repulsion.view(), state.gap()], &at, warn);
+        let Loads { prepared, conducting, drives, .. } = self.loads;
+        let findings =
+            Findings::of(self.args, (&prepared.surface, conducting), [repulsion.view(), state.gap()], &at, warn);
         let findings = findings.map_err(|failure| failure.at(&format!("load {index}")))?;
         let seconds = started.elapsed().as_secs_f64();
-        let record = Record::of(&At { seconds, measured: findings.borrowed(), ..at });
+        let finer = if is_cut { Vec::new() } else { self.on_finer_grids(drives[index])? };
+        let record = Record::of(&At { seconds, measured: findings.borrowed(), finer, ..at });
+        if let Some(coarse) = accuracy::too_coarse(&record) {
+            self.session.warn("grid", format!("load {index}: {coarse}"));
+        }
         self.gathered.loads.extend(findings.arrays);
         self.gathered.flow = findings.flow.or(self.gathered.flow.take());
         Ok(record)
@@ -432,6 +486,23 @@ impl Outlet for Measuring<'_> {
             self.gathered.loads.push(measured(surface, repulsion.view(), gap)?.0);
         }
         Ok(())
+    }
+}
+
+impl Measuring<'_> {
+    /// The records of a load on the finer grids.
+    fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Record>, Failure> {
+        let (args, session) = (self.args, self.session);
+        let mut stop = |_: &gfmd_contact::Progress| {
+            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let records = self.finer.iter_mut().map(|(finer, conducting)| {
+            let (state, surface, at) = finer.reach(drive, &mut stop)?;
+            let repulsion = state.repulsion();
+            let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
+            Ok(Record::of(&At { measured: findings.borrowed(), ..at }))
+        });
+        records.collect()
     }
 }
 

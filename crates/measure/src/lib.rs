@@ -34,7 +34,7 @@ pub mod theory;
 
 pub use area::{ContactArea, contact_area};
 pub use distribution::{Distribution, density_over_decades};
-pub use grid_error::{GridLimit, GridLimits, NoLimit};
+pub use grid_error::{GridLimit, GridLimits, NoLimit, Refined};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use patches::{Patch, Patches, Surroundings};
 pub use peak::{Peak, top};

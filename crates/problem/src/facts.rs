@@ -2,7 +2,7 @@ use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Height};
 use gfmd_law::Kind;
 
-use crate::Unknown;
+use crate::{GridError, Unknown};
 
 /// The way through the loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -105,6 +105,8 @@ pub struct Facts {
     pub flow: bool,
     /// True if the loads are sought at which the flow stops.
     pub flow_threshold: bool,
+    /// The way in which the error of the grid is found.
+    pub grid_error: GridError,
     /// True if the search is recorded.
     pub history: bool,
     /// True if a run continues an earlier one.
@@ -134,6 +136,7 @@ impl Default for Facts {
             statistics: false,
             flow: false,
             flow_threshold: false,
+            grid_error: GridError::Estimate,
             history: false,
             resume: false,
             processes: 1,

@@ -32,6 +32,7 @@
 
 mod adhesion;
 mod facts;
+mod grid_error;
 mod kinds;
 mod memory;
 pub mod options;
@@ -44,6 +45,7 @@ mod unusable;
 
 pub use adhesion::Adhesion;
 pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task};
+pub use grid_error::GridError;
 pub use memory::Held;
 pub use pose::{Given, pose};
 pub use posed::{Kind, NoStiffness, Posed, Rest, State};

@@ -4,6 +4,7 @@ use gfmd_contact::Boundary;
 use gfmd_green::BaseKind;
 
 use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
+use crate::grid_error::GridError;
 use crate::unknown::Unknown;
 
 /// The flag of a part, its value, and the words for it beside another part.
@@ -92,6 +93,8 @@ parts! {
     Flow: |_| ("--flow", "given", "--flow"), |f| f.flow;
     /// The loads at which the flow stops.
     FlowThreshold: |_| ("--flow-threshold", "given", "--flow-threshold"), |f| f.flow_threshold;
+    /// A second solution on a finer grid.
+    Refine: |_| ("--grid-error", "refine", "--grid-error refine"), |f| f.grid_error == GridError::Refine;
     /// A record of the search.
     History: |_| ("--history", "given", "--history"), |f| f.history;
     /// A run that continues an earlier one.
@@ -169,6 +172,16 @@ pub const RULES: &[Rule] = {
         rule(FlowThreshold, Law, "left out", "it bisects between loads that press"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
+        rule(Refine, Lower, "none or estimate", LATER),
+        rule(Refine, MovedBase, "none or estimate", LATER),
+        rule(Refine, Free, "none or estimate", "the rim of the patch moves with the grid"),
+        rule(Refine, FiniteSlope, "none or estimate", LATER),
+        rule(Refine, Line, "none or estimate", LATER),
+        rule(Refine, Approach, "none or estimate", "the limits are those under the same load"),
+        rule(Refine, FlowThreshold, "none or estimate", LATER),
+        rule(Refine, History, "none or estimate", "it is the record of one search"),
+        rule(Refine, Resume, "none or estimate", "the states of the finer grid are not kept"),
+        rule(Refine, Several, "none or estimate", ALONE),
         rule(History, Resume, "left out", "it records a search from its beginning"),
         rule(Law, Several, "hard-wall", ALONE),
         rule(Free, Several, "periodic", ALONE),
@@ -188,6 +201,7 @@ pub const RULES: &[Rule] = {
         rule(Statistics, Path, "left out", LATER),
         rule(Flow, Path, "left out", LATER),
         rule(FlowThreshold, Path, "left out", LATER),
+        rule(Refine, Path, "none or estimate", LATER),
         rule(History, Path, "left out", LATER),
         rule(Several, Path, "left out", LATER),
     ]

@@ -1,6 +1,7 @@
 //! Contacts under a load.
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use gfmd_cli::contact::stiffness;
@@ -12,9 +13,10 @@ use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::{keys, of_keys};
 use gfmd_problem::{Facts, Posed, Rest};
 use gfmd_record::{At, NOT_SOLVED, Record};
+use gfmd_run::accuracy::{self, Accuracy};
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
-use gfmd_run::series::{ContactArgs, Field, Prepared, Slopes, check_drive, fields};
+use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, check_drive, fields};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use ndarray::{Array2, ArrayView2};
@@ -102,6 +104,7 @@ pub(crate) struct Problem {
     args: ContactArgs,
     prepared: Prepared,
     contact: Posed,
+    finer: Mutex<Vec<Finer>>,
 }
 
 /// A load at rest, to start the next one from.
@@ -111,6 +114,8 @@ pub(crate) struct State {
     facts: Facts,
     /// The lift of a base that moves.
     lift: Option<Array2<f64>>,
+    /// The numbers of a state that was solved.
+    record: Option<Record>,
 }
 
 /// State, scalars as JSON; the kind and the text of a failure; an exception of a signal's handler.
@@ -121,11 +126,15 @@ impl Problem {
     #[new]
     fn new(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>, threads: usize) -> PyResult<Self> {
         let args = described(py, problem, arrays)?;
-        let (made, raised) = run(py, threads, None, |_| args.pose(&Session::guest()))?;
+        let (made, raised) = run(py, threads, None, |_| {
+            let (prepared, contact) = args.pose(&Session::guest())?;
+            let finer = Finer::pose(&args, &prepared)?;
+            Ok::<_, Failure>((prepared, contact, Mutex::new(finer)))
+        })?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet: every refusal is one of the input.
-        let (prepared, contact) = made.map_err(|failure| refused(py, &failure))?;
-        Ok(Self { args, prepared, contact })
+        let (prepared, contact, finer) = made.map_err(|failure| refused(py, &failure))?;
+        Ok(Self { args, prepared, contact, finer })
     }
 
     /// Brings the contact to rest under one load, which has the key `control`, from a state, or as the options ask.
@@ -138,7 +147,7 @@ impl Problem {
         threads: usize,
         tick: Option<Py<PyAny>>,
     ) -> PyResult<Solved> {
-        let Self { args, prepared, contact } = self;
+        let Self { args, prepared, contact, finer } = self;
         let drive: Drive = match control {
             "pressure" => Load::MeanPressure(value),
             "p_star" => Load::MeanPressure(value * prepared.unit_pressure()),
@@ -149,6 +158,14 @@ impl Problem {
             let mut watch = |now: &Progress| shared.see(now.iteration, now.residual);
             let tolerance = args.solver.tol;
             check_drive(contact, drive, &format!("--{}", control.replace('_', "-")), tolerance)?;
+            let mut finer = finer.lock().unwrap_or_else(PoisonError::into_inner);
+            if !finer.is_empty() {
+                Facts { approach: matches!(drive.load, Load::Approach(_)), ..prepared.facts }.check()?;
+                if start.is_some() && prepared.facts.has_law() && finer.iter().any(|finer| !finer.has_started()) {
+                    let found = "refine, with start and a law, whose state on the finer grid is not known";
+                    return Err(Failure::value("--grid-error", found, "none or estimate"));
+                }
+            }
             let first = match start {
                 Some(_) => None,
                 None => args.after_longer_ranges(prepared, drive, &mut watch)?,
@@ -160,9 +177,14 @@ impl Problem {
                 Some(_) => Err(NOT_SOLVED),
                 None => stiffness(contact, &state, |text| tracing::warn!("{text}")),
             };
+            let finer = finer.iter_mut().filter(|_| failure.is_none()).map(|finer| {
+                let (.., at) = finer.reach(drive, &mut watch)?;
+                Ok(Record::of(&at))
+            });
+            let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
-            let record = Record::of(&At { stiffness, seconds, ..at });
+            let record = Record::of(&At { stiffness, seconds, finer, ..at });
             Ok::<_, Failure>((state, record, failure))
         })?;
         let ((rest, record, failure), raised) = match (solved, raised) {
@@ -171,9 +193,9 @@ impl Problem {
             // Without a state, the load was refused, or one of a longer range was not reached.
             (Err(failure), _) => return Err(unreached(py, &failure)),
         };
-        let record = json::to_string(&record).map_err(|error| refused(py, &error))?;
+        let text = json::to_string(&record).map_err(|error| refused(py, &error))?;
         let raised = raised.map(|error| error.into_value(py).into_any());
-        Ok((self.state(rest), record, failure.map(told), raised))
+        Ok((self.state(rest, Some(record)), text, failure.map(told), raised))
     }
 
     /// The options with their defaults, as JSON, but those of the surface beside its size.
@@ -183,6 +205,13 @@ impl Problem {
         let mut table = Table::try_from(&self.args).map_err(|error| refused(py, &error))?;
         table.retain(|key, _| key == "length" || !of_surface.iter().any(|of| of == key));
         json::to_string(&table).map_err(|error| refused(py, &error))
+    }
+
+    /// Checks that a finer grid makes the numbers more exact, and that this is known.
+    fn check_accuracy(&self, py: Python<'_>, accuracy: &str, control: &str) -> PyResult<()> {
+        let asked = accuracy.parse::<Accuracy>();
+        let asked = asked.map_err(|error| refused(py, &format!("accuracy is {accuracy}; {error}")))?;
+        accuracy::check(asked, &self.prepared, control == "displacement").map_err(|failure| refused(py, &failure))
     }
 
     /// The warning of slopes that are not small, with the largest pressure of the loads; `None` if they are.
@@ -211,7 +240,7 @@ impl Problem {
             let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
             self.contact.recall(kept, lower.as_deref()).map_err(|error: Refusal| Failure::input("start", error))
         })?;
-        made.map(|rest| self.state(rest)).map_err(|failure| failed(py, &failure))
+        made.map(|rest| self.state(rest, None)).map_err(|failure| failed(py, &failure))
     }
 
     fn __repr__(&self) -> String {
@@ -221,17 +250,24 @@ impl Problem {
 }
 
 impl Problem {
-    fn state(&self, rest: Rest) -> State {
-        State { rest, facts: self.prepared.facts, lift: self.prepared.lift().cloned() }
+    fn state(&self, rest: Rest, record: Option<Record>) -> State {
+        State { rest, record, facts: self.prepared.facts, lift: self.prepared.lift().cloned() }
     }
 }
 
 #[pymethods]
 impl State {
+    /// The points along each side over those of the state that its numbers need for an accuracy; 1 if they are that exact.
+    fn times(&self, py: Python<'_>, accuracy: &str) -> PyResult<u64> {
+        let asked: Accuracy = accuracy.parse().map_err(|error| refused(py, &error))?;
+        let worst = self.record.as_ref().and_then(|record| accuracy::worst(std::slice::from_ref(record), asked));
+        Ok(worst.map_or(1, |worst| worst.times))
+    }
+
     /// The fields with their names, in the order of a file. Those that the state has are without a copy: the arrays keep it alive.
     #[getter]
     fn fields(this: Bound<'_, Self>) -> Vec<(&'static str, Array<'_>)> {
-        let Self { rest, facts, lift } = this.get();
+        let Self { rest, facts, lift, .. } = this.get();
         let array = |Field { name, values, .. }: Field<'_>| {
             let array = if values.is_view() {
                 lent(&this, &values.view())

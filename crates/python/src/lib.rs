@@ -20,7 +20,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]
-    use crate::surface::{composite, detrend, fill, periodise, read, self_affine, statistics};
+    use crate::surface::{composite, detrend, fill, finer, periodise, read, self_affine, statistics};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

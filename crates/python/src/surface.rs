@@ -5,9 +5,11 @@ use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::Topography;
 use gfmd_problem::options::{GeneratorArgs, Method};
+use gfmd_run::failure::Failure;
 use gfmd_run::json;
+use gfmd_run::memory;
 use gfmd_run::source::composed;
-use gfmd_surface::{Fill, PowerSpectrum, Statistics};
+use gfmd_surface::{Fill, Interpolation, PowerSpectrum, Statistics, finer as finer_heights};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -158,6 +160,25 @@ pub(crate) fn composite<'py>(
     let made = quick(py, || composed(&first, &second, &grid, (shift, boundary)))?;
     let (heights, grid) = made.map_err(|error| refused(py, &format!("shift: {error}")))?;
     Ok((heights.into_pyarray(py), grid.lengths()))
+}
+
+/// The heights of a periodic surface on so many times as many points along each side.
+#[pyfunction]
+pub(crate) fn finer<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    times: usize,
+) -> PyResult<Array<'py>> {
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let made = quick(py, || {
+        let [nx, ny] = grid.points().map(|points| points.saturating_mul(times));
+        memory::fits(memory::SURFACE, "times", [nx, if grid.is_line() { 1 } else { ny }])?;
+        finer_heights(&heights, &grid, times, Interpolation::Waves).map_err(|error| Failure::input("times", error))
+    })?;
+    let (heights, _) = made.map_err(|failure| refused(py, &failure))?;
+    Ok(heights.into_pyarray(py))
 }
 
 /// The numbers of the heights as JSON, as `gfmd surface` prints them.

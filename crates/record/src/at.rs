@@ -8,6 +8,8 @@ use gfmd_interface::{Quasistatic as _, Reading, Step};
 use gfmd_measure::{Patches, Peak, Scales, Summary};
 use gfmd_problem::{Facts, Posed, Rest};
 
+use crate::Record;
+
 /// The reason why a load without a state at rest has no stiffness.
 pub const NOT_SOLVED: &str = "the load is not solved";
 
@@ -26,8 +28,13 @@ pub struct At<'a> {
     pub points: usize,
     /// The share of the mean square gradient of the surface in waves shorter than four points; NaN if it is not known.
     pub short_waves: f64,
+    /// The number of waves that share the mean square gradient of the surface; NaN if it is not known.
+    pub waves: f64,
     /// Height of the surface's top above the highest point of the grid, length; `None` if it is not known.
     pub rise: Option<f64>,
+    /// The records of the same load on a grid of twice as many points along each side: one, or one for each of two ways to place
+    /// heights between those that are known.
+    pub finer: Vec<Record>,
     /// The peak of the pressure, found when it is first asked for.
     pub peak: OnceCell<Option<Peak>>,
     /// The scales of reduced quantities.
@@ -98,7 +105,9 @@ impl<'a> At<'a> {
             spacing: [f64::NAN; 2],
             points: 0,
             short_waves: f64::NAN,
+            waves: f64::NAN,
             rise: None,
+            finer: Vec::new(),
             peak: OnceCell::new(),
             scales: Scales { contact_modulus: f64::NAN, rms_gradient: f64::NAN },
             summary,
@@ -138,7 +147,9 @@ impl<'a> At<'a> {
         self.residuals.iter().find(|(other, _)| *other == name).map_or(f64::NAN, |(_, residual)| *residual)
     }
 
-    fn stiff(self, problem: &Posed) -> Self {
+    /// The same with its stiffness, that of the problem of the state.
+    #[must_use]
+    pub fn stiff(self, problem: &Posed) -> Self {
         use gfmd_problem::NoStiffness::{Inexact, Undefined};
         let stiffness = match self.rest.map(|rest| problem.stiffness(rest)) {
             Some(Ok(stiffness) | Err(Inexact(stiffness, _))) => Ok(stiffness),

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use gfmd_contact::{Boundary, Fields as _};
 use gfmd_interface::Loss;
-use gfmd_measure::{GridLimit, GridLimits, NoLimit};
-use gfmd_problem::{Facts, Support, Task, Unknown};
+use gfmd_measure::{GridLimit, GridLimits, NoLimit, Refined};
+use gfmd_problem::{Facts, GridError, Support, Task, Unknown};
 
-use crate::column::{Column, Form, Origin, Table};
+use crate::column::{Column, Form, LIMIT, Origin, Table};
 use crate::{At, Cell};
 
 fn any(_: &Facts) -> bool {
@@ -81,6 +81,14 @@ fn ratio(at: &At, value: f64) -> Cell {
     if value.is_nan() && law(at.facts) {
         return Cell::undefined("attraction carries the load, to which the area has no ratio");
     }
+    reduced(at, value)
+}
+
+/// A number in the unit of reduced pressures, or the reason why there is none.
+fn reduced(at: &At, value: f64) -> Cell {
+    if at.scales.rms_gradient == 0.0 {
+        return Cell::undefined("the surface is flat: its rms gradient, by which a load is reduced, is zero");
+    }
     value.into()
 }
 
@@ -116,39 +124,65 @@ fn conductivity(at: &At, [row, column]: [usize; 2]) -> Cell {
     }
 }
 
-/// The reason why the error of the grid is not known in a problem.
-fn not_measured(facts: &Facts) -> Option<&'static str> {
+/// The reason why the error of the grid is not known from one solution of a problem; `None` if it is.
+pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
     macro_rules! with {
         ($what:literal) => {
-            concat!("the error of the grid was measured for a hard wall on half-spaces, not with ", $what)
+            concat!(
+                "the error of the grid is known from one solution for a hard wall on half-spaces, not with ",
+                $what,
+                " (--grid-error refine)"
+            )
         };
     }
     let reasons = [
         (law(facts), with!("a law")),
         (hardness(facts), with!("a hardness")),
-        (facts.boundary == Boundary::Free, with!("free boundaries")),
+        (facts.boundary == Boundary::Free, "the error of the grid was not measured with free boundaries"),
         (facts.unknown != Unknown::Normal, with!("further unknown components")),
-        (steep(facts), with!("finite slopes")),
+        (steep(facts), "the error of the grid was not measured with finite slopes"),
+        (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
+        (facts.moved_base.is_some(), "the error of the grid was not measured with a base that moves"),
+        (facts.line, "the error of the grid was not measured of a profile"),
         (facts.support != Support::HalfSpace || facts.second.is_some(), with!("a body that is no half-space")),
-        (facts.line, with!("a profile")),
     ];
     reasons.into_iter().find(|(is_so, _)| *is_so).map(|(_, reason)| reason)
 }
 
+/// The reason why the error of the grid is not known in a problem.
+fn not_measured(facts: &Facts) -> Option<&'static str> {
+    if facts.grid_error == GridError::Refine { None } else { not_calibrated(facts) }
+}
+
 /// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
-const UNRESOLVED: f64 = 0.01;
+pub const UNRESOLVED: f64 = 0.01;
+
+/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of textures, edges of
+/// contacts lie alike, and their errors add up.
+pub const FEWEST_WAVES: f64 = 8.0;
+
+/// The numbers that hardly depend on waves shorter than four points.
+const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductance"];
 
 /// The largest ratio of the distances between points along x and y.
 const LONGEST_CELL: f64 = 1.1;
 
-/// The contact on its grid, from which the limits of its numbers are estimated, or the reason why they are not known.
-fn grid_limits<'a>(at: &'a At) -> Result<GridLimits<'a>, Cow<'static, str>> {
+/// The contact on its grid, from which the limit of this number is estimated, or the reason why it is not known.
+fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static, str>> {
     let [dx, dy] = at.spacing;
-    let known = at.short_waves <= UNRESOLVED;
+    let known = at.short_waves <= UNRESOLVED || ROBUST.contains(&name);
     if !known {
         return Err(format!(
             "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points decides",
             100.0 * at.short_waves
+        )
+        .into());
+    }
+    if at.waves.is_nan() || at.waves < FEWEST_WAVES {
+        return Err(format!(
+            "the surface has {:.1} waves; the error of the grid is known of random ones, whose edges lie anywhere on the grid, with at \
+             least {FEWEST_WAVES}",
+            at.waves
         )
         .into());
     }
@@ -170,9 +204,44 @@ fn limit(
     if value.is_nan() {
         return Cell::undefined("the number itself has no value");
     }
-    let found =
-        grid_limits(at).and_then(|limits| found(&limits, at, value).map_err(|reason| reason.to_string().into()));
+    let own =
+        grid_limits(at, name).and_then(|limits| found(&limits, at, value).map_err(|reason| reason.to_string().into()));
+    let found = if at.finer.is_empty() { own } else { refined(at, name, value, own) };
     found.map(|found| of(&found, value)).into()
+}
+
+/// The limit of a number from its record on a finer grid, too, or from two such records.
+fn refined(
+    at: &At,
+    name: &str,
+    value: f64,
+    own: Result<GridLimit, Cow<'static, str>>,
+) -> Result<GridLimit, Cow<'static, str>> {
+    // Boundary links are counted in steps of their grid.
+    let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
+    let limits = at.finer.iter().map(|finer| {
+        let number = |end: &str| match finer.get(&format!("{name}{end}")) {
+            Some(Cell::Undefined(reason)) => Err(reason.clone()),
+            cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),
+        };
+        let fine = number("")?;
+        let apart = (fine - value).abs();
+        if law(at.facts) {
+            return Ok(GridLimit { limit: fine, half_width: apart });
+        }
+        if name == "max_pressure" && hardness(at.facts) && apart <= 1e-6 * value {
+            return Ok(GridLimit { limit: value, half_width: 0.0 });
+        }
+        let (limit, half_width) = (number(LIMIT)?, number("_limit_error")?);
+        let refined = Refined { value, own: own.as_ref().ok().copied(), fine, limit: GridLimit { limit, half_width } };
+        Ok(match () {
+            () if name.starts_with("flow_") => refined.flow(),
+            () if not_calibrated(at.facts).is_none() => refined.calibrated(),
+            () => refined.by_difference(),
+        })
+    });
+    let limits: Vec<GridLimit> = limits.collect::<Result<_, Cow<'static, str>>>()?;
+    Ok(GridLimit::between(&limits))
 }
 
 fn limit_value(found: &GridLimit, _: f64) -> f64 {
@@ -202,7 +271,7 @@ macro_rules! limits {
                 |at| limit(at, $name, $limit, limit_value),
             )
             .at(concat!($json, "_limit", $place))
-            .with($present),
+            .with(|facts| $present(facts) && facts.grid_error != GridError::None),
             Column::new(
                 concat!($name, "_limit_error"),
                 $unit,
@@ -210,7 +279,7 @@ macro_rules! limits {
                 |at| limit(at, $name, $limit, limit_error),
             )
             .at(concat!($json, "_limit_error", $place))
-            .with($present),
+            .with(|facts| $present(facts) && facts.grid_error != GridError::None),
             Column::new(
                 concat!($name, "_grid_error"),
                 $unit,
@@ -218,7 +287,7 @@ macro_rules! limits {
                 |at| limit(at, $name, $limit, grid_error),
             )
             .at(concat!($json, "_grid_error", $place))
-            .with($present),
+            .with(|facts| $present(facts) && facts.grid_error != GridError::None),
         ]
     };
 }
@@ -366,7 +435,7 @@ const MEASURED: &[Column] = &[
         |at| at.summary.mean_pressure.into(),
     )
     .head("pressure", Form::Size),
-    Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| at.summary.p_star.into())
+    Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| reduced(at, at.summary.p_star))
     .head("p*", Form::Size),
     Column::new(
         "displacement",

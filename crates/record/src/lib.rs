@@ -43,7 +43,7 @@ pub use arrays::{ARRAYS, Array, arrays, repulsion};
 pub use at::{At, Measured, NOT_SOLVED};
 pub use cell::Cell;
 pub use column::{Column, Form, Head, Meaning, Number, Origin, Table};
-pub use columns::{COLUMNS, columns, page};
+pub use columns::{COLUMNS, FEWEST_WAVES, UNRESOLVED, columns, not_calibrated, page};
 pub use digits::with_limit;
 pub use json::RecordError;
 pub use record::{Record, lines, reason_of, reasons};

@@ -6,6 +6,7 @@ use maud::html;
 
 use crate::figures::{area_chart, theories};
 use crate::page::{Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, text, whole};
+use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
 
@@ -28,7 +29,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let mut page = Page { title: "Contact of a rough surface".into(), cited: CITED.to_vec(), ..Page::default() };
     let column = |name: &str| loads.column(name);
     let [p_star, area, corrected, kappa] = ["p_star", "area_fraction", "area_fraction_corrected", "kappa"].map(column);
-    let [mean, approach, gap, peak] = ["mean_pressure", "displacement", "mean_gap", "max_pressure"].map(column);
+    let mean = column("mean_pressure");
     // A load that did not converge is no result. A file of another program may not say so; its residuals do.
     let converged = column("converged");
     let solved = (0..loads.len()).filter(|&load| mean[load].is_finite() && converged[load] != 0.0);
@@ -37,18 +38,33 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let is_line = surface.as_ref().is_ok_and(|surface| surface.grid.is_line());
 
     if let Some(&last) = solved.last() {
+        // A number as it is on an infinitely fine grid, if the file tells that.
+        let shown = |name: &str, unit: f64| {
+            let [value, limit, error] =
+                ["", "_limit", "_limit_error"].map(|end| unit * column(&format!("{name}{end}"))[last]);
+            if limit.is_nan() {
+                number(value)
+            } else {
+                html! { (with_limit(value, limit, error)) }
+            }
+        };
+        let error = column("area_fraction_grid_error")[last];
         page.answer.push(html! {
             p.headline {
-                (number(100.0 * area[last])) " % of the surface is in contact "
+                (shown("area_fraction", 100.0)) " % of the surface is in contact "
                 span { "at " i { "p" } "* = " (given(p_star[last])) }
             }
         });
         page.answer.push(html! {
             p {
-                "Mean pressure " (number(mean[last])) ", approach " (number(approach[last])) ", mean gap "
-                (number(gap[last])) ", largest pressure " (number(peak[last])) ". "
-                @if kappa[last].is_finite() { "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (number(kappa[last])) ". " }
-                @if !is_line {
+                "Mean pressure " (number(mean[last])) ", approach " (shown("displacement", 1.0)) ", mean gap "
+                (shown("mean_gap", 1.0)) ", largest pressure " (shown("max_pressure", 1.0)) ". "
+                @if kappa[last].is_finite() { "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". " }
+                @if error.is_finite() {
+                    "Numbers with brackets are those of an infinitely fine grid; the brackets have the error of their last digits (95 %). "
+                    "On this grid " (number(100.0 * area[last])) " % of the points are in contact, with an error of at most "
+                    (format!("{:.1}", 100.0 * error)) " % of the surface. "
+                } @else if !is_line {
                     "These are counted points; corrected for the pixels along the perimeter the area is "
                     (number(100.0 * corrected[last])) " %, and the distance of the two is a measure of the error of this grid. "
                 }
@@ -83,7 +99,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let tolerance = of(&table, "tol");
     page.asked.push(Fact(html! { "solver" }, html! { (text(&word("solver"))) ", tolerance " (given(tolerance)) }));
 
-    let points: Vec<[f64; 3]> = solved.iter().map(|&load| [p_star[load], area[load], corrected[load]]).collect();
+    let drawn = AREAS.map(column);
+    let points: Vec<[f64; 5]> = solved.iter().map(|&load| drawn.each_ref().map(|column| column[load])).collect();
     if points.len() > 1 && word("law") == "hard-wall" {
         let caption = html! { "Contact area against the reduced pressure " i { "p" } "* = " i { "p" } "/(" i { "E" } "* " i { "g" } ")." };
         page.chart(&areas(&points, is_line), "contact area against pressure", &caption);
@@ -127,16 +144,31 @@ fn controlled(table: &toml::Table) -> &'static str {
     }
 }
 
-/// The contact area, counted and corrected, against the reduced pressure of loads, which are given in this order: reduced
-/// pressure, area, corrected area. Whatever the order of the loads, the line goes from the lowest to the highest.
-pub fn areas(loads: &[[f64; 3]], is_line: bool) -> Chart {
+/// The numbers of a load that [`areas`] draws.
+pub const AREAS: [&str; 5] =
+    ["p_star", "area_fraction", "area_fraction_corrected", "area_fraction_limit", "area_fraction_limit_error"];
+
+/// The contact area against the reduced pressure of loads, which are given by the numbers [`AREAS`]: that of an infinitely fine
+/// grid with its error, where it is known, else counted and corrected. Whatever the order of the loads, the line goes from the
+/// lowest to the highest.
+pub fn areas(loads: &[[f64; 5]], is_line: bool) -> Chart {
     let mut loads = loads.to_vec();
     loads.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let column = |k: usize| loads.iter().map(|load| Point::new(load[0], load[k])).collect();
-    let mut series = vec![Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, column(1)) }];
-    if !is_line {
+    let told = loads.iter().filter(|load| load[3].is_finite() && load[4].is_finite());
+    let limits: Vec<Point> = told.map(|load| Point::with_error(load[0], load[3], load[4])).collect();
+    let counted = Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, column(1)) };
+    let mut series = if limits.is_empty() {
         let label = "perimeter corrected".into();
-        series.push(Series { label, hue: 1, mark: Mark::HollowPoints, points: column(2) });
+        let corrected = Series { label, hue: 1, mark: Mark::HollowPoints, points: column(2) };
+        [counted].into_iter().chain((!is_line).then_some(corrected)).collect()
+    } else {
+        vec![
+            Series { mark: Mark::JoinedPoints, ..Series::points("infinitely fine grid, 95 %", 0, limits) },
+            Series { hue: 1, mark: Mark::HollowPoints, ..counted },
+        ]
+    };
+    if !is_line {
         let p_star = || loads.iter().map(|load| load[0]);
         series.extend(theories(p_star().fold(f64::INFINITY, f64::min), p_star().fold(0.0, f64::max)));
     }

@@ -7,6 +7,7 @@
 //! the process.
 #![warn(missing_docs)]
 
+pub mod accuracy;
 pub mod array;
 pub mod base;
 pub mod columns;

@@ -2,6 +2,7 @@
 
 mod check;
 mod file;
+mod finer;
 mod head;
 mod parts;
 mod prepared;
@@ -30,6 +31,7 @@ use crate::trace::Tracer;
 pub use check::Stored;
 pub use file::{Chosen, StateFile};
 pub use file::{Field, fields};
+pub use finer::Finer;
 pub use head::is_normal;
 pub use head::{Head, Lower};
 pub use parts::Parts;

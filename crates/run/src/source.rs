@@ -6,9 +6,9 @@ use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
-use gfmd_surface::{Fill, Periodisation, Statistics, SurfaceError, composite, composite_inside};
+use gfmd_surface::{Fill, Interpolation, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer};
 use ndarray::Array2;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::failure::Failure;
 use crate::memory::{self, Processes};
@@ -18,7 +18,7 @@ use gfmd_problem::options::GeneratorArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::Given;
 use gfmd_problem::options::sides;
-use gfmd_problem::options::values::up_to;
+use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{named, named_if, parse_choice};
 use gfmd_problem::{SIZES, check_size};
 
@@ -45,6 +45,15 @@ pub struct SourceArgs {
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub length: Vec<f64>,
+    /// Points along each side over those of the file: heights between them follow from the waves of the periodic surface. Of a
+    /// generated surface --n gives the points
+    #[arg(long, value_name = "TIMES", requires = "surface", value_parser = clap::value_parser!(u64).range(1..=LARGEST_REFINE))]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "times")]
+    pub refine: Option<u64>,
+    /// The way to the heights between those of the file.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub interpolation: Interpolation,
     /// Trend to subtract from the heights of a file
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
@@ -69,6 +78,13 @@ pub struct SourceArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub generator: GeneratorArgs,
+}
+
+/// The largest number of points along a side over that of a file.
+const LARGEST_REFINE: u64 = 64;
+
+fn times<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
+    within::<1, LARGEST_REFINE, _, _>(deserializer).map(Some)
 }
 
 /// The grid of a generated surface, if it fits into the memory of this machine.
@@ -140,6 +156,11 @@ pub struct Second {
 }
 
 impl Surface {
+    /// True if its heights, or a part of them, were read at points, and not made of waves.
+    pub fn is_read(&self) -> bool {
+        self.scan.is_some() || self.second.is_some()
+    }
+
     /// The rms gradient: the spectral one, or that of the differences inside if the surface does not repeat.
     pub fn rms_gradient(&self) -> f64 {
         match self.boundary {
@@ -304,6 +325,22 @@ impl SourceArgs {
     /// # Errors
     /// As `surface`; and a mirrored surface that does not repeat.
     pub fn bounded(&self, boundary: Boundary, session: &Session) -> Result<Surface, Failure> {
+        // The parser lets these pass beside a flag of the generator.
+        let of_files = [
+            ("--channel", self.channel.is_some()),
+            ("--fill", self.fill.is_some()),
+            ("--refine", self.refine.is_some() && self.second_surface.is_none()),
+        ];
+        if let (None, Some((flag, _))) = (&self.surface, of_files.into_iter().find(|(_, given)| *given)) {
+            return Err(Failure::value(flag, "given", "left out without --surface"));
+        }
+        if boundary == Boundary::Free && self.refine.is_some_and(|times| times > 1) {
+            return Err(Failure::value(
+                "--refine",
+                self.refine.unwrap_or(1),
+                "1 with --boundary free, which has no waves",
+            ));
+        }
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
             return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
         }
@@ -384,7 +421,33 @@ impl SourceArgs {
             }
             None => None,
         };
+        if let Some(times) = self.refine.filter(|times| *times > 1) {
+            let [nx, ny] = grid.points().map(|points| points.saturating_mul(times as usize));
+            memory::fits(memory::SURFACE, "--refine", [nx, if grid.is_line() { 1 } else { ny }])?;
+            let found = finer(&heights, &grid, times as usize, self.interpolation);
+            (heights, grid) = found.map_err(|error| Failure::input("--refine", error))?;
+            description += &format!("; {times} times as many points along each side");
+        }
         Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
+    }
+
+    /// This source with so many times as many points along each side, by this way between those of a file; of a generated surface the
+    /// same one on a finer grid.
+    ///
+    /// # Errors
+    /// A surface of which nothing is known between its points.
+    pub fn finer(&self, times: u64, how: Interpolation) -> Result<Self, Failure> {
+        let mut finer = self.resolved()?;
+        if self.surface.is_some() || self.second_surface.is_some() {
+            finer.refine = Some(times.saturating_mul(self.refine.unwrap_or(1)));
+            finer.interpolation = how;
+        } else if self.generator.is_shared() {
+            finer.generator.n.iter_mut().for_each(|n| *n = n.saturating_mul(times as usize));
+        } else {
+            let method = format!("{:?}", self.generator.method).to_lowercase();
+            return Err(Failure::value("--method", method, "psd for a finer grid of the same surface"));
+        }
+        Ok(finer)
     }
 
     /// Reads the second surface, which has the cell and the points of the first.

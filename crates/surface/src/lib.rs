@@ -42,6 +42,7 @@ mod synthesis;
 mod real_space;
 
 mod fill;
+mod finer;
 mod missing;
 mod moments;
 mod pair;
@@ -56,6 +57,7 @@ mod random;
 pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use fill::{Fill, fill};
+pub use finer::{Interpolation, finer};
 pub use moments::{Dimension, Moments};
 pub use pair::{composite, composite_inside};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};

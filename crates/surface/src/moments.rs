@@ -33,6 +33,9 @@ pub struct Moments {
     pub mean_square_laplacian: f64,
     /// The part of the mean square gradient in waves shorter than four points.
     pub mean_square_gradient_of_short_waves: f64,
+    /// The number of waves that share the mean square gradient, (Σ g)²/Σ g² with the part g of each: 1 for one wave, hundreds for a
+    /// rough surface. NaN for a flat one.
+    pub waves: f64,
 }
 
 impl Moments {
@@ -99,9 +102,9 @@ pub(crate) fn own_modes(grid: &Grid, lanes: Range<usize>) -> Range<usize> {
     lanes.start * positions..lanes.end * positions
 }
 
-/// Running sums of the four moments. Each task has its own sums, which are added in the order of the tasks.
+/// Running sums of the four moments, and of the squares of the parts of the mean square gradient. Each task has its own sums, which are added in the order of the tasks.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sums([f64; 4]);
+pub(crate) struct Sums([f64; 5]);
 
 /// The square of the largest wavenumber of waves of four points and more, along the axis whose points are farther apart.
 pub(crate) fn resolved(grid: &Grid) -> f64 {
@@ -116,8 +119,11 @@ impl Sums {
         let [x, y] = mode.wavevector;
         let q2 = x * x + y * y;
         let weighed = mode.weight * square;
-        let short = if q2 > resolved { weighed * q2 } else { 0.0 };
-        for (sum, term) in self.0.iter_mut().zip([weighed, weighed * q2, weighed * q2 * q2, short]) {
+        let part = weighed * q2;
+        let short = if q2 > resolved { part } else { 0.0 };
+        // A wave whose two modes are both in the half spectrum has half of its part in each.
+        let of_wave = part * part * (2.0 / mode.weight);
+        for (sum, term) in self.0.iter_mut().zip([weighed, part, weighed * q2 * q2, short, of_wave]) {
             *sum += term;
         }
     }
@@ -150,19 +156,21 @@ impl Sums {
         if share.is_whole() {
             return own;
         }
-        let words: Vec<[f64; 4]> = own.iter().map(|sums| sums.0).collect();
+        let words: Vec<[f64; 5]> = own.iter().map(|sums| sums.0).collect();
         share.collect(&words, &share.each(words.len())).into_iter().map(Self).collect()
     }
 
     /// The moments from the sums of all tasks, multiplied by `factor`.
     pub(crate) fn moments(parts: &[Self], grid: &Grid, factor: f64) -> Moments {
-        let total = |k: usize| factor * parts.iter().map(|part| part.0[k]).sum::<f64>();
+        let sum = |k: usize| parts.iter().map(|part| part.0[k]).sum::<f64>();
+        let total = |k: usize| factor * sum(k);
         Moments {
             dimension: Dimension::of(grid),
             mean_square_height: total(0),
             mean_square_gradient: total(1),
             mean_square_laplacian: total(2),
             mean_square_gradient_of_short_waves: total(3),
+            waves: sum(1).powi(2) / sum(4),
         }
     }
 }

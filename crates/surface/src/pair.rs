@@ -84,7 +84,7 @@ fn steps(grid: &Grid, shift: [f64; 2]) -> Result<[f64; 2], SurfaceError> {
 }
 
 /// The periodic heights moved by a number of steps that is not whole.
-fn interpolated(heights: &Array2<f64>, grid: &Grid, steps: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
+pub(crate) fn interpolated(heights: &Array2<f64>, grid: &Grid, steps: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
     let transform = Transform::new(*grid);
     let mut workspace = transform.workspace();
     let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];

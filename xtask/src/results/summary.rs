@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use gfmd_run::failure::Failure;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::accuracy::Report;
 
 /// The folder of the summaries.
 pub(super) struct Summaries {
@@ -93,8 +96,17 @@ impl Summaries {
         Self { folder: folder.into() }
     }
 
-    /// The summary `NAME.json`.
+    /// The summary `NAME.json` of a sweep.
     pub(super) fn read(&self, name: &str) -> Result<Summary, Failure> {
+        self.parsed(name)
+    }
+
+    /// The summary of `accuracy`.
+    pub(super) fn accuracy(&self) -> Result<Report, Failure> {
+        self.parsed("accuracy")
+    }
+
+    fn parsed<T: DeserializeOwned>(&self, name: &str) -> Result<T, Failure> {
         let path = self.folder.join(format!("{name}.json"));
         let refuse = |error: &dyn std::fmt::Display| Failure::input(&path.display().to_string(), error);
         let text = std::fs::read_to_string(&path).map_err(|error| refuse(&error))?;

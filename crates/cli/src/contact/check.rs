@@ -92,7 +92,13 @@ fn compare(
         };
         let repulsion = field(repulsion(facts), state.repulsion().view())?.mapv(|p| p.max(0.0));
         let gap = field("gap", state.gap())?;
-        let findings = Findings::of((args, loads), [repulsion.view(), gap.view()], &at, |_, _| {})?;
+        let findings = Findings::of(
+            args,
+            (&loads.prepared.surface, &loads.conducting),
+            [repulsion.view(), gap.view()],
+            &at,
+            |_, _| {},
+        )?;
         let record = Record::of(&At { measured: findings.borrowed(), ..at });
         measured.extend(findings.arrays);
         stored.compare_record(index, (&record, &state), comparison);

@@ -10,7 +10,7 @@ use ndarray::ArrayView2;
 use super::Report;
 use super::statistics::Gathered;
 use gfmd_record::patches;
-use gfmd_report::contact::areas;
+use gfmd_report::contact::{AREAS, areas};
 use gfmd_report::figures::{Drawn, Scene, field, named, short};
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness::GivenHardness;
@@ -24,10 +24,7 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
         files.extend(scene.draw(prefix)?);
     }
     if report.loads.len() > 1 && report.loads.iter().all(|load| !load.has("interface_energy")) {
-        let loads = report
-            .loads
-            .iter()
-            .map(|load| ["p_star", "area_fraction", "area_fraction_corrected"].map(|name| load.number(name)));
+        let loads = report.loads.iter().map(|load| AREAS.map(|name| load.number(name)));
         let mut chart = areas(&loads.collect::<Vec<_>>(), report.head.n[1] == 1);
         if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.head.hardness)
         {

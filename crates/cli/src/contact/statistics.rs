@@ -6,7 +6,7 @@ use gfmd_measure::Patches;
 use gfmd_record::{At, Statistics};
 use ndarray::{Array2, ArrayView2, Zip};
 
-use super::{Args, Loads};
+use super::{Args, Conducting};
 use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
 
@@ -68,12 +68,12 @@ impl Findings {
     /// # Errors
     /// Fields that do not fit the grid, a flow or a conductance that cannot be computed.
     pub(super) fn of(
-        (args, loads): (&Args, &Loads),
+        args: &Args,
+        (surface, conducting): (&Surface, &Conducting),
         [repulsion, gap]: [ArrayView2<f64>; 2],
         at: &At,
         mut warn: impl FnMut(&'static str, String),
     ) -> Result<Self, Failure> {
-        let (surface, conducting) = (&loads.prepared.surface, &loads.conducting);
         let mut found = Self::default();
         if args.statistics {
             let stiffness = at.stiffness.as_ref().ok().map(|found| found.value);

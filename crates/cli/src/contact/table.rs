@@ -28,6 +28,9 @@ impl fmt::Display for Report {
         for line in lines(&self.loads, ["load", "loads"], |_| true) {
             writeln!(f, "{line}")?;
         }
+        for used in self.accuracy.iter().flat_map(|accurate| &accurate.grids) {
+            writeln!(f, "grid: {used}")?;
+        }
         list_files(f, self.vtk.as_deref(), &[])?;
         list_files(f, self.out.as_deref(), &self.plots)
     }

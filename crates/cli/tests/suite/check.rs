@@ -206,10 +206,11 @@ fn warnings_stand_in_json_and_in_the_file() {
     };
     assert_eq!(codes("contact --surface h.npy --p-star 0.05"), ["rough-seam", "large-slope"]);
     assert_eq!(codes("surface --surface h.npy"), ["rough-seam"]);
-    assert!(codes("contact --n 32 --eps-f-inv 8 --p-star 0.05").is_empty());
+    assert!(codes("contact --n 32 --eps-f-inv 4 --p-star 0.2").is_empty());
+    assert_eq!(codes("contact --n 32 --eps-f-inv 8 --p-star 0.05"), ["grid"]);
     assert_eq!(codes("punch --n 16 --depth 0.2"), ["large-strain", "large-strain"]);
     let law = "--law exponential --param gamma=1e-4,range=1e-5 --coarse";
-    assert_eq!(codes(&format!("contact --n 16 --eps-f-inv 4 {law} --p-star 0.05")), ["lattice-trapping"]);
+    assert_eq!(codes(&format!("contact --n 16 --eps-f-inv 4 {law} --p-star 0.05")), ["lattice-trapping", "grid"]);
     assert_eq!(codes(&format!("path --n 16 --eps-f-inv 4 {law} --displacement 0.01")), ["lattice-trapping"]);
     let sweep = codes("kappa-sweep --config sweep.toml");
     assert!(sweep.iter().any(|code| code == "few-realisations"), "{sweep:?}");

@@ -196,7 +196,8 @@ fn the_flow_stops_between_the_loads_of_the_threshold() {
     // Open at all loads; one load; a law.
     let open = run(&format!("contact {surface} --p-star 0.01,0.02 --flow-threshold"));
     assert!(open["flow_threshold"][0].is_null() && open["flow_threshold"][1].is_null());
-    assert_eq!(open["warnings"][0]["code"], "flow-threshold");
+    let mut warnings = open["warnings"].as_array().unwrap().iter();
+    assert!(warnings.any(|warning| warning["code"] == "flow-threshold"));
     for more in ["--p-star 0.1,0.1", "--p-star 0.01,0.1 --law exponential --param gamma=1e-5,range=1e-3"] {
         let words = format!("contact --n 64 --flow-threshold {more}");
         let refused = gfmd(folder.path(), &words.split_whitespace().collect::<Vec<_>>());
@@ -306,7 +307,7 @@ fn a_text_scan_brings_its_size_and_its_wrap_around_is_stated() {
     let (mirrored, quiet) = run("--detrend plane --periodise mirror");
     assert_eq!(mirrored["n"], serde_json::json!([48, 48]));
     assert!(number(&mirrored, "rms_gradient") < 0.5 * number(&raw, "rms_gradient"));
-    assert!(mirrored["surface"].as_str().unwrap().contains("mirrored") && !quiet.contains("WARN"), "{quiet}");
+    assert!(mirrored["surface"].as_str().unwrap().contains("mirrored") && !quiet.contains("seam"), "{quiet}");
 }
 
 #[test]
@@ -391,10 +392,14 @@ fn finite_slopes_change_the_contact_and_are_certified() {
     assert!(residuals.len() == 5 && residuals.values().all(|value| value.as_f64().unwrap() <= 1e-8), "{residuals:?}");
     assert!(steep["loads"][0]["mean_shear"][0].as_f64().unwrap() != 0.0 && flat["loads"][0]["mean_shear"].is_null());
     assert!(flat["max_slope"].as_f64().unwrap() > 0.5);
+    let codes = |report: &Value| -> Vec<String> {
+        let warnings = report["warnings"].as_array().unwrap().iter();
+        warnings.filter_map(|warning| Some(warning["code"].as_str()?.to_owned())).collect()
+    };
     for report in [&flat, &steep] {
-        assert_eq!(report["warnings"][0]["code"], "large-slope");
+        assert_eq!(codes(report), ["grid", "large-slope"]);
     }
-    assert_eq!(report("--rms-gradient 0.05")["warnings"].as_array().unwrap().len(), 0);
+    assert_eq!(codes(&report("--rms-gradient 0.05")), ["grid"]);
     // The fields below have the lateral displacement of the file.
     report("--rms-gradient 0.25 --finite-slope --out s.h5");
     json(

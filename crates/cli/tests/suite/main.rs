@@ -15,6 +15,7 @@ mod damping;
 mod extreme;
 mod free;
 mod golden;
+mod grid;
 mod help;
 mod interoperability;
 mod law;

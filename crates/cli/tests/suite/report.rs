@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::common::{SWEEP, gfmd, json};
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
+use gfmd_record::with_limit;
 
 fn make(folder: &Path, words: &str) -> Option<i32> {
     gfmd(folder, &words.split_whitespace().collect::<Vec<_>>()).status.code()
@@ -65,17 +66,20 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
 
     let contact = json(
         folder,
-        &["contact", "--n", "32", "--eps-f-inv", "8", "--p-star", "0.02,0.1", "--out", "c.h5", "--json", "-q"],
+        &["contact", "--n", "48", "--eps-f-inv", "4", "--p-star", "0.05,0.1", "--out", "c.h5", "--json", "-q"],
     );
     let report = json(folder, &["report", "c.h5", "--json", "-q"]);
     assert_eq!((report["kind"].as_str(), report["figures"].as_u64()), (Some("contact"), Some(5)));
     let made = page(folder, "c.html");
     check_page(&made);
     assert_eq!(outline(&made), (all.to_vec(), 5, 3));
-    let area = 100.0 * contact["loads"][1]["area_fraction"].as_f64().unwrap();
-    assert!(made.contains(&format!("<p class=\"headline\">{area:.3} %")), "{area}");
+    // It leads with the area of an infinitely fine grid, and says what this one has.
+    let area = |end: &str| 100.0 * contact["loads"][1][format!("area_fraction{end}")].as_f64().unwrap();
+    let led = with_limit(area(""), area("_limit"), area("_limit_error"));
+    assert!(led.contains('(') && made.contains(&format!("<p class=\"headline\">{led} %")), "{led}");
+    assert!(made.contains(&format!("On this grid {:.3} % of the points", area(""))), "{}", area(""));
     assert!(made.contains("Every residual is within its bound") && made.contains("gfmd check c.h5 --rerun"));
-    assert!(made.contains("--p-star=0.02,0.1") && made.contains("The checksum of the content holds"));
+    assert!(made.contains("--p-star=0.05,0.1") && made.contains("The checksum of the content holds"));
 
     let words = "path --n 24 --eps-f-inv 6 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 3 --out p.h5 -q";
     assert_eq!(make(folder, words), Some(0));

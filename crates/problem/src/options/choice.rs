@@ -1,6 +1,6 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
-use crate::Unknown;
+use crate::{GridError, Unknown};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
@@ -41,6 +41,7 @@ choices! {
     BaseKind: &Self::ALL;
     Boundary: &Self::ALL;
     Fill: Self::ALL;
+    GridError: &Self::ALL;
     Periodisation: Self::ALL;
     RollOffShape: Self::ALL;
     Solver: &Self::ALL;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Optional
+from typing import Any, Optional, Union
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -141,6 +141,8 @@ def contact(
     lower_surface: Surface | npt.ArrayLike | None = None,
     coarse: bool = False,
     range_continuation: bool = False,
+    grid_error: Optional[str] = None,
+    accuracy: Union[float, str, None] = None,
     solver: Optional[str] = None,
     tolerance: Optional[float] = None,
     max_iterations: Optional[int] = None,
@@ -171,6 +173,10 @@ def contact(
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too: single points jump.
         range_continuation: start from the states of 8, 4 and 2 times the range of the law with the same work, one after the
             other. Their iterations are not counted.
+        grid_error: way in which the error of the numbers by the finite grid is found: "estimate" (from the solution, the default),
+            "refine" (from a second one on twice as many points along each side, at five times the cost), or "none".
+        accuracy: largest relative error (95 %) that every number may have by the grid, such as 0.01 or "1%": the surface is made
+            finer until all are that exact, and the contact is that of the finer surface.
         solver: a name of docs/solvers.md; "auto" by default.
         tolerance: largest residual, 1e-15 to 0.1; 1e-8 by default.
         max_iterations: iterations after which the search is given up; 100000 by default.
@@ -182,7 +188,8 @@ def contact(
 
     Raises:
         InputError: unusable arguments; nothing was computed.
-        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact as far as it came.
+        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact as far as it came. Of an accuracy
+            that needs a grid which does not fit into the memory, `.state` is the contact on the last one that did.
         Interrupted: Ctrl-C; `.state` as above.
 
     Example:
@@ -192,15 +199,36 @@ def contact(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
     value = number(control, given)
-    setup = _Setup(
-        surface, body, boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface,
-        coarse=coarse, range_continuation=range_continuation, solver=solver, tolerance=tolerance, max_iterations=max_iterations, threads=threads,
-        start=start, **options,
+    options.update(
+        boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface, coarse=coarse,
+        range_continuation=range_continuation, grid_error=grid_error, solver=solver, tolerance=tolerance, max_iterations=max_iterations, threads=threads,
+        start=start,
     )  # fmt: skip
+    if accuracy is not None:
+        return _accurate(accuracy, (surface, body), (control, [value]), options)[0]
+    setup = _Setup(surface, body, **options)
     setup.check(control, value)
     with Progress("contact") as progress:
         done = setup.solve(control, value, setup.start, progress)
     setup.tell([done])
+    return done
+
+
+def _accurate(accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[float]], options: dict[str, Any]) -> list[Contact]:
+    """The contacts on the grid on which all their numbers are that exact."""
+    (control, values), (surface, body) = loads, (as_surface(pair[0]), pair[1])
+    if options.get("start") is not None or options.get("grid_error") not in (None, "estimate"):
+        raise InputError("accuracy is given with start or grid_error; the grid of a start, and its error, are what they are")
+    asked = accuracy if isinstance(accuracy, str) else repr(number("accuracy", accuracy))
+    _Setup(surface, body, **options).problem.check_accuracy(asked, _KEYS[control])
+    done = list(contacts(surface, body, **{control: values}, **options))
+    while (times := max(found._state.times(asked) for found in done)) > 1:
+        try:
+            surface = surface.finer(times)
+            done = list(contacts(surface, body, **{control: values}, **options))
+        except InputError as error:
+            state = done[0] if len(done) == 1 else Contacts(done)
+            raise NotConverged(f"accuracy is {accuracy}; it needs {times} times as many points along each side: {error}", state) from error
     return done
 
 
@@ -231,6 +259,9 @@ def contacts(
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
     values = numbers(control, given)
+    accuracy = options.pop("accuracy", None)
+    if accuracy is not None:
+        return Contacts(_accurate(accuracy, (surface, body), (control, values), options))
     setup = _Setup(surface, body, **options)
     for value in values:
         setup.check(control, value)

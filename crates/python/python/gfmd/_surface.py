@@ -248,6 +248,23 @@ class Surface:
         heights, size = _gfmd.periodise(self._heights, self._size, word("way", way))
         return _surface(heights, size, self._unit, self._origin.after(way))
 
+    def finer(self, times: int = 2) -> Surface:
+        """Returns the surface on a finer grid of the same cell: heights between the points follow from the waves of the periodic surface.
+
+        Args:
+            times: points along each side over those of this surface, 1 to 64.
+
+        Raises:
+            InputError: another number; more points than the memory holds.
+
+        Example:
+            >>> f = s.finer(2)
+            >>> f.n, f.size == s.size, np.allclose(f.heights[::2, ::2], s.heights)
+            ((128, 128), True, True)
+        """
+        heights = _gfmd.finer(self._heights, self._size, integer("times", times, 1, 64))
+        return _surface(heights, self._size, self._unit, self._origin.after(f"{times} times as many points along each side"))
+
     def flip(self) -> Surface:
         """Returns the surface turned over: valleys become peaks. For scans whose peaks point away from the body.
 

@@ -2,7 +2,7 @@
 
 use gfmd_contact::{Boundary, Drive, Fields as _};
 use gfmd_files::Reader;
-use gfmd_problem::{Posed, Rest, Task};
+use gfmd_problem::{GridError, Posed, Rest, Task};
 use gfmd_record::{At, Column, Origin, Record, arrays};
 use ndarray::{Array2, ArrayRef2};
 
@@ -147,7 +147,10 @@ impl<'a> Stored<'a> {
         let has_converged = self.number("converged", index) == 1.0;
         comparison.accurate_to(if patch { OF_A_PATCH * self.tolerance } else { 0.0 });
         let of_fields = |origin| matches!(origin, Origin::Fields | Origin::Grid | Origin::Residual);
-        for (column, cell) in record.cells().filter(|(column, _)| of_fields(column.origin)) {
+        // What a finer grid told is not in the file.
+        let is_refined = self.prepared.facts.grid_error == GridError::Refine;
+        let is_told = |column: &Column| of_fields(column.origin) && !(is_refined && column.origin == Origin::Grid);
+        for (column, cell) in record.cells().filter(|(column, _)| is_told(column)) {
             let path = self.path(column.name);
             // The layout tells what is missing.
             if !self.reader.contains(&path) {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use gfmd_contact::{Boundary, RigidSurface};
 use gfmd_law::Limit;
-use gfmd_problem::{Facts, Task, Unknown};
+use gfmd_problem::{Facts, GridError, Task, Unknown};
 use gfmd_record::Record;
 use serde::Serialize;
 
@@ -61,6 +61,38 @@ pub struct Head {
     /// With an attraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adhesion: Option<Adhesion>,
+    /// Of loads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid_error: Option<FoundBy>,
+}
+
+/// The way to the error of the numbers by the grid, as printed.
+#[derive(Clone, Debug, Serialize)]
+pub struct FoundBy {
+    /// Mode.
+    #[serde(with = "named")]
+    pub mode: GridError,
+    /// The points of the finest grid.
+    pub n: [usize; 2],
+    /// The assumption about what lies between the points.
+    pub assumes: &'static str,
+}
+
+impl FoundBy {
+    fn new(prepared: &Prepared) -> Option<Self> {
+        let Prepared { facts, surface, .. } = prepared;
+        let [nx, ny] = surface.grid.points();
+        let n = match facts.grid_error {
+            GridError::Refine => [2 * nx, if surface.grid.is_line() { ny } else { 2 * ny }],
+            _ => [nx, ny],
+        };
+        let assumes = if surface.is_read() { "nothing rougher than the pixels" } else { "band-limited" };
+        (facts.task == Task::Loads && facts.grid_error != GridError::None).then_some(Self {
+            mode: facts.grid_error,
+            n,
+            assumes,
+        })
+    }
 }
 
 /// The surface below the slab, as printed.
@@ -110,6 +142,7 @@ impl Head {
             components: facts.unknown,
             hardness: asked.hardness.cloned(),
             adhesion: prepared.adhesion(asked.law),
+            grid_error: FoundBy::new(prepared),
         }
     }
 

@@ -137,7 +137,17 @@ impl Prepared {
     /// A state of the contact, of which columns are computed; without a stiffness.
     pub fn at<'a>(&'a self, state: &'a Rest, tolerance: f64) -> At<'a> {
         let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
-        At { short_waves: self.surface.statistics.moments.short_waves(), rise: self.rise, ..at }
+        At { short_waves: self.short_waves(), waves: self.waves(), rise: self.rise, ..at }
+    }
+
+    /// The share of the mean square gradient of the surface in waves shorter than four points.
+    pub fn short_waves(&self) -> f64 {
+        self.surface.statistics.moments.short_waves()
+    }
+
+    /// The number of waves that share the mean square gradient of the surface.
+    pub fn waves(&self) -> f64 {
+        self.surface.statistics.moments.waves
     }
 
     /// The numbers of the attraction, if there is one.

@@ -4,11 +4,14 @@ use clap::Args;
 use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Watch};
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::{BodyArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice};
-use gfmd_problem::{Facts, Lower, MovedBase, Posed, Rest, Unknown};
+use gfmd_problem::{Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
+use gfmd_record::UNRESOLVED;
+use gfmd_surface::Interpolation;
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
 use super::prepared::{Asked, Prepared};
+use crate::accuracy::Accuracy;
 use crate::base::BaseArgs;
 use crate::failure::{Failure, reached};
 use crate::hardness::GivenHardness;
@@ -66,10 +69,23 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub law: LawArgs,
+    /// Way in which the error of the numbers by the finite grid is found
+    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
+    #[serde(skip_serializing_if = "is_estimate", with = "named")]
+    pub grid_error: GridError,
+    /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer until all are that
+    /// exact
+    #[arg(long, value_name = "E", conflicts_with = "grid_error")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the other
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub range_continuation: bool,
+}
+
+fn is_estimate(found: &GridError) -> bool {
+    *found == GridError::Estimate
 }
 
 /// The ranges of `--range-continuation`, over the one asked for.
@@ -101,6 +117,7 @@ impl ContactArgs {
                 _ => None,
             },
             line,
+            grid_error: self.grid_error,
             ..self.body.facts()
         }
     }
@@ -188,6 +205,27 @@ impl ContactArgs {
             last = Some(state);
         }
         Ok(last)
+    }
+
+    /// The same contact on a grid of twice as many points along each side, once, or, where the heights between the points are not
+    /// known, by both interpolations; none unless `--grid-error refine` is asked for.
+    ///
+    /// # Errors
+    /// A contact of which no other grid is known.
+    pub fn finer(&self, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
+        if self.grid_error != GridError::Refine {
+            return Ok(Vec::new());
+        }
+        if let Some(GivenHardness::Field(_)) = self.hardness {
+            return Err(Failure::value(
+                "--grid-error",
+                self.grid_error,
+                "none or estimate with a --hardness of each point",
+            ));
+        }
+        let both = prepared.surface.is_read() && prepared.short_waves() > UNRESOLVED;
+        let ways = [Interpolation::Waves, Interpolation::Cubic].into_iter().take(1 + usize::from(both));
+        ways.map(|how| Ok(Self { source: self.source.finer(2, how)?, ..self.clone() })).collect()
     }
 
     /// A contact under a drive, by the method that is asked for.

@@ -637,6 +637,15 @@ impl Case {
             heights.iter_mut().zip(plane.inverse(&modes)).for_each(|(h, other)| *h += other);
         }
         let further = dice.of(&["check", "check", "body", "body", "report", "resume", "check --rerun", ""]);
+        // What cannot be refined is refused.
+        let has_finer =
+            !is_path && !has_lower && !is_steep && !is_line && moved.is_none() && !threshold && further != "resume";
+        let grid_error = (has_finer && dice.chance(0.2) || (!is_path && wild(dice, 0.05)))
+            .then(|| dice.of(&["refine", "refine", "none"]))
+            .unwrap_or("estimate");
+        if grid_error != "estimate" {
+            let _ = write!(text, " --grid-error {grid_error}");
+        }
         let words = text.split_whitespace().map(str::to_owned).collect();
         Self {
             index,
@@ -700,6 +709,7 @@ impl Case {
             (self.flow, "flow"),
             (self.threshold, "flow threshold"),
             (self.conductor_height.is_some(), "electrodes"),
+            (self.words.iter().any(|word| word == "refine"), "refined grid"),
             (self.vtk.is_some(), "VTK"),
             (self.is_composite, "two surfaces"),
             (self.solver != "auto", "a named solver"),

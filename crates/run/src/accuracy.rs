@@ -1,0 +1,177 @@
+//! The grid on which all numbers of a contact are as exact as asked for.
+
+use std::str::FromStr;
+
+use gfmd_record::{COLUMNS, Cell, FEWEST_WAVES, Origin, Record, not_calibrated};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::failure::Failure;
+use crate::series::Prepared;
+
+/// The largest relative error by the grid (95 %) that a number may have: `0.01`, or `1%`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy(f64);
+
+/// Words that are no accuracy.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("it must be a relative error from 1e-6 to 0.5, such as 0.01 or 1%")]
+pub struct AccuracyError;
+
+impl Accuracy {
+    /// The relative error.
+    pub fn relative(self) -> f64 {
+        self.0
+    }
+}
+
+impl FromStr for Accuracy {
+    type Err = AccuracyError;
+
+    fn from_str(text: &str) -> Result<Self, AccuracyError> {
+        let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
+        let found = number.trim().parse::<f64>().ok().map(|number| number * unit);
+        found.filter(|found| (1e-6..=0.5).contains(found)).map(Self).ok_or(AccuracyError)
+    }
+}
+
+impl Serialize for Accuracy {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Accuracy {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Given {
+            Number(f64),
+            Text(String),
+        }
+        let text = match Given::deserialize(deserializer)? {
+            Given::Number(number) => number.to_string(),
+            Given::Text(text) => text,
+        };
+        text.parse().map_err(D::Error::custom)
+    }
+}
+
+/// The orders in the spacing of the points of the errors of the limits (theory.md, section 9.2); the last one is of all others.
+const ORDERS: [(&str, f64); 10] = [
+    ("mean_gap", 2.7),
+    ("displacement", 2.7),
+    ("elastic_energy", 2.8),
+    ("max_pressure", 2.6),
+    ("pressure_moment_2", 2.3),
+    ("area_fraction", 1.6),
+    ("kappa", 1.6),
+    ("mean_pressure_in_contact", 1.6),
+    ("pressure_deviation_in_contact", 1.6),
+    ("", 1.3),
+];
+
+/// The least whole number of times, a power of two or three times one, that is not below this one.
+fn round(times: f64) -> u64 {
+    let double = (times.min(1e9).ceil() as u64).next_power_of_two();
+    let three = double / 4 * 3;
+    if three as f64 >= times { three } else { double }
+}
+
+/// The number of a contact that is farthest from an accuracy.
+#[derive(Clone, Debug, Serialize)]
+pub struct Worst {
+    /// Its name.
+    #[serde(rename = "worst")]
+    pub number: &'static str,
+    /// The relative error of its limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+    /// The reason why that is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// The points along each side over those of the contact that it needs; 1 if it is exact enough.
+    #[serde(skip)]
+    pub times: u64,
+}
+
+/// The number that needs the most points for an accuracy. Boundary links are a count of one grid, and do not count; nor do numbers
+/// of which no grid tells the limit, since they have no value, or are near closing or full contact.
+pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
+    let names = || {
+        let limits = COLUMNS.iter().filter(|column| column.origin == Origin::Grid);
+        limits.filter_map(|column| column.name.strip_suffix("_limit")).filter(|name| *name != "boundary_links")
+    };
+    let each = records.iter().flat_map(|record| names().map(move |name| (record, name)));
+    let all = each.filter_map(|(record, number)| match record.get(&format!("{number}_limit"))? {
+        Cell::Undefined(reason) if reason.contains("boundary links") => {
+            Some(Worst { number, error: None, reason: Some(reason.to_string()), times: 2 })
+        }
+        Cell::Undefined(_) => None,
+        limit => {
+            let error = record.number(&format!("{number}_limit_error")) / limit.number().abs();
+            let over = error / accuracy.0;
+            let order = ORDERS.iter().find(|(name, _)| [number, ""].contains(name)).map_or(1.0, |(_, order)| *order);
+            let times = if over <= 1.0 { 1 } else { round(over.powf(1.0 / order)).max(2) };
+            Some(Worst { number, error: Some(error), reason: None, times })
+        }
+    });
+    let key = |worst: &Worst| (worst.times, worst.error.unwrap_or(f64::INFINITY));
+    all.max_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)))
+}
+
+/// Checks that a finer grid makes the numbers of a contact more exact, and that this is known.
+///
+/// # Errors
+/// A contact of which one solution does not tell the error of the grid, or whose surface is not known between its points.
+pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<(), Failure> {
+    let refuse = |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.0));
+    if let Some(reason) = not_calibrated(&prepared.facts) {
+        return Err(refuse(reason));
+    }
+    if approach {
+        return Err(refuse(
+            "the approach counts from the highest point, which depends on the grid (--p-star, --pressure)",
+        ));
+    }
+    if prepared.waves().is_nan() || prepared.waves() < FEWEST_WAVES {
+        return Err(refuse(&format!(
+            "the surface has {:.1} waves, and the error of the grid is known of random ones with at least {FEWEST_WAVES}",
+            prepared.waves()
+        )));
+    }
+    if prepared.short_waves() > gfmd_record::UNRESOLVED {
+        return Err(refuse(&format!(
+            "waves shorter than four points have {:.0} % of the mean square gradient, and what lies between the points is not \
+             known; --grid-error refine tells what it may be",
+            100.0 * prepared.short_waves()
+        )));
+    }
+    Ok(())
+}
+
+/// Boundary links per point in contact beyond which contacts are less than two points wide.
+const NARROW: f64 = 1.5;
+
+/// The remark on a load whose grid is too coarse, with what tells it; `None` if it is not.
+pub fn too_coarse(record: &Record) -> Option<String> {
+    let narrow = record.number("boundary_links") / record.number("contact_nodes");
+    let width = 100.0 * record.number("area_fraction_grid_error") / record.number("area_fraction");
+    (narrow > NARROW && record.has("area_fraction_limit")).then(|| {
+        let error = if width.is_nan() { String::new() } else { format!("; the area is {width:.0} % off") };
+        format!("contacts are {:.1} points wide{error}: a finer grid, or --accuracy, resolves them", 2.0 / narrow)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_accuracy_is_a_part_or_a_percentage_and_times_have_small_factors() {
+        let parsed = |text: &str| text.parse::<Accuracy>().map(Accuracy::relative).ok();
+        assert_eq!(["0.01", "1%", " 1 %", "0.5"].map(parsed), [Some(0.01), Some(0.01), Some(0.01), Some(0.5)]);
+        assert_eq!(["0", "-1%", "2", "NaN", "inf", "", "%", "1e-7"].map(parsed), [None; 8]);
+        assert_eq!([1.1, 2.0, 2.5, 3.1, 5.0, 6.5, 13.0].map(round), [2, 2, 3, 4, 6, 8, 16]);
+    }
+}

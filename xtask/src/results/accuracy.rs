@@ -1,0 +1,65 @@
+//! The errors of the grid that contacts tell, beside those that they have.
+
+use std::fmt::Write as _;
+
+use gfmd_plot::{Axis, Chart, Panel, Point, Series};
+use gfmd_run::failure::Failure;
+
+use super::summary::Summaries;
+use crate::accuracy::Coverage;
+
+/// The share of the contacts whose interval holds the exact value; the least of all groups of surfaces and loads behind it.
+fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage) -> usize) -> String {
+    let part = |found: &Coverage| of(found) as f64 / found.told as f64;
+    let all = groups.get("all").map_or(f64::NAN, part);
+    let least = groups.iter().filter(|(_, found)| found.told > 0).min_by(|a, b| part(a.1).total_cmp(&part(b.1)));
+    least.map_or_else(
+        || "–".into(),
+        |(name, found)| format!("{all:.3} ({:.3}, {})", part(found), name.replace('*', "\\*")),
+    )
+}
+
+/// All numbers, for each boundary and mode.
+pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
+    let report = summaries.accuracy()?;
+    let mut text = String::from(
+        "| number | told | error of the number | of its limit | limit within its error | number within its error | width |\n\
+         |---|---|---|---|---|---|---|\n",
+    );
+    for (mode, numbers) in &report.modes {
+        let _ = writeln!(text, "| **{mode}** | | | | | | |");
+        for (name, groups) in numbers {
+            let Some(all) = groups.get("all") else { continue };
+            let Coverage { told, untold, number_error, limit_error, width, .. } = all;
+            let count = told + untold;
+            if *told == 0 {
+                let _ = writeln!(text, "| {name} | 0 of {count} | – | – | – | – | – |");
+                continue;
+            }
+            let percent = |error: &f64| format!("{:.2} %", 100.0 * error);
+            let _ = writeln!(
+                text,
+                "| {name} | {told} of {count} | {} | {} | {} | {} | {width:.1} |",
+                percent(number_error),
+                if *limit_error < 1e-4 { format!("{limit_error:.0e}") } else { percent(limit_error) },
+                share(groups, |found| found.covered),
+                share(groups, |found| found.bounded)
+            );
+        }
+    }
+    Ok(text)
+}
+
+/// The error of the limits against that of the numbers.
+pub(super) fn figure(summaries: &Summaries) -> Result<String, Failure> {
+    let report = summaries.accuracy()?;
+    let mut series: Vec<Series> = (report.modes.iter().enumerate())
+        .map(|(hue, (mode, numbers))| {
+            let all = numbers.values().filter_map(|groups| groups.get("all")).filter(|all| all.told > 0);
+            Series::points(mode, hue, all.map(|all| Point::new(all.number_error, all.limit_error)).collect())
+        })
+        .collect();
+    series.push(Series::line("equal", report.modes.len(), [1e-4, 0.2].map(|error| (error, error))));
+    let (x, y) = (Axis::log("error of the number"), Axis::log("error of its limit"));
+    Ok(Chart::new(vec![Panel { x, y, series, ..Panel::default() }]).svg()?)
+}
