@@ -640,9 +640,8 @@ impl Case {
         // What cannot be refined is refused.
         let has_finer =
             !is_path && !has_lower && !is_steep && !is_line && moved.is_none() && !threshold && further != "resume";
-        let grid_error = (has_finer && dice.chance(0.2) || (!is_path && wild(dice, 0.05)))
-            .then(|| dice.of(&["refine", "refine", "none"]))
-            .unwrap_or("estimate");
+        let is_asked = has_finer && dice.chance(0.2) || (!is_path && wild(dice, 0.05));
+        let grid_error = if is_asked { dice.of(&["refine", "refine", "none"]) } else { "estimate" };
         if grid_error != "estimate" {
             let _ = write!(text, " --grid-error {grid_error}");
         }
