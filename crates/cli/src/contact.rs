@@ -42,7 +42,6 @@ use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Prepared, Reached, Series, StateFile, fields, keeping,
-    unless_unsolved,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -466,7 +465,7 @@ impl Outlet for Measuring<'_> {
             Findings::of(self.args, (&prepared.surface, conducting), [repulsion.view(), state.gap()], &at, warn);
         let findings = findings.map_err(|failure| failure.at(&format!("load {index}")))?;
         let seconds = started.elapsed().as_secs_f64();
-        let finer = if is_cut { Err(NOT_SOLVED.into()) } else { self.on_finer_grids(drives[index])? };
+        let finer = if is_cut { Vec::new() } else { self.on_finer_grids(drives[index])? };
         let record = Record::of(&At { seconds, measured: findings.borrowed(), finer, ..at });
         if let Some(coarse) = accuracy::too_coarse(&record) {
             self.session.warn("grid", format!("load {index}: {coarse}"));
@@ -491,8 +490,8 @@ impl Outlet for Measuring<'_> {
 }
 
 impl Measuring<'_> {
-    /// The records of a load on the finer grids, or the reason why there are none, which leaves the load itself as it is.
-    fn on_finer_grids(&mut self, drive: Drive) -> Result<Result<Vec<Record>, Cow<'static, str>>, Failure> {
+    /// The records of a load on the finer grids.
+    fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Record>, Failure> {
         let (args, session) = (self.args, self.session);
         let mut stop = |_: &gfmd_contact::Progress| {
             if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -503,7 +502,7 @@ impl Measuring<'_> {
             let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
             Ok(Record::of(&At { measured: findings.borrowed(), ..at }))
         });
-        unless_unsolved(records.collect())
+        records.collect()
     }
 }
 

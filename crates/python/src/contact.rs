@@ -16,7 +16,7 @@ use gfmd_record::{At, NOT_SOLVED, Record};
 use gfmd_run::accuracy::{self, Accuracy};
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
-use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, check_drive, fields, unless_unsolved};
+use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, check_drive, fields};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use ndarray::{Array2, ArrayView2};
@@ -177,16 +177,11 @@ impl Problem {
                 Some(_) => Err(NOT_SOLVED),
                 None => stiffness(contact, &state, |text| tracing::warn!("{text}")),
             };
-            let finer = match failure {
-                Some(_) => Err(NOT_SOLVED.into()),
-                None => {
-                    let records = finer.iter_mut().map(|finer| {
-                        let (.., at) = finer.reach(drive, &mut watch)?;
-                        Ok(Record::of(&at))
-                    });
-                    unless_unsolved(records.collect())?
-                }
-            };
+            let finer = finer.iter_mut().filter(|_| failure.is_none()).map(|finer| {
+                let (.., at) = finer.reach(drive, &mut watch)?;
+                Ok(Record::of(&at))
+            });
+            let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
             let record = Record::of(&At { stiffness, seconds, finer, ..at });

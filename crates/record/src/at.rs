@@ -33,8 +33,8 @@ pub struct At<'a> {
     /// Height of the surface's top above the highest point of the grid, length; `None` if it is not known.
     pub rise: Option<f64>,
     /// The records of the same load on a grid of twice as many points along each side: one, or one for each of two ways to place
-    /// heights between those that are known; none if they are not asked for, or the reason why there are none.
-    pub finer: Result<Vec<Record>, Cow<'static, str>>,
+    /// heights between those that are known.
+    pub finer: Vec<Record>,
     /// The peak of the pressure, found when it is first asked for.
     pub peak: OnceCell<Option<Peak>>,
     /// The scales of reduced quantities.
@@ -107,7 +107,7 @@ impl<'a> At<'a> {
             short_waves: f64::NAN,
             waves: f64::NAN,
             rise: None,
-            finer: Ok(Vec::new()),
+            finer: Vec::new(),
             peak: OnceCell::new(),
             scales: Scales { contact_modulus: f64::NAN, rms_gradient: f64::NAN },
             summary,

@@ -8,7 +8,7 @@ use gfmd_measure::{GridLimit, GridLimits, NoLimit, Refined};
 use gfmd_problem::{Facts, GridError, Support, Task, Unknown};
 
 use crate::column::{Column, Form, LIMIT, Origin, Table};
-use crate::{At, Cell, Record};
+use crate::{At, Cell};
 
 fn any(_: &Facts) -> bool {
     true
@@ -206,24 +206,20 @@ fn limit(
     }
     let own =
         grid_limits(at, name).and_then(|limits| found(&limits, at, value).map_err(|reason| reason.to_string().into()));
-    let found = match &at.finer {
-        Ok(finer) if finer.is_empty() => own,
-        Ok(finer) => refined((at, finer), name, value, own),
-        Err(reason) => Err(reason.clone()),
-    };
+    let found = if at.finer.is_empty() { own } else { refined(at, name, value, own) };
     found.map(|found| of(&found, value)).into()
 }
 
 /// The limit of a number from its record on a finer grid, too, or from two such records.
 fn refined(
-    (at, finer): (&At, &[Record]),
+    at: &At,
     name: &str,
     value: f64,
     own: Result<GridLimit, Cow<'static, str>>,
 ) -> Result<GridLimit, Cow<'static, str>> {
     // Boundary links are counted in steps of their grid.
     let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
-    let limits = finer.iter().map(|finer| {
+    let limits = at.finer.iter().map(|finer| {
         let number = |end: &str| match finer.get(&format!("{name}{end}")) {
             Some(Cell::Undefined(reason)) => Err(reason.clone()),
             cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),

@@ -1,10 +1,8 @@
 //! The same contact on a finer grid, from which the error of the numbers by the grid is found.
 
-use std::borrow::Cow;
-
 use gfmd_contact::{Drive, Watch};
 use gfmd_problem::{Posed, Rest};
-use gfmd_record::{At, Record};
+use gfmd_record::At;
 
 use super::prepared::{Asked, Prepared};
 use super::pressed::ContactArgs;
@@ -64,18 +62,5 @@ impl Finer {
                 Ok((state, &self.prepared.surface, at.stiff(&self.contact)))
             }
         }
-    }
-}
-
-/// The records on finer grids; a search there that fails is the reason why there are none, and no failure of the load.
-///
-/// # Errors
-/// Any other failure: an interruption, a file.
-pub fn unless_unsolved(
-    records: Result<Vec<Record>, Failure>,
-) -> Result<Result<Vec<Record>, Cow<'static, str>>, Failure> {
-    match records {
-        Err(Failure::Computation(reason)) => Ok(Err(reason.into())),
-        records => records.map(Ok),
     }
 }
