@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, Parser};
 use gfmd_cli::contact;
 use gfmd_cli::progress::Progress;
-use gfmd_record::{COLUMNS, Origin};
+use gfmd_record::{COLUMNS, Column};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use rayon::prelude::*;
@@ -43,6 +43,9 @@ pub struct Args {
     /// Write the summary to this file
     #[arg(long, default_value = "data/results/accuracy.json", value_name = "FILE.json")]
     out: PathBuf,
+    /// Write each comparison as a line of JSON to this file: what constants are fitted to
+    #[arg(long, value_name = "FILE.jsonl")]
+    rows: Option<PathBuf>,
 }
 
 /// The comparison of all numbers.
@@ -95,6 +98,7 @@ impl Coverage {
 }
 
 /// A number, its limit, the errors that are told, and the exact value.
+#[derive(Serialize)]
 struct Compared {
     number: f64,
     limit: f64,
@@ -113,6 +117,7 @@ struct Command {
 type Row = (&'static str, &'static str, f64, Option<Compared>);
 
 /// A surface, and the way in which its contact is solved.
+#[derive(Serialize)]
 struct Case {
     seed: u64,
     hurst: f64,
@@ -166,8 +171,7 @@ impl Case {
 
 /// The numbers that have a limit.
 fn names() -> impl Iterator<Item = &'static str> {
-    let limits = COLUMNS.iter().filter(|column| column.origin == Origin::Grid);
-    limits.filter_map(|column| column.name.strip_suffix("_limit"))
+    COLUMNS.iter().filter_map(Column::limit_of)
 }
 
 /// A number of a load; `None` if it has no value.
@@ -199,6 +203,13 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     };
     let surfaces: Vec<_> = (0..args.seeds).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
     progress.finish();
+    if let Some(path) = &args.rows {
+        let rows = surfaces.iter().flat_map(|(case, found)| found.iter().map(move |row| (case, row)));
+        let line = |row: (&Case, &Row)| serde_json::to_string(&row).map(|line| line + "\n");
+        let lines = rows.map(line).collect::<Result<String, _>>();
+        let lines = lines.map_err(|error| Failure::Computation(error.to_string()))?;
+        gfmd_files::replace(path, |file| std::io::Write::write_all(file, lines.as_bytes()))?;
+    }
     let mut modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>> = BTreeMap::new();
     for (Case { hurst, points_per_wave, .. }, found) in surfaces {
         for (mode, name, p_star, compared) in found {

@@ -13,7 +13,6 @@ mod vtk;
 mod whole;
 
 use std::borrow::Cow;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -41,7 +40,8 @@ use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
 use gfmd_run::series::{
-    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Prepared, Reached, Series, StateFile, fields, keeping,
+    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Prepared, Reached, Series, StateFile, beside, fields,
+    keeping,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -337,9 +337,7 @@ impl Loads {
         let mut measuring =
             Measuring { loads: self, contact, args, session, finer, gathered: Gathered::default(), trace: None };
         let mut path = Path::new(contact, args.problem.solver.budget(), None).solver(args.problem.solver.solver);
-        let mut stop = |_: &gfmd_contact::Progress| {
-            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
+        let mut stop = session.stop();
         let ended = series.run(
             &mut path,
             || args.problem.after_longer_ranges(prepared, drives[0], &mut stop),
@@ -465,7 +463,13 @@ impl Outlet for Measuring<'_> {
             Findings::of(self.args, (&prepared.surface, conducting), [repulsion.view(), state.gap()], &at, warn);
         let findings = findings.map_err(|failure| failure.at(&format!("load {index}")))?;
         let seconds = started.elapsed().as_secs_f64();
-        let finer = if is_cut { Vec::new() } else { self.on_finer_grids(drives[index])? };
+        let finer = match is_cut {
+            true => self.finer.iter().map(|_| Err(NOT_SOLVED.to_owned())).collect(),
+            false => self.on_finer_grids(drives[index])?,
+        };
+        for reason in finer.iter().filter_map(|found| found.as_ref().err()).filter(|_| !is_cut) {
+            warn("grid", format!("no limit is known: {reason}"));
+        }
         let record = Record::of(&At { seconds, measured: findings.borrowed(), finer, ..at });
         if let Some(coarse) = accuracy::too_coarse(&record) {
             self.session.warn("grid", format!("load {index}: {coarse}"));
@@ -491,18 +495,16 @@ impl Outlet for Measuring<'_> {
 
 impl Measuring<'_> {
     /// The records of a load on the finer grids.
-    fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Record>, Failure> {
+    fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Result<Record, String>>, Failure> {
         let (args, session) = (self.args, self.session);
-        let mut stop = |_: &gfmd_contact::Progress| {
-            if session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let records = self.finer.iter_mut().map(|(finer, conducting)| {
+        let mut stop = session.stop();
+        let mut record = |(finer, conducting): &mut (Finer, Conducting)| {
             let (state, surface, at) = finer.reach(drive, &mut stop)?;
             let repulsion = state.repulsion();
             let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
             Ok(Record::of(&At { measured: findings.borrowed(), ..at }))
-        });
-        records.collect()
+        };
+        self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
     }
 }
 

@@ -8,12 +8,12 @@ mod waypoints;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Solver, Visit};
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Load, SolveError, Solver, Visit};
 use gfmd_files::Output;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_law::{Kind, Limit};
-use gfmd_problem::{Facts, Friction, Posed, Task};
-use gfmd_record::{At, Record};
+use gfmd_problem::{Facts, Friction, GridError, Posed, Task};
+use gfmd_record::{At, NOT_SOLVED, Record};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
@@ -29,7 +29,9 @@ use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
 use gfmd_run::lower::LowerArgs;
 use gfmd_run::resume::{Kept, ResumeArgs};
-use gfmd_run::series::{Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, keeping};
+use gfmd_run::series::{
+    Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, beside, keeping, on_finer_grids, resolved,
+};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
@@ -76,6 +78,10 @@ pub struct Args {
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, conflicts_with_all = ["friction", "shear_strength"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     hardness: Option<GivenHardness>,
+    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid, too
+    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
+    #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
+    grid_error: GridError,
     #[command(flatten)]
     #[serde(flatten)]
     waypoints: WaypointArgs,
@@ -136,6 +142,7 @@ impl Args {
             approach: self.waypoints.flag() == "--displacement",
             lateral: !self.waypoints.lateral.is_empty(),
             resume: self.resume.resume,
+            grid_error: self.grid_error,
             ..self.body.facts()
         }
     }
@@ -242,7 +249,24 @@ impl Way {
         };
         let mut file = series.file(output.as_ref(), config, output.is_some())?;
         let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
-        let mut log = Log { contact, points: prepared.surface.grid.len(), widest: None, unsettled: Vec::new() };
+        let finer = args.asked(|asked| on_finer_grids(asked, prepared))?;
+        let finer = finer.iter().map(|(finer, contact)| Beside {
+            prepared: finer,
+            contact,
+            path: Path::new(contact, args.budget(), refinement),
+            rise: finer.surface.highest() - prepared.surface.highest(),
+            ended: None,
+        });
+        let mut log = Log {
+            contact,
+            drives,
+            finer: finer.collect(),
+            tolerance: args.tol,
+            session,
+            points: prepared.surface.grid.len(),
+            widest: None,
+            unsettled: Vec::new(),
+        };
         let kept_files = (file.as_mut(), kept.as_deref_mut());
         let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
         progress.finish();
@@ -281,9 +305,50 @@ impl Way {
     }
 }
 
+/// The same path on a finer grid.
+struct Beside<'a> {
+    prepared: &'a Prepared,
+    contact: &'a Posed,
+    path: Path<'a, Posed>,
+    /// Height of its highest point above that of the other grid, from which an approach counts there.
+    rise: f64,
+    /// The reason why the path ended, once it has.
+    ended: Option<String>,
+}
+
+impl Beside<'_> {
+    /// The record of the step under a drive of the other grid.
+    fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<Record, Failure> {
+        if let Some(reason) = &self.ended {
+            return Err(Failure::Computation(reason.clone()));
+        }
+        let load = match drive.load {
+            Load::Approach(approach) => Load::Approach(approach + self.rise),
+            pressure => pressure,
+        };
+        let step = self.path.step(Drive { load, ..drive }, &mut session.stop()).map_err(|error| match error {
+            SolveError::Interrupted { .. } => Failure::Interrupted("interrupted".into()),
+            error => {
+                let [nx, ny] = self.prepared.surface.grid.points();
+                let reason = format!("the grid of {nx} x {ny} points: {error}");
+                Failure::Computation(self.ended.insert(reason).clone())
+            }
+        })?;
+        let state = self.path.state().ok_or_else(|| Failure::Computation(NOT_SOLVED.into()))?;
+        let reading = self.contact.reading(state);
+        let at = resolved(self.prepared, state, tolerance);
+        Ok(Record::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at }))
+    }
+}
+
 /// What a path makes of its states.
 struct Log<'a> {
     contact: &'a Posed,
+    drives: &'a [Drive],
+    /// The same path on finer grids.
+    finer: Vec<Beside<'a>>,
+    tolerance: f64,
+    session: &'a Session,
     points: usize,
     /// The largest contact area, and its fields.
     widest: Option<(f64, Shown)>,
@@ -293,9 +358,14 @@ struct Log<'a> {
 
 impl Outlet for Log<'_> {
     fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
-        let Reached { index, state, step, at, started, .. } = reached;
+        let Reached { index, state, step, at, started, is_cut } = reached;
         let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
-        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, reading)), ..at });
+        let finer = self.finer.iter_mut().map(|finer| match is_cut {
+            true => Ok(Err(NOT_SOLVED.to_owned())),
+            false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
+        });
+        let finer = finer.collect::<Result<_, Failure>>()?;
+        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, reading)), finer, ..at });
         if step.is_unsettled {
             self.unsettled.push((index, *step));
         }

@@ -4,24 +4,40 @@ use std::array::from_fn;
 
 use ndarray::ArrayView2;
 
-/// The largest value of a periodic field `[x, y]`, by the quadratic through its largest point and the eight around it.
+/// The largest value of a periodic field `[x, y]` between its points: the largest maximum of the quadratics through each high
+/// point and the eight around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// The largest value of the quadratic, in the unit of the field; that of the point if the quadratic has no maximum.
+    /// The largest value of the quadratics, in the unit of the field; that of a point whose quadratic has no maximum.
     pub value: f64,
-    /// The sharpness of the peak on this grid: less the sum of both second differences at the point, over its value.
+    /// The sharpness of the peak on this grid: less the sum of both second differences at its point, over its value.
     pub sharpness: f64,
 }
 
 impl Peak {
     /// The peak of `field`; `None` without points.
     pub fn of(field: ArrayView2<f64>) -> Option<Self> {
-        let ((i, j), &top) = field.indexed_iter().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        let (nx, ny) = field.dim();
-        let around = from_fn(|di| from_fn(|dj| field[[(i + nx + di - 1) % nx, (j + ny + dj - 1) % ny]]));
-        let (rise, differences) = rise(&around);
-        Some(Self { value: top + rise, sharpness: -differences / top })
+        let highest = field.iter().copied().max_by(f64::total_cmp)?;
+        let rises = maxima(field, 0.5 * highest).map(|([i, j], around)| {
+            let (rise, differences) = rise(&around);
+            let value = field[[i, j]];
+            Self { value: value + rise, sharpness: -differences / value }
+        });
+        let flat = Self { value: highest, sharpness: 0.0 };
+        Some(rises.fold(flat, |most, peak| if peak.value >= most.value { peak } else { most }))
     }
+}
+
+/// The points of a periodic field that are at least this high and no lower than the eight around them, with these.
+fn maxima(field: ArrayView2<f64>, least: f64) -> impl Iterator<Item = ([usize; 2], [[f64; 3]; 3])> {
+    let (nx, ny) = field.dim();
+    let has_one = move |i: &usize| field.row(*i).iter().any(|value| *value >= least);
+    let places = (0..nx).filter(has_one).flat_map(move |i| (0..ny).map(move |j| [i, j]));
+    places.filter(move |place| field[*place] >= least).filter_map(move |[i, j]| {
+        let around: [[f64; 3]; 3] = from_fn(|di| from_fn(|dj| field[[(i + nx + di - 1) % nx, (j + ny + dj - 1) % ny]]));
+        let is_highest = around.iter().flatten().all(|value| *value <= around[1][1]);
+        is_highest.then_some(([i, j], around))
+    })
 }
 
 /// Points on each side of a place from which a field without waves shorter than four points is interpolated there: the error of
@@ -38,28 +54,15 @@ const CANDIDATES: usize = 8;
 /// field: the quadratic through the largest of eight times finer points around the highest maxima, to 3e-5 of the amplitude of
 /// the shortest waves. NaN without points.
 pub fn top(field: ArrayView2<f64>) -> f64 {
-    let (nx, ny) = field.dim();
-    let rows = field.outer_iter().map(|row| row.fold(f64::NEG_INFINITY, |most, value| most.max(*value)));
-    let most: Vec<f64> = rows.collect();
-    let highest = most.iter().fold(f64::NEG_INFINITY, |most, row| most.max(*row));
+    let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
     if !highest.is_finite() {
         return f64::NAN;
     }
-    let neighbourhood = |i: usize, j: usize| -> [[f64; 3]; 3] {
-        from_fn(|di| from_fn(|dj| field[[(i + nx + di - 1) % nx, (j + ny + dj - 1) % ny]]))
-    };
     // Between points four to a wave, a wave rises above them by at most 1/cos(π/4) along each axis.
     let mean = field.sum() / field.len() as f64;
-    let least = highest - 0.5 * (highest - mean);
-    let mut maxima = Vec::new();
-    for i in (0..nx).filter(|i| most[*i] >= least) {
-        for j in (0..ny).filter(|j| field[[i, *j]] >= least) {
-            let around = neighbourhood(i, j);
-            if around.iter().flatten().all(|value| *value <= around[1][1]) {
-                maxima.push((around[1][1] + rise(&around).0, [i, j]));
-            }
-        }
-    }
+    let high = maxima(field, highest - 0.5 * (highest - mean));
+    let mut maxima: Vec<(f64, [usize; 2])> =
+        high.map(|(place, around)| (field[place] + rise(&around).0, place)).collect();
     maxima.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     maxima.truncate(CANDIDATES);
     maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place)))
@@ -128,6 +131,23 @@ mod tests {
             assert!((found.value - 4.0).abs() < 0.06 * (4.0 - most), "{at}: {most} {found:?}");
         }
         assert_eq!(Peak::of(Array2::<f64>::zeros((0, 3)).view()), None);
+    }
+
+    #[test]
+    fn a_peak_between_points_exceeds_a_lower_one_at_a_point() {
+        let peak = |x: f64, y: f64, [u, v]: [f64; 2], value: f64| {
+            (value - 0.4 * (x - u).powi(2) - 0.4 * (y - v).powi(2)).max(0.0)
+        };
+        let field = Array2::from_shape_fn((24, 12), |(i, j)| {
+            let [x, y] = [i as f64, j as f64];
+            peak(x, y, [6.5, 5.5], 3.1).max(peak(x, y, [17.0, 5.0], 3.0))
+        });
+        assert_eq!(field.fold(0.0, |most: f64, value| most.max(*value)), 3.0);
+        let found = Peak::of(field.view()).unwrap();
+        assert!((found.value - 3.1).abs() < 1e-14, "{found:?}");
+        assert!((found.sharpness - 1.6 / 2.9).abs() < 1e-13, "{found:?}");
+        assert_eq!(Peak::of(Array2::zeros((4, 4)).view()).unwrap().value, 0.0);
+        assert!(Peak::of(Array2::from_elem((4, 4), f64::NAN).view()).unwrap().value.is_nan());
     }
 
     #[test]

@@ -16,6 +16,11 @@ impl GridError {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::None, Self::Estimate, Self::Refine];
 
+    /// True for the one that no option asks for.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {

@@ -79,6 +79,8 @@ parts! {
     NoLevel: |_| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), |f| !f.has_level();
     /// A prescribed approach.
     Approach: |_| ("--displacement", "given", "--displacement"), |f| f.approach;
+    /// A prescribed approach that is not that of a path.
+    FixedApproach: |_| ("--displacement", "given", "--displacement"), |f| f.approach && f.task == Task::Loads;
     /// A lateral motion without friction.
     Lateral: |_| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
         |f| f.lateral && f.friction.is_none();
@@ -177,7 +179,7 @@ pub const RULES: &[Rule] = {
         rule(Refine, Free, "none or estimate", "the rim of the patch moves with the grid"),
         rule(Refine, FiniteSlope, "none or estimate", LATER),
         rule(Refine, Line, "none or estimate", LATER),
-        rule(Refine, Approach, "none or estimate", "the limits are those under the same load"),
+        rule(Refine, FixedApproach, "none or estimate", "the limits are those under the same load"),
         rule(Refine, FlowThreshold, "none or estimate", LATER),
         rule(Refine, History, "none or estimate", "it is the record of one search"),
         rule(Refine, Resume, "none or estimate", "the states of the finer grid are not kept"),
@@ -201,7 +203,6 @@ pub const RULES: &[Rule] = {
         rule(Statistics, Path, "left out", LATER),
         rule(Flow, Path, "left out", LATER),
         rule(FlowThreshold, Path, "left out", LATER),
-        rule(Refine, Path, "none or estimate", LATER),
         rule(History, Path, "left out", LATER),
         rule(Several, Path, "left out", LATER),
     ]
@@ -249,6 +250,7 @@ impl Part {
     fn is_of(self, task: Task) -> bool {
         match task {
             Task::Loads => !matches!(self, Self::Friction | Self::Lateral | Self::FreeFriction | Self::Path),
+            Task::Path if self == Self::FixedApproach => false,
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
     }

@@ -16,7 +16,7 @@ use gfmd_record::{At, NOT_SOLVED, Record};
 use gfmd_run::accuracy::{self, Accuracy};
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
-use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, check_drive, fields};
+use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use ndarray::{Array2, ArrayView2};
@@ -177,9 +177,9 @@ impl Problem {
                 Some(_) => Err(NOT_SOLVED),
                 None => stiffness(contact, &state, |text| tracing::warn!("{text}")),
             };
-            let finer = finer.iter_mut().filter(|_| failure.is_none()).map(|finer| {
-                let (.., at) = finer.reach(drive, &mut watch)?;
-                Ok(Record::of(&at))
+            let finer = finer.iter_mut().map(|finer| match &failure {
+                Some(_) => Ok(Err(NOT_SOLVED.to_owned())),
+                None => beside(finer.reach(drive, &mut watch).map(|(.., at)| Record::of(&at))),
             });
             let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);

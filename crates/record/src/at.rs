@@ -30,11 +30,13 @@ pub struct At<'a> {
     pub short_waves: f64,
     /// The number of waves that share the mean square gradient of the surface; NaN if it is not known.
     pub waves: f64,
+    /// The rms slopes of the surface along x and y, by differences; NaN if they are not known.
+    pub slopes: [f64; 2],
     /// Height of the surface's top above the highest point of the grid, length; `None` if it is not known.
     pub rise: Option<f64>,
     /// The records of the same load on a grid of twice as many points along each side: one, or one for each of two ways to place
-    /// heights between those that are known.
-    pub finer: Vec<Record>,
+    /// heights between those that are known; in place of a record, the reason why there is none.
+    pub finer: Vec<Result<Record, String>>,
     /// The peak of the pressure, found when it is first asked for.
     pub peak: OnceCell<Option<Peak>>,
     /// The scales of reduced quantities.
@@ -106,6 +108,7 @@ impl<'a> At<'a> {
             points: 0,
             short_waves: f64::NAN,
             waves: f64::NAN,
+            slopes: [f64::NAN; 2],
             rise: None,
             finer: Vec::new(),
             peak: OnceCell::new(),
@@ -128,6 +131,15 @@ impl<'a> At<'a> {
             let pressure = self.rest?.pressure();
             if pressure.len() == self.points { Peak::of(pressure.view()) } else { None }
         })
+    }
+
+    /// True if a point at the rim of the grid is pressed; `None` if the whole field is not there.
+    pub(crate) fn reaches_rim(&self) -> Option<bool> {
+        let pressure = self.rest?.pressure();
+        let (nx, ny) = pressure.dim();
+        let is_rim = |(i, j): (usize, usize)| i == 0 || j == 0 || i + 1 == nx || j + 1 == ny;
+        let mut points = pressure.indexed_iter();
+        (pressure.len() == self.points).then(|| points.any(|(place, pressure)| is_rim(place) && *pressure > 0.0))
     }
 
     /// The largest residual; NaN if one is NaN.

@@ -107,6 +107,8 @@ pub struct Column {
     pub head: Option<Head>,
     /// The source of the number.
     pub origin: Origin,
+    /// The order, in the distance of the points, of the error of a limit on infinitely fine grids, if it is known.
+    pub order: Option<f64>,
     /// The value.
     pub value: fn(&At) -> Cell,
 }
@@ -129,6 +131,7 @@ impl Column {
             undefined: |_| None,
             head: None,
             origin: Origin::Fields,
+            order: None,
             value,
         }
     }
@@ -170,9 +173,18 @@ impl Column {
         Self { origin, ..self }
     }
 
+    pub(crate) const fn of_order(self, order: Option<f64>) -> Self {
+        Self { order, ..self }
+    }
+
     /// The definition in a problem.
     pub fn meaning(&self, facts: &Facts) -> &'static str {
         meaning(self.meanings, facts)
+    }
+
+    /// The name of the number of which the column has the limit on infinitely fine grids.
+    pub fn limit_of(&self) -> Option<&'static str> {
+        self.name.strip_suffix(LIMIT).filter(|_| self.origin == Origin::Grid)
     }
 
     /// The cell of a number in a file.

@@ -22,6 +22,16 @@ fn path(facts: &Facts) -> bool {
     facts.task == Task::Path
 }
 
+/// True if the approach is that of each step of a path.
+fn prescribed(facts: &Facts) -> bool {
+    path(facts) && facts.approach
+}
+
+/// True if a shear may act along a path.
+fn sheared(facts: &Facts) -> bool {
+    path(facts) && (facts.lateral || friction(facts))
+}
+
 fn law(facts: &Facts) -> bool {
     facts.has_law()
 }
@@ -138,7 +148,8 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
     let reasons = [
         (law(facts), with!("a law")),
         (hardness(facts), with!("a hardness")),
-        (facts.boundary == Boundary::Free, "the error of the grid was not measured with free boundaries"),
+        (friction(facts), with!("friction")),
+        (facts.lateral, with!("a lateral motion")),
         (facts.unknown != Unknown::Normal, with!("further unknown components")),
         (steep(facts), "the error of the grid was not measured with finite slopes"),
         (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
@@ -157,12 +168,24 @@ fn not_measured(facts: &Facts) -> Option<&'static str> {
 /// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
 pub const UNRESOLVED: f64 = 0.01;
 
-/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of textures, edges of
-/// contacts lie alike, and their errors add up.
+/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of textures and single
+/// spheres, edges of contacts lie alike, and their errors add up.
 pub const FEWEST_WAVES: f64 = 8.0;
 
 /// The numbers that hardly depend on waves shorter than four points.
 const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductance"];
+
+/// The numbers whose errors are known only where they average out.
+const AVERAGES: [&str; 3] = ["boundary_links", "flow_xx", "flow_yy"];
+
+/// The numbers that depend on the gap outside of the contacts.
+const LEVELS: [&str; 4] = ["displacement", "mean_gap", "flow_xx", "flow_yy"];
+
+/// The largest ratio of the rms slopes along x and y.
+const STEEPEST: f64 = 2.0;
+
+/// The numbers that no formula has, and whose error is the difference of two grids.
+const BY_DIFFERENCE: [&str; 5] = ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated"];
 
 /// The largest ratio of the distances between points along x and y.
 const LONGEST_CELL: f64 = 1.1;
@@ -178,18 +201,39 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
         )
         .into());
     }
-    if at.waves.is_nan() || at.waves < FEWEST_WAVES {
+    let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
+    if is_alike && (at.waves.is_nan() || AVERAGES.contains(&name)) {
         return Err(format!(
-            "the surface has {:.1} waves; the error of the grid is known of random ones, whose edges lie anywhere on the grid, with at \
-             least {FEWEST_WAVES}",
+            "the surface has {:.1} waves; its error by the grid is known of random ones, whose edges lie anywhere on the grid, with \
+             at least {FEWEST_WAVES}",
             at.waves
+        )
+        .into());
+    }
+    if at.facts.boundary == Boundary::Free {
+        if LEVELS.contains(&name) {
+            return Err("its error by the grid was not measured with free boundaries".into());
+        } else if at.reaches_rim() != Some(false) {
+            return Err(
+                "contacts reach the rim of the patch, where the pressure is singular and grids do not agree".into()
+            );
+        }
+    }
+    let [x, y] = at.slopes;
+    let steeper = x.max(y) / x.min(y);
+    if steeper.is_nan() || steeper > STEEPEST {
+        return Err(format!(
+            "the rms slope along one axis is {steeper:.1} times that along the other; edges of contacts that lie along an axis cut the \
+             grid alike, and the error of the grid is known up to {STEEPEST} times"
         )
         .into());
     }
     if dx.max(dy) > LONGEST_CELL * dx.min(dy) {
         return Err("the error of the grid was measured with points as far apart along x as along y".into());
     }
-    GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales).map_err(|reason| reason.to_string().into())
+    let limits = GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales);
+    let limits = limits.map(|limits| if is_alike { limits.alike() } else { limits });
+    limits.map_err(|reason| reason.to_string().into())
 }
 
 /// A number of the limit of a column on infinitely fine grids, or the reason why it is not known.
@@ -220,13 +264,14 @@ fn refined(
     // Boundary links are counted in steps of their grid.
     let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
     let limits = at.finer.iter().map(|finer| {
+        let finer = finer.as_ref().map_err(|reason| Cow::from(reason.clone()))?;
         let number = |end: &str| match finer.get(&format!("{name}{end}")) {
             Some(Cell::Undefined(reason)) => Err(reason.clone()),
             cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),
         };
         let fine = number("")?;
         let apart = (fine - value).abs();
-        if law(at.facts) {
+        if law(at.facts) || BY_DIFFERENCE.contains(&name) {
             return Ok(GridLimit { limit: fine, half_width: apart });
         }
         if name == "max_pressure" && hardness(at.facts) && apart <= 1e-6 * value {
@@ -236,7 +281,7 @@ fn refined(
         let refined = Refined { value, own: own.as_ref().ok().copied(), fine, limit: GridLimit { limit, half_width } };
         Ok(match () {
             () if name.starts_with("flow_") => refined.flow(),
-            () if not_calibrated(at.facts).is_none() => refined.calibrated(),
+            () if not_calibrated(at.facts).is_none() && !prescribed(at.facts) => refined.calibrated(),
             () => refined.by_difference(),
         })
     });
@@ -257,20 +302,29 @@ fn grid_error(found: &GridLimit, value: f64) -> f64 {
 }
 
 /// The limit of a number on infinitely fine grids, its error, and the error of the number by the grid: the name, the place in JSON
-/// around the suffix, the unit, the column of the number, the limit.
+/// around the suffix, the unit, the problems that have the number, the order of the error of the limit in the distance of the points
+/// (that of its formula in [`GridLimits`]), the limit.
 macro_rules! limits {
-    ($name:literal, $unit:literal, $limit:expr) => {
-        limits!($name, [$name, ""], $unit, loads, $limit)
+    ($name:literal, $unit:literal, $order:expr, $limit:expr) => {
+        limits!($name, [$name, ""], $unit, any, $order, $limit)
     };
-    ($name:literal, [$json:literal, $place:literal], $unit:literal, $present:expr, $limit:expr) => {
+    ($name:literal, [$json:literal, $place:literal], $unit:literal, $present:expr, $order:expr, $limit:expr) => {
         [
             Column::new(
                 concat!($name, "_limit"),
                 $unit,
-                &[(any, concat!("estimate of ", $name, " on an infinitely fine grid that bears the same load"))],
+                &[(
+                    any,
+                    concat!(
+                        "estimate of ",
+                        $name,
+                        " on an infinitely fine grid under the same load, or at the same approach"
+                    ),
+                )],
                 |at| limit(at, $name, $limit, limit_value),
             )
             .at(concat!($json, "_limit", $place))
+            .of_order($order)
             .with(|facts| $present(facts) && facts.grid_error != GridError::None),
             Column::new(
                 concat!($name, "_limit_error"),
@@ -399,29 +453,64 @@ const ALL: [Column; MEASURED.len() + 3 * LIMITS.len()] = {
     all
 };
 
+/// The limit of a number that one solution does not tell.
+fn two_grids(_: &GridLimits, _: &At, _: f64) -> Result<GridLimit, NoLimit> {
+    Err(NoLimit::OneGrid)
+}
+
 /// The limits on infinitely fine grids of numbers of a contact.
-const LIMITS: &[[Column; 3]] = &[
-    limits!("displacement", "length", |limits, at, value| {
-        at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
-    }),
-    limits!("area_fraction", "1", |limits, _, _| Ok(limits.area_fraction())),
-    limits!("kappa", "1", |limits, _, _| Ok(limits.kappa())),
-    limits!("boundary_links", "1", |limits, _, _| Ok(limits.boundary_links())),
-    limits!("mean_gap", "length", |limits, _, _| Ok(limits.mean_gap())),
-    limits!("max_pressure", "stress", |limits, at, _| {
-        at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
-    }),
-    limits!("mean_pressure_in_contact", "stress", |limits, _, _| Ok(limits.mean_pressure_in_contact())),
-    limits!("pressure_deviation_in_contact", "stress", |limits, _, _| Ok(limits.pressure_deviation_in_contact())),
-    limits!("pressure_moment_2", "stress^2", |limits, _, _| Ok(limits.pressure_moment_2())),
-    limits!("elastic_energy", "stress*length", |limits, _, _| Ok(limits.elastic_energy())),
-    limits!("stiffness", "stress/length", |limits, _, value| Ok(limits.stiffness(value))),
-    limits!("conductance", ["conductance", ""], "1/length", statistics, |limits, at, value| {
-        if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
-    }),
-    limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, |limits, _, value| limits.flow(value)),
-    limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, |limits, _, value| limits.flow(value)),
-];
+const LIMITS: &[[Column; 3]] =
+    &[
+        limits!("mean_pressure", ["mean_pressure", ""], "stress", prescribed, None, two_grids),
+        limits!("mean_shear_x", ["mean_shear", ".0"], "stress", sheared, None, two_grids),
+        limits!("mean_shear_y", ["mean_shear", ".1"], "stress", sheared, None, two_grids),
+        limits!("displacement", "length", Some(2.7), |limits, at, value| {
+            at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
+        }),
+        limits!("area_fraction", "1", Some(1.6), |limits, _, _| Ok(limits.area_fraction())),
+        limits!("kappa", ["kappa", ""], "1", loads, Some(1.6), |limits, _, _| Ok(limits.kappa())),
+        limits!("boundary_links", ["boundary_links", ""], "1", loads, Some(1.0), |limits, _, _| Ok(
+            limits.boundary_links()
+        )),
+        limits!("mean_gap", "length", Some(2.7), |limits, _, _| Ok(limits.mean_gap())),
+        limits!("max_pressure", ["max_pressure", ""], "stress", loads, Some(3.0), |limits, at, _| {
+            at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
+        }),
+        limits!(
+            "mean_pressure_in_contact",
+            ["mean_pressure_in_contact", ""],
+            "stress",
+            loads,
+            Some(1.6),
+            |limits, _, _| Ok(limits.mean_pressure_in_contact())
+        ),
+        limits!(
+            "pressure_deviation_in_contact",
+            ["pressure_deviation_in_contact", ""],
+            "stress",
+            loads,
+            Some(1.6),
+            |limits, _, _| Ok(limits.pressure_deviation_in_contact())
+        ),
+        limits!("pressure_moment_2", ["pressure_moment_2", ""], "stress^2", loads, Some(2.3), |limits, _, _| Ok(
+            limits.pressure_moment_2()
+        )),
+        limits!("elastic_energy", "stress*length", Some(2.8), |limits, _, _| Ok(limits.elastic_energy())),
+        limits!("interface_energy", ["interface_energy", ""], "stress*length", of_a_law, None, two_grids),
+        limits!("dissipated", ["dissipated", ""], "stress*length", path, None, two_grids),
+        limits!("stiffness", ["stiffness", ""], "stress/length", loads, Some(1.4), |limits, _, value| Ok(
+            limits.stiffness(value)
+        )),
+        limits!("patches", ["patches.count", ""], "1", statistics, None, |_, _, _| Err(NoLimit::Patches)),
+        limits!("largest_patch_fraction", ["patches.largest_fraction", ""], "1", statistics, None, |_, _, _| {
+            Err(NoLimit::Patches)
+        }),
+        limits!("conductance", ["conductance", ""], "1/length", statistics, Some(1.4), |limits, at, value| {
+            if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
+        }),
+        limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+        limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+    ];
 
 /// The columns that are measured.
 const MEASURED: &[Column] = &[
@@ -986,9 +1075,11 @@ pub fn page() -> String {
     let row = |column: &Column| {
         let mut meanings: Vec<&str> = column.meanings.iter().rev().map(|(_, meaning)| *meaning).collect();
         meanings.dedup();
+        let order =
+            column.order.map_or_else(String::new, |order| format!("; of order {order} in the distance of the points"));
         let json = if column.json.is_empty() { "-".into() } else { format!("`{}`", column.json) };
         let file = format!("`{}`", column.name);
-        format!("| {file} | {json} | {} | {} |\n", column.unit, meanings.join("; or: "))
+        format!("| {file} | {json} | {} | {}{order} |\n", column.unit, meanings.join("; or: "))
     };
     let head = "| HDF5 | JSON | unit | definition |\n|---|---|---|---|\n";
     COLUMNS.iter().fold(head.to_owned(), |page, column| page + &row(column))

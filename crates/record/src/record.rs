@@ -148,14 +148,13 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
 /// `name` is that of a row, in singular and plural. The columns of the error of a number by the grid are named by the number.
 pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
     let cells = || rows.iter().flat_map(|row| &row.cells);
-    let limited = |column: &'static Column| column.name.strip_suffix(LIMIT).filter(|_| column.origin == Origin::Grid);
-    let all_limited: BTreeSet<&str> = cells().filter_map(|(column, _)| limited(column)).collect();
+    let all_limited: BTreeSet<&str> = cells().filter_map(|(column, _)| column.limit_of()).collect();
     let undefined = cells().filter(|(column, cell)| matches!(cell, Cell::Undefined(_)) && shown(column.name));
     let undefined: BTreeMap<&str, &'static Column> = undefined.map(|(column, _)| (column.name, *column)).collect();
     // A reason, with its columns and the numbers whose error by the grid is not known.
     let mut told: Vec<(String, [Vec<&str>; 2])> = Vec::new();
     for column in undefined.into_values() {
-        let (list, named) = match (column.origin, limited(column)) {
+        let (list, named) = match (column.origin, column.limit_of()) {
             (Origin::Grid, None) => continue,
             (_, Some(number)) => (1, number),
             (_, None) => (0, column.name),

@@ -5,6 +5,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use maud::html;
 
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
+use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness;
 
@@ -54,12 +55,26 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             } @else { "No energy is defined for this law" }
         }
     });
-    let lowest = mean[..computed].iter().copied().fold(f64::NAN, f64::min);
+    let lowest = |name: &str| {
+        let values = &column(name)[..computed];
+        if values.iter().any(|value| value.is_nan()) {
+            f64::NAN
+        } else {
+            values.iter().copied().fold(f64::INFINITY, f64::min)
+        }
+    };
+    let (pull, fine) = (lowest("mean_pressure"), lowest("mean_pressure_limit"));
+    // That on an infinitely fine grid, if the path was followed on a finer one, too.
+    let pull = if fine.is_nan() {
+        number(pull)
+    } else {
+        html! { (with_limit(pull, fine, (fine - pull).abs())) }
+    };
     let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());
     page.answer.push(html! {
         p {
             (computed) " of " (stored.len()) " steps. Largest contact area " (number(100.0 * largest(&area)))
-            " %, lowest mean pressure " (number(lowest))
+            " %, lowest mean pressure " (pull)
             @if sideways { ", largest ratio of shear to pressure " (number(friction.fold(f64::NAN, f64::max))) }
             ". "
             @if dissipated.is_finite() && !error.is_finite() { "The lost energy is exact for this interface (no error is estimated). " }

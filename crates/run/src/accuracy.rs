@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-use gfmd_record::{COLUMNS, Cell, FEWEST_WAVES, Origin, Record, not_calibrated};
+use gfmd_contact::Boundary;
+use gfmd_record::{COLUMNS, Cell, FEWEST_WAVES, Record, not_calibrated};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -57,20 +58,6 @@ impl<'de> Deserialize<'de> for Accuracy {
     }
 }
 
-/// The orders in the spacing of the points of the errors of the limits (theory.md, section 9.2); the last one is of all others.
-const ORDERS: [(&str, f64); 10] = [
-    ("mean_gap", 2.7),
-    ("displacement", 2.7),
-    ("elastic_energy", 2.8),
-    ("max_pressure", 2.6),
-    ("pressure_moment_2", 2.3),
-    ("area_fraction", 1.6),
-    ("kappa", 1.6),
-    ("mean_pressure_in_contact", 1.6),
-    ("pressure_deviation_in_contact", 1.6),
-    ("", 1.3),
-];
-
 /// The least whole number of times, a power of two or three times one, that is not below this one.
 fn round(times: f64) -> u64 {
     let double = (times.min(1e9).ceil() as u64).next_power_of_two();
@@ -99,11 +86,11 @@ pub struct Worst {
 /// of which no grid tells the limit, since they have no value, or are near closing or full contact.
 pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
     let names = || {
-        let limits = COLUMNS.iter().filter(|column| column.origin == Origin::Grid);
-        limits.filter_map(|column| column.name.strip_suffix("_limit")).filter(|name| *name != "boundary_links")
+        let names = COLUMNS.iter().filter_map(|column| Some((column.limit_of()?, column.order)));
+        names.filter(|(name, _)| *name != "boundary_links")
     };
     let each = records.iter().flat_map(|record| names().map(move |name| (record, name)));
-    let all = each.filter_map(|(record, number)| match record.get(&format!("{number}_limit"))? {
+    let all = each.filter_map(|(record, (number, order))| match record.get(&format!("{number}_limit"))? {
         Cell::Undefined(reason) if reason.contains("boundary links") => {
             Some(Worst { number, error: None, reason: Some(reason.to_string()), times: 2 })
         }
@@ -111,8 +98,7 @@ pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
         limit => {
             let error = record.number(&format!("{number}_limit_error")) / limit.number().abs();
             let over = error / accuracy.0;
-            let order = ORDERS.iter().find(|(name, _)| [number, ""].contains(name)).map_or(1.0, |(_, order)| *order);
-            let times = if over <= 1.0 { 1 } else { round(over.powf(1.0 / order)).max(2) };
+            let times = if over <= 1.0 { 1 } else { round(over.powf(1.0 / order.unwrap_or(1.0))).max(2) };
             Some(Worst { number, error: Some(error), reason: None, times })
         }
     });
@@ -128,6 +114,9 @@ pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<
     let refuse = |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.0));
     if let Some(reason) = not_calibrated(&prepared.facts) {
         return Err(refuse(reason));
+    }
+    if prepared.facts.boundary == Boundary::Free {
+        return Err(refuse("the rim of a patch moves with the grid"));
     }
     if approach {
         return Err(refuse(

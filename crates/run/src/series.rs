@@ -31,7 +31,7 @@ use crate::trace::Tracer;
 pub use check::Stored;
 pub use file::{Chosen, StateFile};
 pub use file::{Field, fields};
-pub use finer::Finer;
+pub use finer::{Finer, beside, on_finer_grids, resolved};
 pub use head::is_normal;
 pub use head::{Head, Lower};
 pub use parts::Parts;

@@ -1,11 +1,12 @@
 //! One run of the program: the flags that all commands have in common, interruption, and the machine.
 
 use std::fmt;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use gfmd_contact::{Contact, Refusal};
+use gfmd_contact::{Contact, Progress, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
 use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
@@ -161,6 +162,11 @@ impl Session {
     /// Returns true if the user asked to stop.
     pub fn is_interrupted(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
+    }
+
+    /// The watch of a search that ends when the user asks to stop.
+    pub fn stop(&self) -> impl FnMut(&Progress) -> ControlFlow<()> + '_ {
+        |_| if self.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that does

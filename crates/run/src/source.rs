@@ -161,6 +161,11 @@ impl Surface {
         self.scan.is_some() || self.second.is_some()
     }
 
+    /// The highest point of the grid, length.
+    pub fn highest(&self) -> f64 {
+        self.heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
+    }
+
     /// The rms gradient: the spectral one, or that of the differences inside if the surface does not repeat.
     pub fn rms_gradient(&self) -> f64 {
         match self.boundary {

@@ -1,9 +1,10 @@
 //! The printed report of a path.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use gfmd_record::{Record, Table, lines, table_of};
+use gfmd_record::{Record, Table, lines, table_of, with_limit};
 use serde::Serialize;
 
 use crate::session::list_files;
@@ -28,6 +29,10 @@ pub struct Report {
     pub dissipated_error: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
+    /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure, where they
+    /// are known.
+    #[serde(flatten)]
+    pub limits: BTreeMap<String, f64>,
     /// The step at which the surfaces parted under their load, the last one.
     pub parted_at: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,7 +66,8 @@ impl Report {
             dissipated: sum("dissipated"),
             dissipated_error: sum("dissipated_error"),
             extra_solves: steps.iter().map(|step| step.number("extra_solves") as u64).sum(),
-            lowest_mean_pressure: steps.iter().map(|step| step.number("mean_pressure")).fold(f64::INFINITY, f64::min),
+            lowest_mean_pressure: lowest(&steps, "mean_pressure"),
+            limits: BTreeMap::new(),
             parted_at: None,
             not_converged: None,
             peak_bytes: peak_bytes(),
@@ -70,7 +76,27 @@ impl Report {
             steps,
         };
         report.sliding = report.sliding(steps_of_leg);
+        report.limit("lowest_mean_pressure", report.lowest_mean_pressure, lowest(&report.steps, "mean_pressure_limit"));
+        let lost = report.steps.iter().filter(|step| step.value("dissipated").is_some());
+        let fine = lost.map(|step| step.number("dissipated_limit")).sum();
+        report.limit("dissipated", report.dissipated.unwrap_or(f64::NAN), fine);
         report
+    }
+
+    /// Adds the limit of a number that is `fine` on the finer grid, unless that is not known.
+    fn limit(&mut self, name: &str, value: f64, fine: f64) {
+        let apart = (fine - value).abs();
+        if apart.is_finite() {
+            let all = [("limit", fine), ("limit_error", apart), ("grid_error", 2.0 * apart)];
+            self.limits.extend(all.map(|(end, number)| (format!("{name}_{end}"), number)));
+        }
+    }
+
+    /// A number as its error by the grid leaves it; without a limit, all digits.
+    fn shown(&self, name: &str, value: f64) -> String {
+        let of = |end: &str| self.limits.get(&format!("{name}_{end}")).copied();
+        let told = of("limit").zip(of("limit_error"));
+        told.map_or_else(|| format!("{value:.6e}"), |(limit, error)| with_limit(value, limit, error))
     }
 
     /// The component of a vector along the lateral displacement.
@@ -100,6 +126,12 @@ impl Report {
         };
         (0..last).step_by(steps_of_leg).enumerate().filter_map(leg).collect()
     }
+}
+
+/// The lowest number of a column; NaN if one has no value.
+fn lowest(steps: &[Record], name: &str) -> f64 {
+    let numbers = || steps.iter().map(|step| step.number(name));
+    if numbers().any(f64::is_nan) { f64::NAN } else { numbers().fold(f64::INFINITY, f64::min) }
 }
 
 /// The columns of the table that may be without a value although others of their kind have one.
@@ -132,12 +164,14 @@ impl fmt::Display for Report {
         }
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
-            (Some(lost), None) => write!(f, "\ndissipated {lost:.6e} per area")?,
+            (Some(lost), None) => write!(f, "\ndissipated {} per area", self.shown("dissipated", lost))?,
             (Some(lost), Some(error)) => {
-                write!(f, "\ndissipated {lost:.6e} +- {error:.1e} per area ({} extra solves)", self.extra_solves)?;
+                let lost = self.shown("dissipated", lost);
+                write!(f, "\ndissipated {lost} +- {error:.1e} per area ({} extra solves)", self.extra_solves)?;
             }
         }
-        writeln!(f, ", lowest mean pressure {:.6e}", self.lowest_mean_pressure)?;
+        let lowest = self.shown("lowest_mean_pressure", self.lowest_mean_pressure);
+        writeln!(f, ", lowest mean pressure {lowest}")?;
         for line in lines(&self.steps, ["step", "steps"], |column| TABLE.contains(&column)) {
             writeln!(f, "{line}")?;
         }

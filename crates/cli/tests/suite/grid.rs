@@ -55,8 +55,13 @@ fn a_finer_grid_tells_the_error_of_all_bodies_interactions_and_boundaries() {
         // The numbers themselves are those of the grid that is asked for.
         assert_eq!(plain["loads"][0]["area_fraction"], refined["loads"][0]["area_fraction"], "{problem}");
         assert!(plain["loads"][0].get("area_fraction_limit").is_none() && plain.get("grid_error").is_none());
-        let told = serde_json::json!({ "mode": "refine", "n": [96, 96], "assumes": "band-limited" });
-        assert_eq!(refined["grid_error"], told, "{problem}");
+        let told = &refined["grid_error"];
+        assert_eq!((&told["mode"], &told["assumes"]), (&"refine".into(), &"band-limited".into()), "{problem}");
+        assert_eq!(
+            (&told["n"], &told["orders"]["area_fraction"]),
+            (&serde_json::json!([96, 96]), &1.6.into()),
+            "{problem}"
+        );
         agree(problem, [&refined["loads"][0], &fine["loads"][0]], names, 1.5);
         let [area, of_limit, error] = limit(&refined["loads"][0], "area_fraction");
         assert!(error < 0.1 * of_limit && error > 0.0, "{problem}: {area} {of_limit} {error}");
@@ -125,21 +130,128 @@ fn the_grid_is_made_finer_until_all_numbers_are_as_exact_as_asked_for() {
     assert!(gfmd(path, &words("check s.h5 --rerun")).status.success());
 }
 
-/// The edges of a single wave's contact all cut the links of the grid at one place: nothing averages out.
+/// Heights of a function of the place in the cell, at points that lie this part of a step beyond its corner.
+fn write(path: &Path, n: usize, offset: f64, height: impl Fn(f64, f64) -> f64) {
+    let at = |i: usize| (i as f64 + offset) / n as f64;
+    let heights = ndarray::Array2::from_shape_fn((n, n), |(i, j)| height(at(i), at(j)));
+    ndarray_npy::write_npy(path, &heights).unwrap();
+}
+
+/// The edges of the contacts of equal waves cut the links of the grid at the same places, and those of stripes at one place.
 #[test]
-fn a_surface_of_few_waves_has_no_error_that_averages_out() {
+fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
     let folder = tempfile::tempdir().unwrap();
-    let wave =
-        ndarray::Array2::from_shape_fn((32, 32), |(i, _)| 0.01 * (std::f64::consts::TAU * i as f64 / 32.0).cos());
-    ndarray_npy::write_npy(folder.path().join("wave.npy"), &wave).unwrap();
+    let (path, tau) = (folder.path(), std::f64::consts::TAU);
+    let egg = |n: usize, offset: f64| {
+        write(&path.join("egg.npy"), n, offset, |x, y| 0.01 * (tau * 2.0 * x).cos() * (tau * 2.0 * y).cos());
+        json(path, &words("contact --surface egg.npy --length 1 --pressure 0.002,0.006 --json -q"))
+    };
+    let exact = egg(256, 0.0);
+    let names = [
+        "area_fraction",
+        "mean_gap",
+        "displacement",
+        "elastic_energy",
+        "stiffness",
+        "pressure_moment_2",
+        "max_pressure",
+    ];
+    for offset in [0.0, 0.3, 0.5] {
+        let coarse = egg(36, offset);
+        for load in [0, 1] {
+            agree("egg box", [&coarse["loads"][load], &exact["loads"][load]], &names, 1.0);
+        }
+        let reason = coarse["loads"][0]["undefined"]["boundary_links_limit"].as_str().unwrap();
+        assert!(reason.contains("the surface has 2.0 waves"), "{reason}");
+    }
+    write(&path.join("wave.npy"), 32, 0.0, |x, _| 0.01 * (tau * x).cos());
     for how in ["estimate", "refine"] {
         let flags = format!("contact --surface wave.npy --length 1 --pressure 0.005 --grid-error {how} --json -q");
-        let load = json(folder.path(), &words(&flags))["loads"][0].take();
+        let load = json(path, &words(&flags))["loads"][0].take();
         let reason = load["undefined"]["area_fraction_limit"].as_str().unwrap();
-        assert!(reason.contains("the surface has 1.0 waves"), "{reason}");
+        assert!(reason.contains("the rms slope along one axis is inf times"), "{reason}");
     }
-    let told = refused(folder.path(), "contact --surface wave.npy --length 1 --pressure 0.005 --accuracy 1%");
+    let told = refused(path, "contact --surface wave.npy --length 1 --pressure 0.005 --accuracy 1%");
     assert!(told.contains("the surface has 1.0 waves"), "{told}");
+}
+
+/// Hertz (1882): a sphere of radius R on a half-space with E* = 1, contact radius a.
+#[test]
+fn the_closed_form_of_a_sphere_is_within_the_errors_of_a_patch() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let press = |n: usize, offset: f64, force: f64| {
+        write(&path.join("sphere.npy"), n, offset, |x, y| -0.5 * ((x - 0.5).powi(2) + (y - 0.5).powi(2)));
+        let flags = "contact --surface sphere.npy --length 1 --boundary free --young 1 --poisson 0 --json -q";
+        json(path, &words(&format!("{flags} --pressure {force}")))["loads"][0].take()
+    };
+    let a: f64 = 0.2;
+    let (force, most) = (4.0 * a.powi(3) / 3.0, 2.0 * a / std::f64::consts::PI);
+    let area = std::f64::consts::PI * a * a;
+    let exact = [
+        ("area_fraction", area),
+        ("mean_pressure_in_contact", force / area),
+        ("max_pressure", most),
+        ("elastic_energy", 0.4 * force * a * a),
+        ("stiffness", 2.0 * a),
+        ("pressure_moment_2", 0.5 * area * most * most),
+    ];
+    for (n, offset) in [(32, 0.0), (32, 0.3), (64, 0.5), (96, 0.2)] {
+        let load = press(n, offset, force);
+        for (name, exact) in exact {
+            let [value, of_limit, error] = limit(&load, name);
+            assert!((of_limit - exact).abs() <= error, "{n} {offset} {name}: {of_limit} ± {error}, {exact}");
+            let bound = load[format!("{name}_grid_error")].as_f64().unwrap();
+            assert!((value - exact).abs() <= bound && bound < 0.2 * exact, "{n} {offset} {name}: {value} ± {bound}");
+        }
+        let reason = load["undefined"]["displacement_limit"].as_str().unwrap();
+        assert!(reason.contains("not measured with free boundaries"), "{reason}");
+    }
+    let load = press(32, 0.5, 4.0 * 0.6_f64.powi(3) / 3.0);
+    let reason = load["undefined"]["area_fraction_limit"].as_str().unwrap();
+    assert!(reason.contains("contacts reach the rim"), "{reason}");
+}
+
+#[test]
+fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let law = "--law exponential --param gamma=1e-6 --param range=4e-3";
+    let pull = |n: usize, how: &str| {
+        let flags = "--displacement=-0.003,0.002,-0.008 --steps 12 --energy-solves 0 --seed 3 --json -q";
+        json(path, &words(&format!("path --n {n} --eps-f-inv 4 {law} {flags} --grid-error {how} --out {how}{n}.h5")))
+    };
+    let (one, two, exact) = (pull(24, "estimate"), pull(24, "refine"), pull(96, "none"));
+    assert_eq!(one["lowest_mean_pressure"], two["lowest_mean_pressure"], "the numbers are those of the grid asked for");
+    assert!(one.get("lowest_mean_pressure_limit").is_none() && exact["steps"][0].get("area_fraction_limit").is_none());
+    let reason = one["steps"][0]["undefined"]["mean_pressure_limit"].as_str().unwrap();
+    assert!(reason.contains("not with a law"), "{reason}");
+    let lowest = limit(&two, "lowest_mean_pressure");
+    let found = exact["lowest_mean_pressure"].as_f64().unwrap();
+    assert!(
+        found < 0.0 && (lowest[1] - found).abs() <= lowest[2] && lowest[2] < 0.2 * found.abs(),
+        "{lowest:?} {found}"
+    );
+    // The approach counts from the top of the surface, which lies above the points.
+    let step = &two["steps"][12];
+    let [approach, top, _] = limit(step, "displacement");
+    assert!(top > approach && top - approach < 1e-3, "{approach} {top}");
+    for again in ["check refine24.h5", "check refine24.h5 --rerun", "check estimate24.h5", "report refine24.h5"] {
+        assert!(gfmd(path, &words(again)).status.success(), "{again}");
+    }
+    // Steps of a wall under loads are contacts: they have the same limits.
+    let flags = "--n 48 --eps-f-inv 6 --seed 5 --json -q --p-star";
+    let steps = json(path, &words(&format!("path {flags} 0.02,0.1 --steps 1")));
+    let loads = json(path, &words(&format!("contact {flags} 0.02,0.1")));
+    for (step, load) in [0, 1].map(|k| (&steps["steps"][k], &loads["loads"][k])) {
+        for name in ["area_fraction", "mean_gap", "displacement", "elastic_energy"] {
+            let ([_, a, of_a], [_, b, of_b]) = (limit(step, name), limit(load, name));
+            assert!(
+                (a - b).abs() < 1e-6 * b && (of_a - of_b).abs() < 1e-3 * of_b,
+                "{name}: {a} ± {of_a}, {b} ± {of_b}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -157,6 +269,9 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
         (format!("{contact} --grid-error refine --finite-slope"), "--grid-error is refine"),
         (format!("{contact} --grid-error refine --method rmd"), "--method is rmd"),
         (format!("{contact} --refine 2"), "--surface"),
+        ("path --n 32 --p-star 0.05 --grid-error refine --boundary free".into(), "--grid-error is refine"),
+        ("path --n 32 --p-star 0.05 --grid-error refine --resume --out a.h5".into(), "--grid-error is refine"),
+        (format!("{contact} --boundary free --accuracy 1%"), "the rim of a patch moves with the grid"),
     ] {
         let told = refused(folder.path(), &flags);
         assert!(told.contains(wanted), "{flags}: {told}");

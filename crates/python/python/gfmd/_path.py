@@ -34,6 +34,8 @@ class Path(Record):
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: stress; negative if the surfaces were pulled.
+        lowest_mean_pressure_limit, dissipated_limit, each with `_limit_error` and `_grid_error`: with `grid_error="refine"`, their
+            values on an infinitely fine grid, by the difference of two grids. `steps` has the same for its numbers.
         parted_at: the step at which the surfaces parted under their load, or None.
         undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
@@ -120,6 +122,12 @@ class Path(Record):
         return (_show.maps_html(reached, "pressure at the waypoints") if reached else "") + super()._repr_html_()
 
 
+def _column(values: list[Any]) -> Array:
+    """Returns the numbers of the steps as an array; NaN for those without a value, also of a component."""
+    made = np.array([np.nan if value is None else value for value in values])
+    return made.astype(float) if made.dtype == object else made
+
+
 def path(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -135,6 +143,7 @@ def path(
     hardness: float | npt.ArrayLike | None = None,
     boundary: str = "periodic",
     coarse: bool = False,
+    grid_error: str = "estimate",
     steps: int = 20,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -156,6 +165,7 @@ def path(
         hardness: largest pressure of a hard wall, stress, as of `contact`; the plastic depth stays.
         boundary: "periodic", or "free" as of `contact`; "free" without lateral motion, or with friction on half-spaces.
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
+        grid_error: as of `contact`; "refine" follows the path on a grid of twice as many points along each side, too.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see docs/interface.md.
@@ -193,6 +203,7 @@ def path(
         shear_strength=None if shear_strength is None else number("shear_strength", shear_strength),
         boundary=word("boundary", boundary),
         coarse=flag("coarse", coarse),
+        grid_error=word("grid_error", grid_error),
     )
     bound = as_hardness(hardness, made)
     if law is not None:
@@ -205,7 +216,7 @@ def path(
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
     rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
     names = dict.fromkeys(name for row in rows for name in row)
-    columns = {name: np.array([np.nan if row.get(name) is None else row[name] for row in rows]) for name in names}
+    columns = {name: _column([row.get(name) for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
     if bound is not None:
         told["hardness"] = bound

@@ -1,14 +1,57 @@
 //! The same contact on a finer grid, from which the error of the numbers by the grid is found.
 
 use gfmd_contact::{Drive, Watch};
-use gfmd_problem::{Posed, Rest};
-use gfmd_record::At;
+use gfmd_problem::{GridError, Posed, Rest};
+use gfmd_record::{At, Record, UNRESOLVED};
+use gfmd_surface::Interpolation;
 
 use super::prepared::{Asked, Prepared};
 use super::pressed::ContactArgs;
 use crate::failure::{Failure, reached};
+use crate::hardness::GivenHardness;
 use crate::session::Session;
-use crate::source::Surface;
+use crate::source::{SourceArgs, Surface};
+
+/// The surface of a problem on a grid of twice as many points along each side, once, or, where the heights between the points are
+/// not known, by both interpolations; none unless `--grid-error refine` is asked for.
+fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failure> {
+    let how = prepared.facts.grid_error;
+    if how != GridError::Refine {
+        return Ok(Vec::new());
+    }
+    if let Some(GivenHardness::Field(_)) = asked.hardness {
+        return Err(Failure::value("--grid-error", how, "none or estimate with a --hardness of each point"));
+    }
+    let both = prepared.surface.is_read() && prepared.short_waves() > UNRESOLVED;
+    let ways = [Interpolation::Waves, Interpolation::Cubic].into_iter().take(1 + usize::from(both));
+    ways.map(|how| asked.source.finer(2, how)).collect()
+}
+
+/// A problem on finer grids, each with its input, posed: none, one, or one for each of two interpolations.
+///
+/// # Errors
+/// A problem of which no other grid is known, or that does not fit into the memory.
+pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepared, Posed)>, Failure> {
+    let pose = |source: SourceArgs| {
+        let asked = Asked { source: &source, once: true, ..*asked };
+        let finer = Prepared::new(&asked, |_| prepared.facts, &Session::silent())?;
+        let contact = finer.pose(&source, &finer.law)?;
+        Ok((finer, contact))
+    };
+    sources(asked, prepared)?.into_iter().map(pose).collect()
+}
+
+/// The record on a finer grid, or the reason why there is none: the number beside which it would stand stays.
+///
+/// # Errors
+/// An interruption.
+pub fn beside(found: Result<Record, Failure>) -> Result<Result<Record, String>, Failure> {
+    match found {
+        Ok(record) => Ok(Ok(record)),
+        Err(failure @ Failure::Interrupted(_)) => Err(failure),
+        Err(Failure::Computation(reason) | Failure::Input(reason)) => Ok(Err(reason)),
+    }
+}
 
 /// A contact on a grid of twice as many points along each side, whose states are found load by load.
 pub struct Finer {
@@ -20,19 +63,13 @@ pub struct Finer {
 }
 
 impl Finer {
-    /// Poses the finer contacts of the one that the options pose: none, one, or one for each of two interpolations
-    /// ([`ContactArgs::finer`]).
+    /// Poses the finer contacts of the one that the options pose ([`on_finer_grids`]).
     ///
     /// # Errors
-    /// A contact of which no other grid is known, or that does not fit into the memory.
+    /// As [`on_finer_grids`].
     pub fn pose(args: &ContactArgs, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
-        let pose = |args: ContactArgs| {
-            let asked = Asked { once: true, ..args.asked()? };
-            let finer = Prepared::new(&asked, |_| prepared.facts, &Session::silent())?;
-            let contact = finer.pose(&args.source, &finer.law)?;
-            Ok(Self { prepared: finer, contact, args, last: None })
-        };
-        args.finer(prepared)?.into_iter().map(pose).collect()
+        let posed = on_finer_grids(&args.asked()?, prepared)?.into_iter();
+        Ok(posed.map(|(prepared, contact)| Self { args: args.clone(), prepared, contact, last: None }).collect())
     }
 
     /// True if a state was found before.
@@ -57,10 +94,14 @@ impl Finer {
             Some(failure) => Err(failure.at(&format!("the grid of {nx} x {ny} points"))),
             None => {
                 let state = self.last.insert(state);
-                // Whatever lies between the points, it is resolved here.
-                let at = At { short_waves: 0.0, ..self.prepared.at(state, self.args.solver.tol) };
+                let at = resolved(&self.prepared, state, self.args.solver.tol);
                 Ok((state, &self.prepared.surface, at.stiff(&self.contact)))
             }
         }
     }
+}
+
+/// The numbers of a state on a finer grid, which resolves whatever lies between the points of the other one.
+pub fn resolved<'a>(finer: &'a Prepared, state: &'a Rest, tolerance: f64) -> At<'a> {
+    At { short_waves: 0.0, ..finer.at(state, tolerance) }
 }

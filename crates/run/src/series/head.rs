@@ -1,11 +1,12 @@
 //! The problem of a series, as its report begins.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use gfmd_contact::{Boundary, RigidSurface};
 use gfmd_law::Limit;
 use gfmd_problem::{Facts, GridError, Task, Unknown};
-use gfmd_record::Record;
+use gfmd_record::{Record, columns};
 use serde::Serialize;
 
 use super::Slopes;
@@ -61,7 +62,7 @@ pub struct Head {
     /// With an attraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adhesion: Option<Adhesion>,
-    /// Of loads.
+    /// Unless it is not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_error: Option<FoundBy>,
 }
@@ -76,6 +77,8 @@ pub struct FoundBy {
     pub n: [usize; 2],
     /// The assumption about what lies between the points.
     pub assumes: &'static str,
+    /// The order, in the distance of the points, of the error of the limit of each number that has one.
+    pub orders: BTreeMap<&'static str, f64>,
 }
 
 impl FoundBy {
@@ -87,11 +90,9 @@ impl FoundBy {
             _ => [nx, ny],
         };
         let assumes = if surface.is_read() { "nothing rougher than the pixels" } else { "band-limited" };
-        (facts.task == Task::Loads && facts.grid_error != GridError::None).then_some(Self {
-            mode: facts.grid_error,
-            n,
-            assumes,
-        })
+        let orders = columns(facts).filter_map(|column| Some((column.limit_of()?, column.order?)));
+        let mode = facts.grid_error;
+        (mode != GridError::None).then(|| Self { mode, n, assumes, orders: orders.collect() })
     }
 }
 

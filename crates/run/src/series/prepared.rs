@@ -1,5 +1,6 @@
 //! The input of a series, read and checked before its first solve.
 
+use std::array::from_fn;
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness, Refusal, Solver};
@@ -9,6 +10,7 @@ use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
 use gfmd_problem::{Facts, Given, Posed, Rest, pose};
 use gfmd_record::At;
+use gfmd_surface::{Moments, Statistics, window};
 use ndarray::Array2;
 
 use super::parts::Parts;
@@ -71,6 +73,8 @@ pub struct Prepared {
     dynamics: Dynamics,
     /// Height of the surface's top above the highest point of the grid, if this process has all of it.
     rise: Option<f64>,
+    /// The spectral moments of the surface; of a patch, which does not repeat, in a window.
+    moments: Moments,
 }
 
 impl Prepared {
@@ -104,11 +108,17 @@ impl Prepared {
             None => surface,
         };
         asked.body.check_on(&surface.grid, body.contact_modulus() * surface.rms_gradient())?;
-        let rise = (surface.share.is_whole() && !facts.line).then(|| {
-            let highest = surface.heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height));
-            top(surface.heights.view()) - highest
-        });
-        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, dynamics: asked.dynamics, rise })
+        let is_known = surface.share.is_whole() && !facts.line;
+        let rise = is_known.then(|| top(surface.heights.view()) - surface.highest());
+        let moments = match surface.boundary {
+            Boundary::Free if surface.share.is_whole() => {
+                let windowed =
+                    window(&surface.heights, 1.0).and_then(|windowed| Statistics::of(&windowed, &surface.grid));
+                windowed.map_err(|error| Failure::input(&asked.source.name(), error))?.moments
+            }
+            _ => surface.statistics.moments,
+        };
+        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, dynamics: asked.dynamics, rise, moments })
     }
 
     /// Takes the units of lengths as a file spells them.
@@ -137,17 +147,19 @@ impl Prepared {
     /// A state of the contact, of which columns are computed; without a stiffness.
     pub fn at<'a>(&'a self, state: &'a Rest, tolerance: f64) -> At<'a> {
         let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
-        At { short_waves: self.short_waves(), waves: self.waves(), rise: self.rise, ..at }
+        let (inside, spacing) = (self.surface.statistics.seam.inside, self.surface.grid.spacing());
+        let slopes = from_fn(|axis| inside[axis] / spacing[axis]);
+        At { short_waves: self.short_waves(), waves: self.waves(), slopes, rise: self.rise, ..at }
     }
 
     /// The share of the mean square gradient of the surface in waves shorter than four points.
     pub fn short_waves(&self) -> f64 {
-        self.surface.statistics.moments.short_waves()
+        self.moments.short_waves()
     }
 
     /// The number of waves that share the mean square gradient of the surface.
     pub fn waves(&self) -> f64 {
-        self.surface.statistics.moments.waves
+        self.moments.waves
     }
 
     /// The numbers of the attraction, if there is one.

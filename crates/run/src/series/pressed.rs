@@ -5,8 +5,6 @@ use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, 
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::{BodyArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice};
 use gfmd_problem::{Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
-use gfmd_record::UNRESOLVED;
-use gfmd_surface::Interpolation;
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
@@ -71,7 +69,7 @@ pub struct ContactArgs {
     pub law: LawArgs,
     /// Way in which the error of the numbers by the finite grid is found
     #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
-    #[serde(skip_serializing_if = "is_estimate", with = "named")]
+    #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     pub grid_error: GridError,
     /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer until all are that
     /// exact
@@ -82,10 +80,6 @@ pub struct ContactArgs {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub range_continuation: bool,
-}
-
-fn is_estimate(found: &GridError) -> bool {
-    *found == GridError::Estimate
 }
 
 /// The ranges of `--range-continuation`, over the one asked for.
@@ -205,27 +199,6 @@ impl ContactArgs {
             last = Some(state);
         }
         Ok(last)
-    }
-
-    /// The same contact on a grid of twice as many points along each side, once, or, where the heights between the points are not
-    /// known, by both interpolations; none unless `--grid-error refine` is asked for.
-    ///
-    /// # Errors
-    /// A contact of which no other grid is known.
-    pub fn finer(&self, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
-        if self.grid_error != GridError::Refine {
-            return Ok(Vec::new());
-        }
-        if let Some(GivenHardness::Field(_)) = self.hardness {
-            return Err(Failure::value(
-                "--grid-error",
-                self.grid_error,
-                "none or estimate with a --hardness of each point",
-            ));
-        }
-        let both = prepared.surface.is_read() && prepared.short_waves() > UNRESOLVED;
-        let ways = [Interpolation::Waves, Interpolation::Cubic].into_iter().take(1 + usize::from(both));
-        ways.map(|how| Ok(Self { source: self.source.finer(2, how)?, ..self.clone() })).collect()
     }
 
     /// A contact under a drive, by the method that is asked for.

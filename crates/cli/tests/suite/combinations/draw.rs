@@ -638,9 +638,8 @@ impl Case {
         }
         let further = dice.of(&["check", "check", "body", "body", "report", "resume", "check --rerun", ""]);
         // What cannot be refined is refused.
-        let has_finer =
-            !is_path && !has_lower && !is_steep && !is_line && moved.is_none() && !threshold && further != "resume";
-        let is_asked = has_finer && dice.chance(0.2) || (!is_path && wild(dice, 0.05));
+        let has_finer = !has_lower && !is_steep && !is_line && moved.is_none() && !threshold && further != "resume";
+        let is_asked = has_finer && dice.chance(0.2) || wild(dice, 0.05);
         let grid_error = if is_asked { dice.of(&["refine", "refine", "none"]) } else { "estimate" };
         if grid_error != "estimate" {
             let _ = write!(text, " --grid-error {grid_error}");

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gfmd_files::Reader;
-use gfmd_record::{COLUMNS, Form, Origin, Table, heads};
+use gfmd_record::{COLUMNS, Column, Form, Table, heads};
 use serde_json::Value;
 
 use super::draw::{Case, Control};
@@ -111,8 +111,7 @@ impl Shown {
 /// The limits of numbers on fine grids: each bounds the error of its number, or has no value, as has its error.
 pub(crate) fn limits(found: &mut Found, record: &Value) {
     let named = |name: &str| COLUMNS.iter().find(|column| column.name == name).map(|column| column.json);
-    for column in COLUMNS.iter().filter(|column| column.origin == Origin::Grid) {
-        let Some(number) = column.name.strip_suffix("_limit") else { continue };
+    for number in COLUMNS.iter().filter_map(Column::limit_of) {
         let names = ["", "_limit", "_limit_error", "_grid_error"].map(|end| format!("{number}{end}"));
         let [number, limit, error, bound] = names.each_ref().map(|name| named(name).unwrap_or_default());
         if record.pointer(&format!("/{}", limit.replace('.', "/"))).is_none() {
