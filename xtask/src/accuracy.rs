@@ -1,14 +1,16 @@
 //! `accuracy`: the estimates of the error of the grid, compared with solutions on grids 8 times finer, of new surfaces.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, Parser};
 use gfmd_cli::contact;
 use gfmd_cli::progress::Progress;
+use gfmd_field::Grid;
 use gfmd_record::{COLUMNS, Column};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
+use gfmd_surface::SelfAffine;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -25,6 +27,15 @@ const LOADS: [f64; 4] = [0.01, 0.05, 0.2, 0.5];
 /// The shortest waves over the length of the cell.
 const WAVES: usize = 16;
 
+/// The reduced pressures on rough spheres with free boundaries, whose contacts stay inside of the patch.
+const LOADS_OF_A_PATCH: [f64; 4] = [0.005, 0.01, 0.02, 0.05];
+
+/// The shortest waves over the length of a patch.
+const WAVES_OF_A_PATCH: usize = 8;
+
+/// The height of the sphere of a patch over the middle of its sides, in lengths of the patch.
+const SPHERE: f64 = 0.05;
+
 /// The grid that has the exact value is finer by this factor.
 const FINER: usize = 8;
 
@@ -37,7 +48,10 @@ pub struct Args {
     /// Number of surfaces
     #[arg(long, default_value_t = 200, value_name = "N")]
     seeds: u64,
-    /// Seed of the first one; the others follow
+    /// Number of rough spheres with free boundaries
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    patches: u64,
+    /// Seed of the first surface; the others follow
     #[arg(long, default_value_t = 20_261_201, value_name = "SEED")]
     first_seed: u64,
     /// Write the summary to this file
@@ -53,8 +67,9 @@ pub struct Args {
 #[expect(missing_docs, reason = "docs/accuracy.md")]
 pub struct Report {
     pub seeds: u64,
+    pub patches: u64,
     pub first_seed: u64,
-    /// By the mode of `--grid-error`, then by the name of the number, then by the surfaces and loads: `all`,
+    /// By the mode of `--grid-error`, or `free`, then by the name of the number, then by the surfaces and loads: `all`,
     /// `H = 0.3`, `4 points a wave`, `p* = 0.01`.
     pub modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>>,
 }
@@ -119,33 +134,60 @@ type Row = (&'static str, &'static str, f64, Option<Compared>);
 /// A surface, and the way in which its contact is solved.
 #[derive(Serialize)]
 struct Case {
+    is_free: bool,
     seed: u64,
     hurst: f64,
     points_per_wave: usize,
 }
 
 impl Case {
-    /// The surface of this index.
+    /// The surface of this index, periodic ones first.
     fn new(args: &Args, index: u64) -> Self {
         let place = index as usize;
         Self {
+            is_free: index >= args.seeds,
             seed: args.first_seed + index,
             hurst: HURST[place % HURST.len()],
             points_per_wave: POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()],
         }
     }
 
+    /// The reduced pressures.
+    fn p_star(&self) -> [f64; 4] {
+        if self.is_free { LOADS_OF_A_PATCH } else { LOADS }
+    }
+
+    /// The flags of the surface on a grid that is finer by this factor; a rough sphere is written to `folder`.
+    fn flags(&self, finer: usize, folder: &Path) -> Result<String, Failure> {
+        let Self { is_free, seed, hurst, points_per_wave } = *self;
+        if !is_free {
+            let (n, shortest) = (WAVES * points_per_wave * finer, WAVES / 2);
+            return Ok(format!("--n {n} --eps-t-inv 2 --eps-f-inv {shortest} --hurst {hurst} --seed {seed} --flow"));
+        }
+        let failed = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
+        let n = WAVES_OF_A_PATCH * points_per_wave * finer;
+        let grid = Grid::square(n, 1.0).map_err(|error| failed(&error))?;
+        let rough = SelfAffine {
+            hurst,
+            longest_wavelength: 0.5,
+            shortest_wavelength: 1.0 / WAVES_OF_A_PATCH as f64,
+            ..SelfAffine::with_rms_gradient(0.1)
+        };
+        let mut heights = rough.heights(&grid, seed).map_err(|error| failed(&error))?;
+        for ((i, j), height) in heights.indexed_iter_mut() {
+            let [x, y] = [i, j].map(|index| index as f64 / n as f64 - 0.5);
+            *height -= 4.0 * SPHERE * (x * x + y * y);
+        }
+        let path = folder.join(format!("{seed}-{n}.npy"));
+        ndarray_npy::write_npy(&path, &heights).map_err(|error| failed(&error))?;
+        Ok(format!("--surface {} --length 1 --boundary free", path.display()))
+    }
+
     /// The loads of the contact on a grid that is finer by this factor, as the program prints them.
-    fn loads(&self, finer: usize, mode: &str) -> Result<Vec<Value>, Failure> {
-        let p_star = LOADS.map(|load| load.to_string()).join(",");
-        let flags = format!(
-            "contact --n {} --eps-t-inv 2 --eps-f-inv {} --hurst {} --seed {} --p-star {p_star} --statistics --flow \
-             --grid-error {mode}",
-            WAVES * self.points_per_wave * finer,
-            WAVES / 2,
-            self.hurst,
-            self.seed
-        );
+    fn loads(&self, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Value>, Failure> {
+        let p_star = self.p_star().map(|load| load.to_string()).join(",");
+        let surface = self.flags(finer, folder)?;
+        let flags = format!("contact {surface} --p-star {p_star} --statistics --grid-error {mode}");
         let command = Command::try_parse_from(flags.split(' ')).map_err(|error| Failure::Input(error.to_string()))?;
         let run = || contact::run(&command.contact, &Session::silent());
         let outcome = tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), run)?;
@@ -157,12 +199,15 @@ impl Case {
     }
 
     /// The numbers of all loads compared with those of the finest grid.
-    fn compared(&self) -> Result<Vec<Row>, Failure> {
-        let fine = self.loads(FINER, "estimate")?;
+    fn compared(&self, folder: &Path) -> Result<Vec<Row>, Failure> {
+        let fine = self.loads(FINER, "estimate", folder)?;
         let mut found = Vec::new();
-        for mode in ["estimate", "refine"] {
-            for ((coarse, fine), p_star) in self.loads(1, mode)?.iter().zip(&fine).zip(LOADS) {
-                found.extend(names().map(|number| (mode, number, p_star, compared(coarse, fine, number))));
+        // A patch has no finer grid.
+        let modes: &[_] =
+            if self.is_free { &[("free", "estimate")] } else { &[("estimate", "estimate"), ("refine", "refine")] };
+        for (name, mode) in modes {
+            for ((coarse, fine), p_star) in self.loads(1, mode, folder)?.iter().zip(&fine).zip(self.p_star()) {
+                found.extend(names().map(|number| (*name, number, p_star, compared(coarse, fine, number))));
             }
         }
         Ok(found)
@@ -194,14 +239,16 @@ fn compared(coarse: &Value, fine: &Value, name: &str) -> Option<Compared> {
 /// # Errors
 /// A contact that was not solved; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let progress = Progress::new(session.quiet, "surfaces", args.seeds as f64);
+    let count = args.seeds + args.patches;
+    let progress = Progress::new(session.quiet, "surfaces", count as f64);
+    let folder = tempfile::tempdir().map_err(|error| Failure::Computation(error.to_string()))?;
     let of_surface = |index: u64| {
         let case = Case::new(args, index);
-        let found = case.compared()?;
+        let found = case.compared(folder.path())?;
         progress.advance(1.0, &format!("seed {}", case.seed));
         Ok((case, found))
     };
-    let surfaces: Vec<_> = (0..args.seeds).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
+    let surfaces: Vec<_> = (0..count).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
     progress.finish();
     if let Some(path) = &args.rows {
         let rows = surfaces.iter().flat_map(|(case, found)| found.iter().map(move |row| (case, row)));
@@ -225,7 +272,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     let all = modes.values_mut().flat_map(BTreeMap::values_mut).flat_map(BTreeMap::values_mut);
     all.for_each(Coverage::finish);
-    let report = Report { seeds: args.seeds, first_seed: args.first_seed, modes };
+    let report = Report { seeds: args.seeds, patches: args.patches, first_seed: args.first_seed, modes };
     let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
     Ok(report)
@@ -233,7 +280,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(f, "{} surfaces from seed {}", self.seeds, self.first_seed)?;
+        let Self { seeds, patches, first_seed, .. } = self;
+        writeln!(f, "{seeds} surfaces and {patches} rough spheres with free boundaries, from seed {first_seed}")?;
         for (mode, numbers) in &self.modes {
             writeln!(f, "\n{mode}")?;
             writeln!(

@@ -272,7 +272,8 @@ impl<'a> GridLimits<'a> {
     /// The largest pressure, in stress, with its peak.
     pub fn max_pressure(&self, peak: &Peak) -> GridLimit {
         let sharpness = peak.sharpness.max(0.0);
-        let part = if self.is_alike { 0.04 * sharpness } else { 0.029 * sharpness.powf(1.5) };
+        let alike = if self.is_alike { 0.04 * sharpness } else { 0.0 };
+        let part = alike + 0.029 * sharpness.powf(1.5);
         GridLimit::within(peak.value, part)
     }
 

@@ -41,6 +41,19 @@ def test_the_grid_is_made_finer_until_all_numbers_are_that_exact():
     assert len(cs) == 2 and cs[0].surface.n == cs[1].surface.n and cs[0].surface.n[0] > 48
 
 
+def test_a_path_on_a_finer_grid_tells_the_error_of_the_pull_off():
+    surface, law = gfmd.self_affine(n=24, eps_f_inv=4, seed=3), gfmd.law("exponential", gamma=1e-6, range=4e-3)
+    options = dict(law=law, approach=[-0.003, 0.002, -0.008], steps=8, energy_solves=0)
+    one, two = [gfmd.path(surface, BODY, grid_error=way, **options) for way in ("estimate", "refine")]
+    assert one.lowest_mean_pressure == two.lowest_mean_pressure and "lowest_mean_pressure_limit" not in one
+    assert abs(two.lowest_mean_pressure_limit - two.lowest_mean_pressure) == pytest.approx(two.lowest_mean_pressure_limit_error)
+    assert two.lowest_mean_pressure_grid_error == pytest.approx(2 * two.lowest_mean_pressure_limit_error)
+    assert np.isnan(one.steps.area_fraction_limit).all() and np.isfinite(two.steps.area_fraction_limit).all()
+    assert "not with a law" in one.undefined["area_fraction_limit"]
+    wall = gfmd.path(surface, BODY, p_star=[0.1], steps=1, lateral=0.001)
+    assert wall.steps.mean_shear_limit.shape == wall.steps.mean_shear.shape and np.isnan(wall.steps.mean_shear_limit).all()
+
+
 @pytest.mark.parametrize(
     "options, wanted",
     [

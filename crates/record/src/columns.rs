@@ -223,8 +223,8 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     let steeper = x.max(y) / x.min(y);
     if steeper.is_nan() || steeper > STEEPEST {
         return Err(format!(
-            "the rms slope along one axis is {steeper:.1} times that along the other; edges of contacts that lie along an axis cut the \
-             grid alike, and the error of the grid is known up to {STEEPEST} times"
+            "the rms slopes along the axes are {x:.1e} and {y:.1e}; edges of contacts that lie along an axis cut the grid alike, and \
+             the error of the grid is known of slopes that differ by a factor of at most {STEEPEST}"
         )
         .into());
     }
