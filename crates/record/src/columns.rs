@@ -333,6 +333,7 @@ fn jumped(at: &At) -> Cell {
     };
     let unknown = match reading.loss {
         Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
+        Loss::Certified { .. } => "energy is lost by relaxation, which no balance tells from jumps",
         Loss::Known(_) => "energy is lost by slip or plastic flow, which no balance tells from jumps",
         Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
     };

@@ -1,4 +1,4 @@
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use gfmd_field::{Grid, Share, Transform};
 use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes};
@@ -8,11 +8,11 @@ use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
-/// problems with u_z and the pressure only. It is built once and shared between problems and threads. Of several processes each has
-/// the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
+/// problems with u_z and the pressure only. It is built once and shared between problems and threads. Of several
+/// processes each has the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
 #[derive(Debug)]
 pub struct NormalResponse {
-    transform: Transform,
+    transform: Arc<Transform>,
     share: Share,
     compliance: Vec<f64>,
     /// Tabulated when it is first used, as the contacts with a hard wall do not need it.
@@ -57,8 +57,8 @@ impl NormalResponse {
         Self::tabulated(grid, body, share, Body::restricted_normal_stiffness)
     }
 
-    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has none,
-    /// since the bulk is no part of the resistance of a contact (theory.md, section 7.6).
+    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has
+    /// none, since the bulk is no part of the resistance of a contact (theory.md, section 7.6).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Self {
         let conductance = |body: &Body, q: f64| 1.0 / body.transverse_compliance(q);
         let response = Self::tabulated(grid, conductor.body(), &grid.whole(), conductance);
@@ -84,7 +84,7 @@ impl NormalResponse {
         compliance[..first].fill(0.0);
         let [_, uniform] = body.level_compliance();
         Self {
-            transform,
+            transform: transform.into(),
             share: share.clone(),
             compliance,
             stiffness: OnceLock::new(),
@@ -97,9 +97,10 @@ impl NormalResponse {
         }
     }
 
-    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if the traction
-    /// vanishes outside of the patch, the displacement inside is that of a surface which is at rest far away. G_zz is the
-    /// transform of the compliance between two cells, positive for every mode; the uniform mode has one, too.
+    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if
+    /// the traction vanishes outside of the patch, the displacement inside is that of a surface which is at rest far
+    /// away. G_zz is the transform of the compliance between two cells, positive for every mode; the uniform mode has
+    /// one, too.
     ///
     /// # Errors
     /// A body without a level far away; a patch that cannot be doubled; a table with an entry that is not positive.
@@ -118,7 +119,7 @@ impl NormalResponse {
         let uniform_compliance = std::mem::take(&mut compliance[0]);
         Ok(Self {
             share: table.transform.grid().whole(),
-            transform: table.transform,
+            transform: table.transform.into(),
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
             stiffness_of: Body::normal_stiffness,
@@ -128,6 +129,28 @@ impl NormalResponse {
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
         })
+    }
+
+    /// The response of a body whose modes have stiffnesses that are larger by these `factors`, laid out as
+    /// [`Grid::modes`]; the first one is that of the uniform mode. All modes belong to this process.
+    #[must_use]
+    pub fn stiffened(&self, factors: &[f64]) -> Self {
+        let mut compliance = self.compliance.clone();
+        compliance.iter_mut().zip(factors).for_each(|(compliance, factor)| *compliance /= factor);
+        let stiffness = compliance.iter().map(|compliance| 1.0 / compliance).collect();
+        let waves = || compliance[1.min(compliance.len())..].iter().copied();
+        Self {
+            transform: Arc::clone(&self.transform),
+            share: self.share.clone(),
+            stiffness_range: [1.0 / waves().fold(0.0, f64::max), 1.0 / waves().fold(f64::INFINITY, f64::min)],
+            uniform_compliance: self.uniform_compliance / factors.first().copied().unwrap_or(1.0),
+            stiffness: OnceLock::from(without_uniform(stiffness)),
+            stiffness_of: self.stiffness_of,
+            body: self.body.clone(),
+            contact_modulus: self.contact_modulus,
+            rounded: OnceLock::new(),
+            compliance,
+        }
     }
 
     /// The grid of the surface.
@@ -162,7 +185,8 @@ impl NormalResponse {
         &self.compliance
     }
 
-    /// The compliance of the mode with this number among all modes, in length/stress; of one that another process has it is computed.
+    /// The compliance of the mode with this number among all modes, in length/stress; of one that another process has
+    /// it is computed.
     pub fn compliance_at(&self, index: usize) -> f64 {
         let [_, positions] = self.grid().spectrum_shape();
         let own = index.checked_sub(self.transform.lanes().start * positions);
@@ -184,9 +208,9 @@ impl NormalResponse {
         self.contact_modulus
     }
 
-    /// G_zz(0) in length/stress, against the mean level of what does not hold the body ([`Body::level_compliance`]): height
-    /// over P-wave modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean level,
-    /// theory.md, section 7) and for an incompressible slab.
+    /// G_zz(0) in length/stress, against the mean level of what does not hold the body ([`Body::level_compliance`]):
+    /// height over P-wave modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean
+    /// level, theory.md, section 7) and for an incompressible slab.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }
