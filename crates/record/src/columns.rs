@@ -38,6 +38,10 @@ fn hardness(facts: &Facts) -> bool {
     facts.hardness
 }
 
+fn relaxing(facts: &Facts) -> bool {
+    facts.relaxes.is_some()
+}
+
 fn friction(facts: &Facts) -> bool {
     facts.friction.is_some()
 }
@@ -452,6 +456,11 @@ const MEASURED: &[Column] = &[
     )
     .unless(level)
     .head("approach", Form::Size),
+    Column::new("time", "1", &[(any, "time since first touch, in the unit of the relaxation times")], |at| {
+        at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.time).into()
+    })
+    .with(relaxing)
+    .head("time", Form::Size),
     Column::new("lateral_x", "length", &[(any, "lateral displacement of the rigid surface along x")], |at| {
         sideways(at, 0)
     })
@@ -561,7 +570,7 @@ const MEASURED: &[Column] = &[
         &[(law, "largest repulsive pressure"), (any, "largest pressure")],
         |at| at.summary.max_pressure.into(),
     )
-    .with(loads)
+    .with(|facts| loads(facts) || relaxing(facts))
     .head("peak p", Form::Size),
     Column::new(
         "mean_pressure_in_contact",
@@ -598,6 +607,7 @@ const MEASURED: &[Column] = &[
         "stress*length",
         &[
             (between, "elastic energy of the slab per area, by the pressures on both faces"),
+            (relaxing, "energy stored in the springs of all branches, per area of the surface"),
             (any, "elastic energy per area of the surface"),
         ],
         |at| at.summary.elastic_energy.into(),
@@ -622,7 +632,10 @@ const MEASURED: &[Column] = &[
     Column::new(
         "dissipated",
         "stress*length",
-        &[(any, "energy lost in this step, per area; NaN if the law has no energy")],
+        &[
+            (relaxing, "energy lost in the dashpots in this step, per area"),
+            (any, "energy lost in this step, per area; NaN if the law has no energy"),
+        ],
         |at| lost(at, false),
     )
     .with(path)
@@ -631,10 +644,13 @@ const MEASURED: &[Column] = &[
     Column::new(
         "dissipated_error",
         "stress*length",
-        &[(
-            any,
-            "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
-        )],
+        &[
+            (relaxing, "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude"),
+            (
+                any,
+                "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
+            ),
+        ],
         |at| lost(at, true),
     )
     .with(path)

@@ -8,8 +8,8 @@ use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
-/// problems with u_z and the pressure only. It is built once and shared between problems and threads. Of several
-/// processes each has the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
+/// problems with u_z and the pressure only. It is built once and shared between problems and threads. Of several processes each has
+/// the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
 #[derive(Debug)]
 pub struct NormalResponse {
     transform: Arc<Transform>,
@@ -57,8 +57,8 @@ impl NormalResponse {
         Self::tabulated(grid, body, share, Body::restricted_normal_stiffness)
     }
 
-    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has
-    /// none, since the bulk is no part of the resistance of a contact (theory.md, section 7.6).
+    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has none,
+    /// since the bulk is no part of the resistance of a contact (theory.md, section 7.6).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Self {
         let conductance = |body: &Body, q: f64| 1.0 / body.transverse_compliance(q);
         let response = Self::tabulated(grid, conductor.body(), &grid.whole(), conductance);
@@ -97,10 +97,9 @@ impl NormalResponse {
         }
     }
 
-    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if
-    /// the traction vanishes outside of the patch, the displacement inside is that of a surface which is at rest far
-    /// away. G_zz is the transform of the compliance between two cells, positive for every mode; the uniform mode has
-    /// one, too.
+    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if the traction
+    /// vanishes outside of the patch, the displacement inside is that of a surface which is at rest far away. G_zz is the
+    /// transform of the compliance between two cells, positive for every mode; the uniform mode has one, too.
     ///
     /// # Errors
     /// A body without a level far away; a patch that cannot be doubled; a table with an entry that is not positive.
@@ -185,8 +184,7 @@ impl NormalResponse {
         &self.compliance
     }
 
-    /// The compliance of the mode with this number among all modes, in length/stress; of one that another process has
-    /// it is computed.
+    /// The compliance of the mode with this number among all modes, in length/stress; of one that another process has it is computed.
     pub fn compliance_at(&self, index: usize) -> f64 {
         let [_, positions] = self.grid().spectrum_shape();
         let own = index.checked_sub(self.transform.lanes().start * positions);
@@ -208,9 +206,9 @@ impl NormalResponse {
         self.contact_modulus
     }
 
-    /// G_zz(0) in length/stress, against the mean level of what does not hold the body ([`Body::level_compliance`]):
-    /// height over P-wave modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean
-    /// level, theory.md, section 7) and for an incompressible slab.
+    /// G_zz(0) in length/stress, against the mean level of what does not hold the body ([`Body::level_compliance`]): height
+    /// over P-wave modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean level,
+    /// theory.md, section 7) and for an incompressible slab.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }

@@ -81,18 +81,7 @@ impl ViscoelasticContact {
         }
     }
 
-    /// The indentation −u_z of a state, and the elongation of the spring of each branch, `[x, y]`, in length. They are
-    /// all that a body remembers.
-    pub fn memory(&self, state: &ViscoelasticState) -> Vec<Array2<f64>> {
-        let shape = self.contact.surface().grid().points();
-        let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).unwrap_or_else(|_| Array2::zeros(shape));
-        match &state.history {
-            History::Points { lengths, .. } => lengths.iter().map(|values| field(values.clone())).collect(),
-            History::Waves(fields) => fields.iter().map(|spectrum| field(self.inverse(spectrum))).collect(),
-        }
-    }
-
-    /// A number that is zero for a state whose pressure is that of its [`memory`](Self::memory): the largest difference
+    /// A number that is zero for a state whose pressure is that of its [`memory`](ViscoelasticState::memory): the largest difference
     /// between the displacement by the pressure, on a body with the long-term moduli, and d + Σ c x, over the largest
     /// displacement.
     ///

@@ -1,6 +1,7 @@
 use gfmd_contact::{Effort, Fields, Solution};
+use gfmd_field::{Grid, Transform};
 use gfmd_measure::{Scales, Summary};
-use ndarray::{ArrayView2, CowArray, Ix2};
+use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
 use crate::history::History;
 
@@ -19,6 +20,32 @@ pub struct ViscoelasticState {
     /// and lost. It falls with the square of the length of the step; 0 in a step of no time.
     pub dissipated_error: f64,
     pub(crate) history: History,
+}
+
+impl ViscoelasticState {
+    /// The indentation −u_z, and the elongation of the spring of each branch, `[x, y]`, in length. They are all that a
+    /// body remembers.
+    pub fn memory(&self) -> Vec<Array2<f64>> {
+        let (nx, ny) = self.solution.pressure.dim();
+        let field =
+            |values: Vec<f64>| Array2::from_shape_vec((nx, ny), values).expect("every field has the size of the grid");
+        match &self.history {
+            History::Points { lengths, .. } => lengths.iter().map(|values| field(values.clone())).collect(),
+            History::Waves(spectra) => {
+                // A transform does not know the lengths of the cell.
+                let grid = Grid::new([nx, ny], [1.0; 2]).expect("a field has points");
+                let transform = Transform::new(grid);
+                let mut workspace = transform.workspace();
+                let mut of = |spectrum: &[_]| {
+                    let mut values = vec![0.0; nx * ny];
+                    let fits = transform.inverse(spectrum, &mut values, &mut workspace);
+                    fits.expect("every spectrum has the size of the grid");
+                    field(values)
+                };
+                spectra.iter().map(|spectrum| of(spectrum)).collect()
+            }
+        }
+    }
 }
 
 impl Fields for ViscoelasticState {

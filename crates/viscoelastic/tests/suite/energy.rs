@@ -116,7 +116,7 @@ fn the_memory_gives_the_pressure_back() {
         let (contact, _) = random(case, &mut numbers);
         let first = step(&contact, Load::MeanPressure(0.02), 0.3, None);
         let second = step(&contact, Load::MeanPressure(0.03), 0.5, Some(&first));
-        let memory = contact.memory(&second);
+        let memory = second.memory();
         let apart = contact.consistency(&second.solution.pressure, &memory).unwrap();
         assert!(apart <= 1e-10, "case {case}: {apart:e}");
         let other = contact.consistency(&first.solution.pressure, &memory).unwrap();
