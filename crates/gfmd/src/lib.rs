@@ -83,7 +83,7 @@
 //! | press the surface on the body                                 | [`contact`]   | [`Contact`](contact::Contact), [`Equilibrium`](contact::Equilibrium) |
 //! | add adhesion, cohesion or friction; follow a path of loads    | [`interface`] | [`Interface`](interface::Interface), [`FrictionalContact`](interface::FrictionalContact), [`Path`](interface::Path) |
 //! | choose or evaluate the law of an interface                    | [`law`]       | [`Law`](law::Law), [`Kind`](law::Kind) |
-//! | follow a viscoelastic body in time                             | [`viscoelastic`] | [`ViscoelasticContact`](viscoelastic::ViscoelasticContact), [`Prony`](viscoelastic::Prony) |
+//! | follow a viscoelastic body in time, or slide over it           | [`viscoelastic`] | [`ViscoelasticContact`](viscoelastic::ViscoelasticContact), [`SlidingContact`](viscoelastic::SlidingContact) |
 //! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
 //! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
 //! | let a fluid flow through the gap                             | [`flow`]      | [`flow`](flow::flow), [`Flow`](flow::Flow) |

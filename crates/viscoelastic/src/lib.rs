@@ -5,6 +5,7 @@
 //! - [`ViscoelasticContact`]: a hard wall on such a body. A [`Drive`](gfmd_contact::Drive) has the time at which its
 //!   load, or approach, is reached; the state before is the start. Each step is one solve of an elastic contact, exact
 //!   for a displacement that is linear in time.
+//! - [`SlidingContact`]: the steady state of a surface that slides over such a body, with its friction by hysteresis.
 //! - [`ViscoelasticState`]: the fields at one time, the energies, and the memory of the body.
 //!
 //! Creep under a load that is applied in no time, and kept:
@@ -44,11 +45,15 @@ mod history;
 mod poles;
 mod prony;
 mod relaxes;
+mod sliding;
 mod spectrum;
 mod state;
 mod step;
+mod velocity;
 
 pub use contact::ViscoelasticContact;
 pub use prony::{Branch, Prony, PronyError};
 pub use relaxes::{Relaxes, UnknownRelaxes};
+pub use sliding::{Persson, SlidingContact, SlidingError, SlidingState};
 pub use state::ViscoelasticState;
+pub use velocity::{Velocity, VelocityError};

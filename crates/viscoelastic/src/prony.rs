@@ -105,14 +105,19 @@ impl Prony {
     /// The complex modulus over the long-term one at the angular frequency ω, for e^{+iωt}: 1 + Σ c_i iωτ_i/(1 +
     /// iωτ_i).
     pub fn modulus(&self, frequency: f64) -> Complex64 {
-        let of = |branch: &Branch| {
+        Self::modulus_of(self.branches.iter().copied(), frequency)
+    }
+
+    /// The complex modulus of branches.
+    pub(crate) fn modulus_of(branches: impl Iterator<Item = Branch>, frequency: f64) -> Complex64 {
+        let of = |branch: Branch| {
             let x = frequency * branch.time;
             // ix/(1 + ix), without an overflow of x².
             let real = if x.abs() > 1.0 { 1.0 / (1.0 + x.powi(-2)) } else { x * x / (1.0 + x * x) };
             let imaginary = if x == 0.0 { 0.0 } else { 1.0 / (x + 1.0 / x) };
             branch.weight * Complex64::new(real, imaginary)
         };
-        1.0 + self.branches.iter().map(of).sum::<Complex64>()
+        1.0 + branches.map(of).sum::<Complex64>()
     }
 
     /// The creep function J(t), times the long-term modulus: the strain under a constant stress, at a time t ≥ 0.

@@ -6,6 +6,7 @@ mod closed_forms;
 mod energy;
 mod input;
 mod reference;
+mod sliding;
 
 use gfmd_contact::{Contact, Drive, Equilibrium as _, Load};
 use gfmd_field::Grid;

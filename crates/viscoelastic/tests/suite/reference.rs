@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::{follow, legs, viscoelastic};
 
-fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
 }
 
