@@ -40,8 +40,8 @@ use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
 use gfmd_run::series::{
-    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Prepared, Reached, Series, StateFile, beside, fields,
-    keeping,
+    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Places, Prepared, Reached, Series, StateFile, beside,
+    fields, keeping,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -323,7 +323,7 @@ impl Loads {
             session,
             drives,
             tolerance: args.problem.solver.tol,
-            every: 1,
+            places: Places::Every(1),
             chosen: args.fields.clone().unwrap_or_default(),
             ends_with_file: !args.flow_threshold,
         };

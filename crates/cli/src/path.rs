@@ -2,6 +2,7 @@
 
 mod check;
 mod figures;
+mod memory;
 mod report;
 mod waypoints;
 
@@ -12,16 +13,16 @@ use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Load, SolveError, Solver, 
 use gfmd_files::Output;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_law::{Kind, Limit};
-use gfmd_problem::{Facts, Friction, GridError, Posed, Task};
+use gfmd_problem::{Facts, Friction, GridError, Posed, Rest, Task};
 use gfmd_record::{At, NOT_SOLVED, Record};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
 use crate::progress::Progress;
 use gfmd_problem::options::BodyArgs;
-use gfmd_problem::options::LawArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
+use gfmd_problem::options::{LawArgs, PronyArgs};
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::{Scene, Shown, parse_prefix};
 use gfmd_run::base::BaseArgs;
@@ -30,7 +31,7 @@ use gfmd_run::hardness::GivenHardness;
 use gfmd_run::lower::LowerArgs;
 use gfmd_run::resume::{Kept, ResumeArgs};
 use gfmd_run::series::{
-    Asked, Chosen, Ended, Head, Outlet, Prepared, Reached, Series, beside, keeping, on_finer_grids, resolved,
+    Asked, Chosen, Ended, Head, Outlet, Places, Prepared, Reached, Series, beside, keeping, on_finer_grids, resolved,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
@@ -49,6 +50,7 @@ const FRICTION_SOLVES: u64 = 10;
     --displacement=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 128 --hardness 0.1 --p-star 0.01,0.3,0.01,0.3 --steps 10 --out imprint.h5 --plots imprint
+  gfmd path --n 128 --prony 0.1:0.3,10:0.4 --pressure 0.01 --time 0,1e-3:1e3:25 --steps 1 --out creep.h5 --plots creep
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
     --displacement 0.002 --lateral 0,0.01 --json")]
 pub struct Args {
@@ -58,6 +60,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     body: BodyArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    prony: PronyArgs,
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
@@ -101,7 +106,7 @@ pub struct Args {
     #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
     energy_tol: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
-    /// shear; 0 for none [default: 4, with friction 10]
+    /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body 0]
     #[arg(long, value_name = "N")]
     energy_solves: Option<u64>,
     #[command(flatten)]
@@ -141,6 +146,7 @@ impl Args {
             line,
             approach: self.waypoints.flag() == "--displacement",
             lateral: !self.waypoints.lateral.is_empty(),
+            relaxes: self.prony.relaxing(),
             resume: self.resume.resume,
             grid_error: self.grid_error,
             ..self.body.facts()
@@ -151,14 +157,16 @@ impl Args {
     fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
         let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "--friction")))
             .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "--shear-strength")));
+        let (body, prony) = (self.prony.long_term(&self.body)?, self.prony.series()?);
         take(&Asked {
             source: &self.source,
-            body: &self.body,
+            body: &body,
             base: &BaseArgs::default(),
             lower: &LowerArgs::default(),
             law: &self.law,
             hardness: self.hardness.as_ref(),
             limit,
+            prony: prony.as_ref(),
             boundary: self.boundary,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
@@ -169,7 +177,12 @@ impl Args {
 
     fn energy_solves(&self) -> u64 {
         let slips = self.friction.is_some() || self.shear_strength.is_some();
-        let default = if slips { FRICTION_SOLVES } else { Refinement::default().solves_per_step };
+        let default = match () {
+            // A step is as long as it is asked to be.
+            () if self.prony.relaxing().is_some() => 0,
+            () if slips => FRICTION_SOLVES,
+            () => Refinement::default().solves_per_step,
+        };
         self.energy_solves.unwrap_or(default)
     }
 
@@ -197,6 +210,7 @@ fn is_periodic(boundary: &Boundary) -> bool {
 struct Way {
     prepared: Prepared,
     drives: Vec<Drive>,
+    places: Places,
     output: Option<Output>,
 }
 
@@ -205,15 +219,22 @@ impl Way {
         if !(1e-9..=0.1).contains(&args.energy_tol) {
             return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
         }
+        match (args.prony.relaxing(), args.waypoints.time.is_empty()) {
+            (Some(_), true) => return Err(Failure::Input("--time is missing; it is needed with --prony".into())),
+            (None, false) => return Err(Failure::Input("--time is given; it must be left out without --prony".into())),
+            _ => {}
+        }
         let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
-        let hard = prepared.limit.is_some() || args.law.law == Kind::HardWall;
-        let drives = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
+        // A viscoelastic body may be left behind, and meet the surface again.
+        let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
+        let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
+        let (drives, places) = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
         let output = session.output(args.out.as_ref())?;
-        Ok(Self { prepared, drives, output })
+        Ok(Self { prepared, drives, places, output })
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let Self { prepared, drives, output } = self;
+        let Self { prepared, drives, output, .. } = self;
         let contact = args.asked(|asked| prepared.pose_and_tell(asked, session))?;
         prepared.check_drives(&contact, drives, args.waypoints.flag(), args.tol)?;
         let config = args.config()?;
@@ -235,7 +256,7 @@ impl Way {
         mut kept: Option<&mut Kept>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
-        let Self { prepared, drives, output } = self;
+        let Self { prepared, drives, places, output } = self;
         let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() };
         let mut path = Path::new(contact, args.budget(), refinement);
         let series = Series {
@@ -243,7 +264,7 @@ impl Way {
             session,
             drives,
             tolerance: args.tol,
-            every: args.steps as usize,
+            places: places.clone(),
             chosen: Chosen::All,
             ends_with_file: true,
         };
@@ -271,11 +292,15 @@ impl Way {
         let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
         progress.finish();
         self.tell_of_unsettled(&log.unsettled, &path, args, session);
-        let file = file.filter(|_| !ended.is_kept(kept.as_deref()));
+        let mut file = file.filter(|_| !ended.is_kept(kept.as_deref()));
+        if let (Some(file), Some(state)) = (&mut file, path.state().and_then(Rest::relaxing)) {
+            memory::write(file, &prepared.surface, state)?;
+        }
         let Ended { records, failure, not_converged, parted_at } = ended;
         let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
         let out = session.written(out);
-        let head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+        let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+        head.relaxation = args.prony.told(&args.body)?;
         let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
         let mut report = Report { parted_at, not_converged, out, ..report };
         if let (None, Some(prefix), Some((_, shown))) = (&failure, &args.plots, &log.widest) {

@@ -200,6 +200,13 @@ impl Contact {
         Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
     }
 
+    /// This contact on a body whose waves have stiffnesses that are larger by these `factors`, laid out as the
+    /// [modes](gfmd_field::Grid::modes) of the grid, the uniform one first. The boundary is periodic, of one process.
+    #[must_use]
+    pub fn stiffened(&self, factors: &[f64]) -> Self {
+        Self { response: self.response.stiffened(factors).into(), ..self.clone() }
+    }
+
     /// The hardness, in stress.
     pub fn hardness(&self) -> Option<Hardness> {
         let hardness = self.hardness.as_ref()?.times(self.units.stress());

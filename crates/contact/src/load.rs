@@ -36,23 +36,32 @@ pub struct Drive {
     /// Displacement of the rigid surface along x and y, in length. It has an effect only in problems with lateral
     /// components. On a half-space it is measured against the mean of the elastic surface, on a slab against its base.
     pub lateral: [f64; 2],
+    /// Time at which load and displacement are reached, since the first touch of the undeformed surfaces. It has an effect
+    /// only on viscoelastic bodies.
+    pub time: f64,
 }
 
 impl From<Load> for Drive {
-    /// A drive without lateral displacement.
+    /// A drive without lateral displacement, in no time.
     fn from(load: Load) -> Self {
-        Self { load, lateral: [0.0; 2] }
+        Self { load, lateral: [0.0; 2], time: 0.0 }
     }
 }
 
 impl Drive {
+    /// The drive reached at this `time`.
+    #[must_use]
+    pub fn at(self, time: f64) -> Self {
+        Self { time, ..self }
+    }
+
     /// Checks that every number is finite.
     ///
     /// # Errors
     /// The first number that is not finite.
     pub fn check(&self) -> Result<(), Refusal> {
-        let all =
-            [self.load.named(), ("lateral displacement", self.lateral[0]), ("lateral displacement", self.lateral[1])];
+        let [x, y] = self.lateral.map(|lateral| ("lateral displacement", lateral));
+        let all = [self.load.named(), x, y, ("time", self.time)];
         match all.into_iter().find(|(_, found)| !found.is_finite()) {
             Some((what, found)) => Err(Refusal::NotFinite { what, found }),
             None => Ok(()),

@@ -201,6 +201,23 @@ pub enum Refusal {
     /// The approach is prescribed, but only a mean pressure can be prescribed.
     #[error("the approach is prescribed; for this contact the mean pressure must be prescribed")]
     NoApproach,
+    /// A viscoelastic body moves backwards in time.
+    #[error("the time is {found}; it must be at least {least}, that of the state before")]
+    Time {
+        /// The time.
+        found: f64,
+        /// The time of the state before; 0 before the first one.
+        least: f64,
+    },
+    /// The relaxation of the shear modulus alone is not known of the body.
+    #[error("the shear modulus alone relaxes; shear and bulk modulus must relax alike with {with}")]
+    ShearAlone {
+        /// The part of the body, or its boundary.
+        with: &'static str,
+    },
+    /// A viscoelastic body has no hardness.
+    #[error("a hardness is given; it must be left out with a viscoelastic body")]
+    ViscoelasticHardness,
     /// A state, to start from or to certify, has the wrong size.
     #[error("the given state has {found} values; it must have {expected}")]
     Start {

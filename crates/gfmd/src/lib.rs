@@ -83,6 +83,7 @@
 //! | press the surface on the body                                 | [`contact`]   | [`Contact`](contact::Contact), [`Equilibrium`](contact::Equilibrium) |
 //! | add adhesion, cohesion or friction; follow a path of loads    | [`interface`] | [`Interface`](interface::Interface), [`FrictionalContact`](interface::FrictionalContact), [`Path`](interface::Path) |
 //! | choose or evaluate the law of an interface                    | [`law`]       | [`Law`](law::Law), [`Kind`](law::Kind) |
+//! | follow a viscoelastic body in time, or slide over it           | [`viscoelastic`] | [`ViscoelasticContact`](viscoelastic::ViscoelasticContact), [`SlidingContact`](viscoelastic::SlidingContact) |
 //! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
 //! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
 //! | let a fluid flow through the gap                             | [`flow`]      | [`flow`](flow::flow), [`Flow`](flow::Flow) |
@@ -122,6 +123,8 @@ pub use gfmd_relax as relax;
 pub use gfmd_response as response;
 #[doc(inline)]
 pub use gfmd_surface as surface;
+#[doc(inline)]
+pub use gfmd_viscoelastic as viscoelastic;
 /// The arrays of all fields, in the version that this crate takes and returns.
 #[doc(no_inline)]
 pub use ndarray;

@@ -11,4 +11,5 @@ pub use gfmd_law::{Dugdale, Exponential, Law, Limit, Morse};
 pub use gfmd_measure::Summary;
 pub use gfmd_mixed::{MixedProblem, Prescribed};
 pub use gfmd_surface::{Discretisation, SelfAffine, Statistics};
+pub use gfmd_viscoelastic::{Prony, Relaxes, ViscoelasticContact};
 pub use ndarray::{Array2, ArrayView2};

@@ -38,8 +38,9 @@ struct Divided<S> {
     /// The state before the last increment, if there is one.
     before: Option<Reached<S>>,
     end: Reached<S>,
-    /// The sum of the losses of all increments.
+    /// The sum of the losses of all increments, and that of their certified errors.
     lost: f64,
+    error: f64,
 }
 
 /// The numbers of a state at rest that the energy balance needs.
@@ -53,6 +54,8 @@ pub struct Reading {
     pub mean_shear: [f64; 2],
     /// Lateral displacement of the rigid surface, length.
     pub lateral: [f64; 2],
+    /// Time, if the state has one.
+    pub time: f64,
     /// The way to find the energy lost in the step to this state.
     pub loss: Loss,
 }
@@ -64,6 +67,13 @@ pub enum Loss {
     Balance(f64),
     /// The solver returns the loss of an increment, per area. Its error is that of the increment.
     Known(f64),
+    /// The solver returns the loss of an increment, per area, and its error.
+    Certified {
+        /// Energy lost.
+        lost: f64,
+        /// Its error.
+        error: f64,
+    },
     /// The loss is unknown, because the tractions have no energy.
     Unknown,
 }
@@ -284,6 +294,13 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 self.last = Some(made?);
                 return Ok(search.step);
             }
+            (Loss::Certified { .. }, last) => {
+                self.last = last;
+                let made = search.halve(self.last.as_ref(), (state, reading), drive, tolerance);
+                self.allowance = search.allowance;
+                self.last = Some(made?);
+                return Ok(search.step);
+            }
             (Loss::Balance(_), None) => {
                 (step.dissipated, step.dissipated_error, step.jumped) = (Some(0.0), Some(0.0), Some(false));
             }
@@ -362,7 +379,7 @@ impl<P: Quasistatic> Search<'_, P> {
         tolerance: f64,
     ) -> Result<Reached<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
-        let mut made = Divided { before: None, lost: end.1.lost(), end };
+        let mut made = Divided { before: None, lost: end.1.lost(), error: 0.0, end };
         self.step.increments = 1;
         let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
         let mut change_of_stick = if settles { 0.0 } else { f64::INFINITY };
@@ -404,6 +421,34 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(made.end)
     }
 
+    /// Makes a step in twice as many equal increments each time, until the certified error of its loss is at most the tolerance
+    /// times the work exchanged and the energy lost. `end` was found in one increment.
+    fn halve(
+        &mut self,
+        start: Option<&Reached<P::State>>,
+        end: Reached<P::State>,
+        drive: Drive,
+        tolerance: f64,
+    ) -> Result<Reached<P::State>, SolveError<P::State>> {
+        let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
+        let mut made = Divided { before: None, lost: end.1.lost(), error: end.1.error(), end };
+        self.step.increments = 1;
+        let settles = |made: &Divided<P::State>| {
+            made.error <= tolerance * (Balance::between(&begin, &made.end.1).exchanged + made.lost)
+        };
+        while !settles(&made) && 2 * self.step.increments <= self.allowance {
+            let increments = 2 * self.step.increments;
+            match self.in_increments(state, &begin, drive, increments) {
+                Ok(finer) => (made, self.step.increments) = (finer, increments),
+                Err(error @ SolveError::Interrupted { .. }) => return Err(error),
+                // The step itself was solved.
+                Err(_) => break,
+            }
+        }
+        (self.step.dissipated, self.step.dissipated_error) = (Some(made.lost), Some(made.error));
+        Ok(made.end)
+    }
+
     /// A step in so many equal increments.
     fn in_increments(
         &mut self,
@@ -412,16 +457,18 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         increments: u64,
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
-        let (mut before, mut lost): (Option<Reached<P::State>>, f64) = (None, 0.0);
+        let (mut before, mut lost, mut error): (Option<Reached<P::State>>, f64, f64) = (None, 0.0, 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
             let reached = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
             lost += reached.1.lost();
+            error += reached.1.error();
             before = Some(reached);
         }
         let end = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
         lost += end.1.lost();
-        Ok(Divided { before, end, lost })
+        error += end.1.error();
+        Ok(Divided { before, end, lost, error })
     }
 
     /// A step whose last increment is made in two, the second one of the fraction `last` of the step.
@@ -436,7 +483,7 @@ impl<P: Quasistatic> Search<'_, P> {
         let middle = self.further(begin.towards(drive, 1.0 - last), before)?;
         let end = self.further(drive, Some(&middle.0))?;
         let lost = made.lost - made.end.1.lost() + middle.1.lost() + end.1.lost();
-        Ok(Divided { before: Some(middle), end, lost })
+        Ok(Divided { before: Some(middle), end, lost, error: made.error })
     }
 
     /// The state at rest under `drive`, by a further solve.
@@ -582,12 +629,23 @@ impl Halves {
 
 impl Reading {
     /// The surfaces before the first step.
-    const UNLOADED: Self =
-        Self { mean_pressure: 0.0, approach: 0.0, mean_shear: [0.0; 2], lateral: [0.0; 2], loss: Loss::Known(0.0) };
+    const UNLOADED: Self = Self {
+        mean_pressure: 0.0,
+        approach: 0.0,
+        mean_shear: [0.0; 2],
+        lateral: [0.0; 2],
+        time: 0.0,
+        loss: Loss::Known(0.0),
+    };
 
     /// The loss of the increment, if it is known.
     fn lost(&self) -> f64 {
-        if let Loss::Known(lost) = self.loss { lost } else { 0.0 }
+        if let Loss::Known(lost) | Loss::Certified { lost, .. } = self.loss { lost } else { 0.0 }
+    }
+
+    /// The error of the loss of the increment, if it is certified.
+    fn error(&self) -> f64 {
+        if let Loss::Certified { error, .. } = self.loss { error } else { 0.0 }
     }
 
     /// The drive at the fraction `share` of the way from this state to `drive`.
@@ -602,6 +660,7 @@ impl Reading {
                 Load::Approach(to) => Load::Approach(at(self.approach, to)),
             },
             lateral: std::array::from_fn(|c| at(self.lateral[c], drive.lateral[c])),
+            time: at(self.time, drive.time),
         }
     }
 }
@@ -613,6 +672,7 @@ impl Quasistatic for Interface {
             approach: state.approach,
             mean_shear: state.mean_shear,
             lateral: state.lateral,
+            time: 0.0,
             loss: if self.has_energy() {
                 Loss::Balance(state.elastic_energy + state.interface_energy)
             } else {
@@ -629,6 +689,7 @@ impl Quasistatic for FrictionalContact {
             approach: state.approach,
             mean_shear: state.mean_shear,
             lateral: state.lateral,
+            time: 0.0,
             loss: Loss::Known(state.dissipated),
         }
     }

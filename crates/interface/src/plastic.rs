@@ -201,6 +201,7 @@ impl Quasistatic for PlasticContact {
             approach: state.solution.approach,
             mean_shear: [0.0; 2],
             lateral: [0.0; 2],
+            time: 0.0,
             loss: Loss::Known(state.dissipated),
         }
     }

@@ -1,6 +1,7 @@
 use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Height};
 use gfmd_law::Kind;
+use gfmd_viscoelastic::Relaxes;
 
 use crate::{GridError, Unknown};
 
@@ -91,6 +92,8 @@ pub struct Facts {
     pub layers: bool,
     /// The elastic body that has the rough surface, if there is one.
     pub second: Option<Support>,
+    /// The moduli that relax, of a viscoelastic body.
+    pub relaxes: Option<Relaxes>,
     /// The motion of the base, if it moves.
     pub moved_base: Option<MovedBase>,
     /// True for a profile, in plane strain.
@@ -129,6 +132,7 @@ impl Default for Facts {
             support: Support::HalfSpace,
             layers: false,
             second: None,
+            relaxes: None,
             moved_base: None,
             line: false,
             approach: false,
@@ -170,12 +174,13 @@ impl Facts {
         }
     }
 
-    /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, or on a patch.
+    /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, on a patch, or on a
+    /// viscoelastic body.
     pub fn is_wall_on_path(&self) -> bool {
         self.task == Task::Path
             && !self.has_law()
             && self.friction.is_none()
             && !self.lateral
-            && (self.hardness || self.boundary == Boundary::Free)
+            && (self.hardness || self.boundary == Boundary::Free || self.relaxes.is_some())
     }
 }

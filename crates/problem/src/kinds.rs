@@ -5,9 +5,10 @@ use gfmd_contact::{
     SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    FrictionState, FrictionalContact, Interface, Kept, PlasticContact, PlasticState, Quasistatic, Reading, State,
+    FrictionState, FrictionalContact, Interface, Kept, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,
     Trapping,
 };
+use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
 use ndarray::ArrayRef2;
 
 use crate::posed::{Kind, NoStiffness};
@@ -204,5 +205,34 @@ impl Kind for PlasticContact {
 
     fn reading(&self, state: &PlasticState) -> Reading {
         Quasistatic::reading(self, state)
+    }
+}
+
+impl Kind for ViscoelasticContact {
+    fn surface(&self) -> &RigidSurface {
+        self.contact().surface()
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<ViscoelasticState, Refusal> {
+        Err(Refusal::Basis { found: fields.len(), expected: 0 })
+    }
+
+    fn stiffness(&self, _: &ViscoelasticState) -> Result<Stiffness, NoStiffness> {
+        Err(ON_A_PATH)
+    }
+
+    fn reading(&self, state: &ViscoelasticState) -> Reading {
+        Reading {
+            mean_pressure: state.solution.mean_pressure,
+            approach: state.solution.approach,
+            mean_shear: [0.0; 2],
+            lateral: [0.0; 2],
+            time: state.time,
+            loss: Loss::Certified { lost: state.dissipated, error: state.dissipated_error },
+        }
     }
 }

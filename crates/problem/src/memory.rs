@@ -33,6 +33,12 @@ impl Held {
     /// A path with friction, on a patch.
     pub const ALL_COMPONENTS_FREE: Self = Self(158);
 
+    /// A viscoelastic body with so many branches.
+    #[must_use]
+    pub fn relaxing(branches: usize) -> Self {
+        Self(40 + 10 * branches as u64)
+    }
+
     /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
     pub fn bytes(self, points: [usize; 2]) -> u64 {
         points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))

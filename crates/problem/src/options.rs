@@ -8,6 +8,7 @@ pub mod flags;
 mod generator;
 pub mod given;
 mod law;
+mod prony;
 mod solver;
 pub mod values;
 
@@ -19,4 +20,5 @@ pub use dynamics::{DampedBy, DynamicsArgs};
 use flags::without_flags;
 pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
 pub use law::LawArgs;
+pub use prony::{PronyArgs, Relaxation};
 pub use solver::SolverArgs;

@@ -2,6 +2,7 @@
 
 use gfmd_contact::{FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
 use gfmd_interface::{FrictionState, PlasticState, State};
+use gfmd_viscoelastic::ViscoelasticState;
 use ndarray::{Array2, Array3};
 
 use crate::Rest;
@@ -12,7 +13,13 @@ impl Rest {
         let full = || self.get().map(|state: &FullSolution| &state.normal);
         let squeezed = || self.get().map(|state: &SqueezedSolution| &state.upper);
         let on_path = || self.on_path().map(|state| &state.solution);
-        self.get().or_else(full).or_else(|| self.steep().map(|state| &state.normal)).or_else(squeezed).or_else(on_path)
+        let relaxing = || self.relaxing().map(|state| &state.solution);
+        self.get()
+            .or_else(full)
+            .or_else(|| self.steep().map(|state| &state.normal))
+            .or_else(squeezed)
+            .or_else(on_path)
+            .or_else(relaxing)
     }
 
     /// The plastic points of a load with a hardness.
@@ -54,6 +61,11 @@ impl Rest {
 
     /// The state with friction.
     pub fn friction(&self) -> Option<&FrictionState> {
+        self.get()
+    }
+
+    /// The state of a viscoelastic body.
+    pub fn relaxing(&self) -> Option<&ViscoelasticState> {
         self.get()
     }
 

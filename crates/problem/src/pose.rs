@@ -5,6 +5,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_interface::{FrictionalContact, Interface, PlasticContact};
 use gfmd_law::{HardWall, Law, Limit};
+use gfmd_viscoelastic::{Prony, ViscoelasticContact};
 use ndarray::ArrayRef2;
 
 use crate::facts::{Facts, Task};
@@ -32,6 +33,8 @@ pub struct Given<'a> {
     pub hardness: Option<Hardness>,
     /// The limit of the shear.
     pub limit: Option<Limit>,
+    /// The relaxation of the body, whose long-term moduli are given.
+    pub prony: Option<&'a Prony>,
     /// Time step and damping of the solvers by dynamics.
     pub dynamics: Dynamics,
 }
@@ -49,6 +52,7 @@ impl<'a> Given<'a> {
             law: HardWall.into_shared(),
             hardness: None,
             limit: None,
+            prony: None,
             dynamics: Dynamics::default(),
         }
     }
@@ -74,7 +78,7 @@ impl<'a> Given<'a> {
 /// # Errors
 /// Heights, a body, a hardness or a law that cannot be in contact.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, heights, lower, law, limit, dynamics, .. } = given;
+    let Given { facts, body, grid, heights, lower, law, limit, prony, dynamics, .. } = given;
     if let Some(lower) = lower {
         return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
     }
@@ -83,6 +87,9 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     }
     if let Some(limit) = limit {
         return Ok(Posed::new(FrictionalContact::bounded(facts.boundary, body, grid, heights, *limit)?));
+    }
+    if let (Some(prony), Some(relaxes)) = (prony, facts.relaxes) {
+        return Ok(Posed::new(ViscoelasticContact::new(given.wall()?, body, prony, relaxes)?));
     }
     if facts.lateral {
         return Ok(Posed::new(Interface::in_all_components(body, grid, heights, Arc::clone(law))?));

@@ -2,6 +2,7 @@ use std::fmt;
 
 use gfmd_contact::Boundary;
 use gfmd_green::BaseKind;
+use gfmd_viscoelastic::Relaxes;
 
 use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 use crate::grid_error::GridError;
@@ -68,6 +69,15 @@ parts! {
     }, |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
     /// A second elastic body.
     SecondBody: |_| ("--second-body", "given", "--second-body"), |f| f.second.is_some();
+    /// Layers below the top one.
+    Layers: |_| ("--layer", "given", "--layer"), |f| f.layers;
+    /// A viscoelastic body.
+    Prony: |_| ("--prony", "given", "--prony"), |f| f.relaxes.is_some();
+    /// A viscoelastic body with a constant bulk modulus.
+    Shear: |_| ("--relaxes", "shear", "--relaxes shear"), |f| f.relaxes == Some(Relaxes::Shear);
+    /// A patch on a slab.
+    FreeSlab: |_| ("--boundary", "free", "a slab with --boundary free"),
+        |f| f.boundary == Boundary::Free && f.support != Support::HalfSpace;
     /// A base that moves.
     MovedBase: |f| match f.moved_base {
         Some(MovedBase::Traction) => ("--base-traction", "given", "--base-traction"),
@@ -170,6 +180,15 @@ pub const RULES: &[Rule] = {
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeFriction, "3", "the lateral displacement of a profile is known up to a constant"),
         rule(Sliding, FreeFriction, "bonded or half-space", "nothing holds the body sideways"),
+        rule(Law, Prony, "hard-wall", LATER),
+        rule(Hardness, Prony, "left out", LATER),
+        rule(Friction, Prony, "left out", LATER),
+        rule(Lateral, Prony, "left out", LATER),
+        rule(SecondBody, Prony, "left out", "it would relax in another way"),
+        rule(NoLevel, Prony, "periodic", "the energy of its displacement is not known"),
+        rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
+        rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
+        rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
         rule(Approach, NoLevel, "left out", "there is no level from which it counts"),
         rule(FlowThreshold, Law, "left out", "it bisects between loads that press"),
         rule(Flow, Line, "left out", "a profile has no flow"),
@@ -249,7 +268,10 @@ impl Part {
     /// True if loads, or a path, can have the part.
     fn is_of(self, task: Task) -> bool {
         match task {
-            Task::Loads => !matches!(self, Self::Friction | Self::Lateral | Self::FreeFriction | Self::Path),
+            Task::Loads => !matches!(
+                self,
+                Self::Friction | Self::Lateral | Self::FreeFriction | Self::Path | Self::Prony | Self::Shear
+            ),
             Task::Path if self == Self::FixedApproach => false,
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }

@@ -48,6 +48,10 @@ fn hardness(facts: &Facts) -> bool {
     facts.hardness
 }
 
+fn relaxing(facts: &Facts) -> bool {
+    facts.relaxes.is_some()
+}
+
 fn friction(facts: &Facts) -> bool {
     facts.friction.is_some()
 }
@@ -150,6 +154,7 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
         (hardness(facts), with!("a hardness")),
         (friction(facts), with!("friction")),
         (facts.lateral, with!("a lateral motion")),
+        (relaxing(facts), with!("a body that relaxes")),
         (facts.unknown != Unknown::Normal, with!("further unknown components")),
         (steep(facts), "the error of the grid was not measured with finite slopes"),
         (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
@@ -387,6 +392,7 @@ fn jumped(at: &At) -> Cell {
     };
     let unknown = match reading.loss {
         Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
+        Loss::Certified { .. } => "energy is lost by relaxation, which no balance tells from jumps",
         Loss::Known(_) => "energy is lost by slip or plastic flow, which no balance tells from jumps",
         Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
     };
@@ -540,6 +546,11 @@ const MEASURED: &[Column] = &[
     )
     .unless(level)
     .head("approach", Form::Size),
+    Column::new("time", "1", &[(any, "time since first touch, in the unit of the relaxation times")], |at| {
+        at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.time).into()
+    })
+    .with(relaxing)
+    .head("time", Form::Size),
     Column::new("lateral_x", "length", &[(any, "lateral displacement of the rigid surface along x")], |at| {
         sideways(at, 0)
     })
@@ -649,7 +660,7 @@ const MEASURED: &[Column] = &[
         &[(law, "largest repulsive pressure"), (any, "largest pressure")],
         |at| at.summary.max_pressure.into(),
     )
-    .with(loads)
+    .with(|facts| loads(facts) || relaxing(facts))
     .head("peak p", Form::Size),
     Column::new(
         "mean_pressure_in_contact",
@@ -686,6 +697,7 @@ const MEASURED: &[Column] = &[
         "stress*length",
         &[
             (between, "elastic energy of the slab per area, by the pressures on both faces"),
+            (relaxing, "energy stored in the springs of all branches, per area of the surface"),
             (any, "elastic energy per area of the surface"),
         ],
         |at| at.summary.elastic_energy.into(),
@@ -710,7 +722,10 @@ const MEASURED: &[Column] = &[
     Column::new(
         "dissipated",
         "stress*length",
-        &[(any, "energy lost in this step, per area; NaN if the law has no energy")],
+        &[
+            (relaxing, "energy lost in the dashpots in this step, per area"),
+            (any, "energy lost in this step, per area; NaN if the law has no energy"),
+        ],
         |at| lost(at, false),
     )
     .with(path)
@@ -719,10 +734,13 @@ const MEASURED: &[Column] = &[
     Column::new(
         "dissipated_error",
         "stress*length",
-        &[(
-            any,
-            "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
-        )],
+        &[
+            (relaxing, "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude"),
+            (
+                any,
+                "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
+            ),
+        ],
         |at| lost(at, true),
     )
     .with(path)

@@ -43,6 +43,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         page.failure(reader, "step");
         return Ok(page);
     }
+    let time = column("time");
+    let relaxes = table.contains_key("prony");
     let sideways = lateral[..computed].iter().any(|value| value != &lateral[0]);
 
     let sum = |name: &str| column(name)[..computed].iter().copied().filter(|v| !v.is_nan()).reduce(|a, b| a + b);
@@ -88,7 +90,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let law = friction
         .map_or_else(|| word("law"), |name| format!("{}, {} {}", word("law"), name.replace('_', " "), word(name)));
     page.asked(&surface, &table, &law);
-    let ways = ["pressure", "p_star", "displacement", "lateral"].map(|name| (name, word(name)));
+    let ways = ["pressure", "p_star", "displacement", "lateral", "time", "prony", "moduli", "relaxes"]
+        .map(|name| (name, word(name)));
     for (name, said) in ways.into_iter().filter(|(_, said)| !said.is_empty()) {
         page.asked.push(Fact::new(&format!("waypoints, {}", name.replace("p_star", "p*")), &said));
     }
@@ -114,6 +117,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let reduced = "*p*/(*E*\\* *g*)";
     let shears: Vec<f64> = shear.iter().map(|shear| shear / scale).collect();
     let panels = match sideways {
+        _ if relaxes => in_time([&area, &p_star, &approach].map(|values| pairs(&time, values)), reduced, &unit),
         true => {
             let x = format!("lateral displacement / {unit}");
             let (label, share) = if stick.iter().any(|share| share.is_finite()) {
@@ -132,14 +136,18 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             }
         }
     };
-    let caption = html! { "The path, leg by leg; each point is an equilibrium." };
-    if computed > 1 {
+    let caption = match relaxes {
+        true => html! { "Contact area, pressure and approach against time." },
+        false => html! { "The path, leg by leg; each point is an equilibrium." },
+    };
+    if computed > 1 && !panels.is_empty() {
         page.chart(&Chart::new(panels), "the path", &caption);
     }
     // Fields are kept at the waypoints only; the one with the largest contact is shown.
-    let at_waypoint = (0..computed).step_by(steps_of_leg).max_by(|a, b| area[*a].total_cmp(&area[*b]));
+    let waypoints = waypoints(&table, computed, steps_of_leg);
+    let at_waypoint = waypoints.iter().copied().max_by(|a, b| area[*a].total_cmp(&area[*b]));
     let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
-    let shown = at_waypoint.map(|step| step / steps_of_leg);
+    let shown = at_waypoint.and_then(|step| waypoints.iter().position(|other| *other == step));
     page.fields(reader, &surface, (shown, scale / gradient), hardness.as_ref());
     page.failure(reader, "step");
 
@@ -156,6 +164,50 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         Fact(html! { "additional solves" }, whole(stored.sum("extra_solves"))),
     ]);
     Ok(page)
+}
+
+/// The steps whose fields are in a file: of legs that have a time the last of each.
+fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usize) -> Vec<usize> {
+    let list = |name: &str| table.get(name).and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
+    let times = list("time");
+    if times.is_empty() {
+        return (0..computed).step_by(steps_of_leg).collect();
+    }
+    let legs =
+        ["pressure", "p_star", "displacement"].map(|name| list(name).len()).into_iter().fold(times.len(), usize::max);
+    let is_jump = |leg: usize| {
+        let time = &times[leg.min(times.len() - 1)];
+        time.as_float() == Some(0.0) || time.as_integer() == Some(0)
+    };
+    let ends = (0..legs).scan(0, |made, leg| {
+        *made += if is_jump(leg) { 1 } else { steps_of_leg };
+        Some(*made - 1)
+    });
+    ends.take_while(|end| *end < computed).collect()
+}
+
+/// Panels of contact area, reduced pressure and approach against time, which is logarithmic if it has more than two decades; a state
+/// at no time is left out of these. A number that is constant has no panel.
+pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<Panel> {
+    let times = columns[0].iter().map(|(time, _)| *time).filter(|time| *time > 0.0);
+    let [first, last] = times.fold([f64::INFINITY, 0.0], |[first, last], time| [time.min(first), time.max(last)]);
+    let is_long = last > 100.0 * first;
+    let labels = ["contact area".to_owned(), reduced.to_owned(), format!("approach / {unit}")];
+    let panel = |(points, label): (Vec<(f64, f64)>, String)| {
+        let shown = points.into_iter().filter(|(time, _)| !is_long || *time > 0.0).map(|(x, y)| Point::new(x, y));
+        Panel {
+            x: if is_long { Axis::log("time") } else { Axis::linear("time") },
+            y: Axis::linear(&label),
+            series: vec![Series { mark: Mark::JoinedPoints, ..Series::points("", 0, shown.collect()) }],
+            ..Panel::default()
+        }
+    };
+    let varies = |(points, _): &(Vec<(f64, f64)>, String)| {
+        let values = || points.iter().map(|(_, value)| *value).filter(|value| value.is_finite());
+        let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+        high - low > 1e-6 * high.abs().max(low.abs())
+    };
+    columns.into_iter().zip(labels).filter(varies).map(panel).collect()
 }
 
 /// A path of points, leg by leg.

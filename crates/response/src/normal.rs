@@ -1,4 +1,4 @@
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use gfmd_field::{Grid, Share, Transform};
 use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes};
@@ -12,7 +12,7 @@ use crate::rounded::Rounded;
 /// the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
 #[derive(Debug)]
 pub struct NormalResponse {
-    transform: Transform,
+    transform: Arc<Transform>,
     share: Share,
     compliance: Vec<f64>,
     /// Tabulated when it is first used, as the contacts with a hard wall do not need it.
@@ -84,7 +84,7 @@ impl NormalResponse {
         compliance[..first].fill(0.0);
         let [_, uniform] = body.level_compliance();
         Self {
-            transform,
+            transform: transform.into(),
             share: share.clone(),
             compliance,
             stiffness: OnceLock::new(),
@@ -118,7 +118,7 @@ impl NormalResponse {
         let uniform_compliance = std::mem::take(&mut compliance[0]);
         Ok(Self {
             share: table.transform.grid().whole(),
-            transform: table.transform,
+            transform: table.transform.into(),
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
             stiffness_of: Body::normal_stiffness,
@@ -128,6 +128,28 @@ impl NormalResponse {
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
         })
+    }
+
+    /// The response of a body whose modes have stiffnesses that are larger by these `factors`, laid out as
+    /// [`Grid::modes`]; the first one is that of the uniform mode. All modes belong to this process.
+    #[must_use]
+    pub fn stiffened(&self, factors: &[f64]) -> Self {
+        let mut compliance = self.compliance.clone();
+        compliance.iter_mut().zip(factors).for_each(|(compliance, factor)| *compliance /= factor);
+        let stiffness = compliance.iter().map(|compliance| 1.0 / compliance).collect();
+        let waves = || compliance[1.min(compliance.len())..].iter().copied();
+        Self {
+            transform: Arc::clone(&self.transform),
+            share: self.share.clone(),
+            stiffness_range: [1.0 / waves().fold(0.0, f64::max), 1.0 / waves().fold(f64::INFINITY, f64::min)],
+            uniform_compliance: self.uniform_compliance / factors.first().copied().unwrap_or(1.0),
+            stiffness: OnceLock::from(without_uniform(stiffness)),
+            stiffness_of: self.stiffness_of,
+            body: self.body.clone(),
+            contact_modulus: self.contact_modulus,
+            rounded: OnceLock::new(),
+            compliance,
+        }
     }
 
     /// The grid of the surface.

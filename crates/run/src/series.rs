@@ -51,12 +51,39 @@ pub struct Series<'a> {
     pub drives: &'a [Drive],
     /// The largest residual of a state at rest.
     pub tolerance: f64,
-    /// Of so many states one has its fields in the file.
-    pub every: usize,
+    /// Those whose fields are in the file.
+    pub places: Places,
     /// The fields that it has of them.
     pub chosen: Chosen,
     /// True if the file follows at once on the last state, which need not be kept.
     pub ends_with_file: bool,
+}
+
+/// The states of a series whose fields are in its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Places {
+    /// The first one of each so many.
+    Every(usize),
+    /// Those with these numbers, in ascending order.
+    At(Vec<usize>),
+}
+
+impl Places {
+    /// The place of a state in the file, if it has one.
+    pub fn of(&self, index: usize) -> Option<usize> {
+        match self {
+            Self::Every(every) => index.is_multiple_of(*every).then_some(index / every),
+            Self::At(indices) => indices.binary_search(&index).ok(),
+        }
+    }
+
+    /// The number of states with a place, of so many in all.
+    pub fn count(&self, states: usize) -> usize {
+        match self {
+            Self::Every(every) => states.div_ceil(*every),
+            Self::At(indices) => indices.len(),
+        }
+    }
 }
 
 /// What a command makes of the states of its series.
@@ -131,7 +158,7 @@ impl Series<'_> {
         is_wanted: bool,
     ) -> Result<Option<StateFile<'a>>, Failure> {
         let create = || {
-            let (states, provenance) = (self.drives.len().div_ceil(self.every), self.session.provenance(config));
+            let (states, provenance) = (self.places.count(self.drives.len()), self.session.provenance(config));
             StateFile::of(output, &provenance, self.prepared, states, (self.chosen.clone(), self.session))
         };
         is_wanted.then(create).transpose()
@@ -146,7 +173,7 @@ impl Series<'_> {
         progress: &dyn Progress,
         outlet: &mut dyn Outlet,
     ) -> Result<Ended, Failure> {
-        let Self { prepared, session, drives, tolerance, every, .. } = *self;
+        let Self { prepared, session, drives, tolerance, .. } = *self;
         let (facts, lift) = (&prepared.facts, prepared.lift());
         let part = Parts::of(facts.task).name;
         let (mut file, mut ended) = (file, Ended::default());
@@ -205,7 +232,7 @@ impl Series<'_> {
                 unmet.tell(part);
                 ended.not_converged = Some(unmet);
             }
-            let place_in_file = index.is_multiple_of(every).then_some(index / every);
+            let place_in_file = self.places.of(index);
             if let (Some(file), Some(place)) = (&mut file, place_in_file) {
                 session.agree(file.write(place, state, lift))?;
             }
@@ -241,12 +268,12 @@ impl Series<'_> {
             let Part { text, fields } = kept.part(index)?;
             let record = Record::from_line(&self.prepared.facts, &text);
             records.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
-            if index.is_multiple_of(self.every) {
+            if let Some(place) = self.places.of(index) {
                 outlet.recall(&fields).map_err(|failure| match failure {
                     Failure::Input(reason) => kept.unusable(index, reason),
                     other => other,
                 })?;
-                file.write_values(index / self.every, &fields)?;
+                file.write_values(place, &fields)?;
             }
             progress.advance(1.0, "kept");
         }

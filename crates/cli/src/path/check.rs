@@ -9,7 +9,7 @@ use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTr
 use ndarray::Array2;
 use std::path::Path;
 
-use super::{Args, Way};
+use super::{Args, Way, memory};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
     Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
@@ -30,10 +30,11 @@ pub(crate) fn check(
     regenerated(reader, config, args.boundary, comparison, session)?;
     let mut way = Way::new(&args, session)?;
     way.prepared.take_units(reader);
-    let (prepared, steps) = (&way.prepared, args.steps as usize);
+    let prepared = &way.prepared;
     layout(ResultKind::Path, reader, comparison, |output| {
-        let (waypoints, provenance) = (way.drives.len().div_ceil(steps), session.provenance(args.config()?));
-        let file = StateFile::of(Some(output), &provenance, prepared, waypoints, (Chosen::All, session))?;
+        let (waypoints, provenance) = (way.places.count(way.drives.len()), session.provenance(args.config()?));
+        let mut file = StateFile::of(Some(output), &provenance, prepared, waypoints, (Chosen::All, session))?;
+        memory::lay_out(&mut file, prepared)?;
         let path = file.finish(&[], way.drives.len(), None)?;
         path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
     })?;
@@ -58,11 +59,13 @@ pub(crate) fn check(
         }
         comparison.number("/path/lateral_x", number("lateral_x"), drive.lateral[0], 0.0);
         comparison.number("/path/lateral_y", number("lateral_y"), drive.lateral[1], 0.0);
-        if !index.is_multiple_of(steps) {
-            continue;
+        if prepared.prony.is_some() {
+            comparison.number("/path/time", number("time"), drive.time, 0.0);
         }
-        let waypoint = index / steps;
-        if prepared.facts.moves_sideways() {
+        let Some(waypoint) = way.places.of(index) else { continue };
+        if prepared.prony.is_some() {
+            check.relaxing((waypoint, index), index + 1 == way.drives.len(), comparison)?;
+        } else if prepared.facts.moves_sideways() {
             check.tractions(waypoint, index, comparison)?;
         } else if let Some(state) = stored.state(waypoint, *drive)? {
             stored.compare_fields(waypoint, &state, comparison)?;
@@ -113,6 +116,43 @@ impl StepCheck<'_> {
         floor = floor.max(energy(&now).abs()).max(energy(&before).abs());
         comparison.number("/path/dissipated", now("dissipated"), missing, floor);
         comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
+    }
+
+    /// Compares the fields of a viscoelastic body with one another, and with its memory at the last step.
+    fn relaxing(
+        &self,
+        (waypoint, step): (usize, usize),
+        is_last: bool,
+        comparison: &mut Comparison,
+    ) -> Result<(), Failure> {
+        let Self { args, stored: file } = self;
+        let field = |name: &str| file.field(name, waypoint);
+        let [pressure, displacement, gap] = [field("pressure")?, field("displacement_z")?, field("gap")?];
+        let (number, height) = (|name: &str| file.number(name, step), file.height());
+        let heights = &file.prepared.surface.heights;
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let approach = number("displacement");
+        let found: Vec<f64> = heights.iter().zip(&displacement).map(|(h, u)| highest - h - u - approach).collect();
+        comparison.values("/fields/gap", &flat(&gap), &found, height);
+        let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
+        comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.tol);
+        comparison.at_most("/fields/pressure (tension)", -least(&pressure), 0.0);
+        let pressed = pressure.sum();
+        let closed = (&pressure * &gap).sum().abs();
+        let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
+        comparison.at_most("/fields/gap (in contact)", open, args.tol);
+        let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / pressure.len() as f64;
+        let mean = |field: &Array2<f64>| field.mean().unwrap_or(f64::NAN);
+        let largest = pressure.iter().copied().fold(0.0, f64::max);
+        comparison.number("/path/mean_pressure", number("mean_pressure"), mean(&pressure), 0.0);
+        comparison.number("/path/max_pressure", number("max_pressure"), largest, 0.0);
+        comparison.number("/path/area_fraction", number("area_fraction"), touching, 0.0);
+        comparison.number("/path/mean_gap", number("mean_gap"), mean(&gap), height);
+        if is_last {
+            let fields = (&pressure, &displacement);
+            memory::check(file.reader, file.prepared, fields, 100.0 * args.tol, comparison)?;
+        }
+        Ok(())
     }
 
     /// Recomputes the displacement from the tractions, and from it gap and energy.

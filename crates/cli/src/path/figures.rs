@@ -7,7 +7,7 @@ use gfmd_record::Record;
 
 use super::Report;
 use gfmd_report::figures::{Scene, named};
-use gfmd_report::path::legs;
+use gfmd_report::path::{in_time, legs};
 use gfmd_run::failure::Failure;
 
 /// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and
@@ -27,7 +27,10 @@ pub(super) fn draw(
     let lateral = |step: &Record| report.along(step.vector("lateral"));
     let shear = |step: &Record| report.along(step.vector("mean_shear"));
     let reduced = "*p*/(*E*\\* *ḡ*)";
-    let panels = if report.moves_sideways() {
+    let panels = if report.head.relaxation.is_some() {
+        let points = |name: &str| report.steps.iter().map(|step| (step.number("time"), step.number(name))).collect();
+        in_time(["area_fraction", "p_star", "displacement"].map(points), reduced, unit)
+    } else if report.moves_sideways() {
         let x = Axis::linear(&format!("lateral displacement / {unit}"));
         let share = |step: &Record| step.value("stick_fraction").unwrap_or_else(|| step.number("area_fraction"));
         let sticking = report.steps.iter().any(|step| step.value("stick_fraction").is_some());
@@ -62,6 +65,9 @@ pub(super) fn draw(
         }
         panels
     };
+    if panels.is_empty() {
+        return Ok(files);
+    }
     let chart = Chart { share_y: false, ..Chart::new(panels) };
     files.extend(chart.save(&named(prefix, "path"))?);
     Ok(files)

@@ -22,6 +22,7 @@ mod law;
 mod pictures;
 mod plastic;
 mod punch;
+mod relaxing;
 mod report;
 mod scan;
 mod seams;

@@ -307,6 +307,21 @@ impl OtherArgs {
         Ok(())
     }
 
+    /// The same with other moduli: Young's modulus and Poisson's ratio of each layer, and of the half-space below.
+    #[must_use]
+    pub fn map_moduli(&self, other: impl Fn(f64, f64) -> (f64, f64)) -> Self {
+        let layer = |layer: &Layer| {
+            let (young, poisson) = other(layer.young, layer.poisson);
+            Layer { young, poisson, ..*layer }
+        };
+        let mut mapped = Self { layer: self.layer.iter().map(layer).collect(), ..self.clone() };
+        if let (Some(young), Some(poisson)) = (self.base_young, self.base_poisson) {
+            let (young, poisson) = other(young, poisson);
+            (mapped.base_young, mapped.base_poisson) = (Some(young), Some(poisson));
+        }
+        mapped
+    }
+
     /// True if the body is a half-space, or a slab on a bonded base, and alone.
     pub fn are_none(&self) -> bool {
         *self == Self::default()

@@ -1,10 +1,11 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
-use crate::{GridError, Unknown};
+use crate::{GridError, Moduli, Unknown};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
+use gfmd_viscoelastic::Relaxes;
 
 /// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {
@@ -42,7 +43,9 @@ choices! {
     Boundary: &Self::ALL;
     Fill: Self::ALL;
     GridError: &Self::ALL;
+    Moduli: &Self::ALL;
     Periodisation: Self::ALL;
+    Relaxes: &Self::ALL;
     RollOffShape: Self::ALL;
     Solver: &Self::ALL;
     Unknown: &Self::ALL;

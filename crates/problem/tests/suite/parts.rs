@@ -7,6 +7,7 @@ use gfmd_field::Grid;
 use gfmd_green::{Base, BaseKind, Body, Material};
 use gfmd_law::{HardWall, Kind, Law, Limit};
 use gfmd_problem::{Facts, Friction, Given, Lower, Support, Task, Unknown};
+use gfmd_viscoelastic::{Prony, Relaxes};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -27,6 +28,7 @@ pub(crate) struct Parts {
     pub(crate) heights: Array2<f64>,
     pub(crate) lower: Option<Array2<f64>>,
     pub(crate) law: Arc<dyn Law>,
+    prony: Option<Prony>,
 }
 
 fn body_on(support: Support) -> Body {
@@ -56,7 +58,8 @@ impl Parts {
             law => law.with(&[("gamma", 2e-4), ("range", 4e-3)]).unwrap().into_shared(),
         };
         let lower = facts.lower.map(|_| -heights(&grid));
-        Self { facts, grid, body, heights: heights(&grid), lower, law }
+        let prony = facts.relaxes.map(|_| Prony::from_fractions(&[(0.5, 0.3), (20.0, 0.4)]).unwrap());
+        Self { facts, grid, body, heights: heights(&grid), lower, law, prony }
     }
 
     pub(crate) fn given(&self) -> Given<'_> {
@@ -69,6 +72,7 @@ impl Parts {
             law: Arc::clone(&self.law),
             hardness: self.facts.hardness.then_some(0.15.into()),
             limit,
+            prony: self.prony.as_ref(),
             ..Given::new(self.facts, &self.body, &self.grid, &self.heights)
         }
     }
@@ -79,7 +83,9 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     let supports: Vec<Support> = [Support::HalfSpace].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
     let seconds = [None, Some(Support::HalfSpace), Some(Support::Slab(BaseKind::Bonded))];
     let limits = [(false, None), (true, None), (false, Some(Friction::Coulomb))];
-    let count = 2 * 2 * limits.len() * 2 * Unknown::ALL.len() * 2 * 2 * supports.len() * seconds.len() * 8;
+    let relaxing = [None, Some(Relaxes::Both), Some(Relaxes::Shear)];
+    let count =
+        relaxing.len() * 2 * 2 * limits.len() * 2 * Unknown::ALL.len() * 2 * 2 * supports.len() * seconds.len() * 8;
     let facts = (0..count).map(move |mut index| {
         let mut digit = |base: usize| {
             let digit = index % base;
@@ -101,9 +107,11 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             line: digit(2) == 1,
             approach: digit(2) == 1,
             lateral: digit(2) == 1,
+            relaxes: relaxing[digit(relaxing.len())],
             ..Facts::default()
         }
     });
-    // Loads have no lateral motion and no friction: there is no flag for them.
-    facts.filter(|facts| facts.task == Task::Path || (!facts.lateral && facts.friction.is_none()))
+    // Loads have no lateral motion, no friction and no time: there is no flag for them.
+    let is_of_loads = |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none();
+    facts.filter(move |facts| facts.task == Task::Path || is_of_loads(facts))
 }

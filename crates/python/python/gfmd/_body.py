@@ -29,6 +29,10 @@ class Body(Record):
         layers: layers below the top one, from the top down: (Young's modulus, Poisson's ratio, height) of each.
         second_body: (Young's modulus, Poisson's ratio) of a half-space, or with a height of a slab bonded at its back, to which
             the rough surface belongs. Displacements are then relative: those of both bodies together.
+        prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the instantaneous modulus) of
+            each branch.
+        moduli: the moduli that are given, "long-term" or "instantaneous"; with `prony` only.
+        relaxes: the moduli that relax, "both" or "shear" (with a constant bulk modulus); with `prony` only.
 
     `e_star` is the contact modulus of which p* is formed: that of the material of the top layer; with a second body
     1/(1/E1* + 1/E2*). `young`, `poisson` are those of the top layer.
@@ -41,6 +45,8 @@ class Body(Record):
         78554595443.83347
         >>> gfmd.Body(height=0.1, layers=[(3.0, 0.3, 0.2)], base="sliding").layers
         ((3.0, 0.3, 0.2),)
+        >>> gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)]).prony
+        ((0.1, 0.3), (10.0, 0.4))
     """
 
     young: float
@@ -50,6 +56,9 @@ class Body(Record):
     base: str
     layers: tuple[tuple[float, float, float], ...]
     second_body: Optional[tuple[float, ...]]
+    prony: tuple[tuple[float, float], ...]
+    moduli: str
+    relaxes: str
     _given: tuple[float, float, Optional[float], Optional[float]]
 
     def __init__(
@@ -64,6 +73,9 @@ class Body(Record):
         base_poisson: Optional[float] = None,
         layers: Sequence[Sequence[float]] = (),
         second_body: Optional[Sequence[float]] = None,
+        prony: Sequence[Sequence[float]] = (),
+        moduli: str = "long-term",
+        relaxes: str = "both",
     ) -> None:
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
@@ -87,6 +99,7 @@ class Body(Record):
             "base": word("base", base),
             "layers": _layers(layers, thickness),
             "second_body": second,
+            **_relaxation(prony, word("moduli", moduli), word("relaxes", relaxes)),
         }
         super().__init__({**values, **_below(base, thickness, base_young, base_poisson)})
         object.__setattr__(self, "_given", (modulus or 1.0, nu, contact, thickness))
@@ -95,7 +108,8 @@ class Body(Record):
         modulus, nu, contact, thickness = self._given
         below = self._values.get("base_young"), self._values.get("base_poisson")
         top = (None if contact is not None else modulus, nu, contact, thickness)
-        return _body, (*top, self.base, *below, self.layers, self.second_body)
+        relaxation = self.prony, self.moduli, self.relaxes
+        return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other.__reduce__()[1] == self.__reduce__()[1]
@@ -139,6 +153,33 @@ def _layers(value: object, height: Optional[float]) -> tuple[tuple[float, ...], 
     return tuple(_sheet("layers", layer, form, (3,)) for layer in value)
 
 
+def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
+    """The branches of a viscoelastic body, none of an elastic one."""
+    form = "a list of (relaxation time, fraction of the instantaneous modulus)"
+    if isinstance(prony, (str, bytes)) or not isinstance(prony, Sequence):
+        raise InputError(f"prony is {shown(prony)}; it must be {form}")
+    branches = []
+    for branch in prony:
+        if isinstance(branch, (str, bytes)) or not isinstance(branch, Sequence) or len(branch) != 2:
+            raise InputError(f"prony has the branch {shown(branch)}; it must be {form}")
+        time, fraction = (number("prony", entry) for entry in branch)
+        if not 0.0 < time < math.inf:
+            raise InputError(f"a relaxation time of prony is {time}; it must be positive and finite")
+        if not 0.0 < fraction < 1.0:
+            raise InputError(f"a fraction of prony is {fraction}; it must be above 0 and below 1")
+        branches.append((time, fraction))
+    if len({time for time, _ in branches}) < len(branches):
+        raise InputError(f"prony is {shown(prony)}; its relaxation times must differ")
+    if not sum(fraction for _, fraction in branches) < 1.0:
+        raise InputError(f"prony is {shown(prony)}; its fractions must add up to less than 1")
+    for name, value, allowed in (("moduli", moduli, ("long-term", "instantaneous")), ("relaxes", relaxes, ("both", "shear"))):
+        if value not in allowed:
+            raise InputError(f"{name} is {value!r}; it must be {allowed[0]!r} or {allowed[1]!r}")
+        if value != allowed[0] and not branches:
+            raise InputError(f"{name} is {value!r}; it must be left out without prony")
+    return {"prony": tuple(branches), "moduli": moduli, "relaxes": relaxes}
+
+
 def _composite(first: float, second: tuple[float, ...]) -> float:
     """The contact modulus of two bodies, as the program forms it."""
     small, large = sorted((first, second[0] / ((1.0 - second[1]) * (1.0 + second[1]))))
@@ -172,9 +213,13 @@ def _body(
     base_poisson: Optional[float] = None,
     layers: Sequence[Sequence[float]] = (),
     second_body: Optional[Sequence[float]] = None,
+    prony: Sequence[Sequence[float]] = (),
+    moduli: str = "long-term",
+    relaxes: str = "both",
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
-    return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below)  # type: ignore[arg-type]
+    relaxation = {"prony": prony, "moduli": moduli, "relaxes": relaxes}
+    return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below, **relaxation)  # type: ignore[arg-type]
 
 
 class Law(Record):
@@ -237,7 +282,9 @@ def as_law(value: object) -> Law:
     raise InputError(f"law is {shown(value)}; it must be made by gfmd.law, or a name")
 
 
-def as_body(value: object) -> Body:
+def as_body(value: object, in_time: bool = False) -> Body:
     if not isinstance(value, Body):
         raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
+    if value.prony and not in_time:
+        raise InputError("body is viscoelastic; it must be elastic here (gfmd.path follows a viscoelastic one in time)")
     return value

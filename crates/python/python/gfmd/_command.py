@@ -24,6 +24,13 @@ def body_keys(body: Body) -> dict[str, Any]:
     return {**elastic, "poisson": poisson, "height": height_key(height), **other_keys(body, body.layers)}
 
 
+def relaxation_keys(body: Body) -> dict[str, Any]:
+    """The keys of the relaxation of a viscoelastic body; none of an elastic one."""
+    if not body.prony:
+        return {}
+    return {"prony": [list(branch) for branch in body.prony], "moduli": body.moduli, "relaxes": body.relaxes}
+
+
 def law_keys(law: Law) -> dict[str, Any]:
     """The keys of a law."""
     return {"law": law.name, "param": [[name, value] for name, value in law.parameters.items()]}

@@ -22,7 +22,7 @@ class Path(Record):
         steps: a Record of arrays over the steps: `mean_pressure`, `mean_shear` [step, 2] (stress), `p_star`, `displacement`
             (the approach), `lateral` [step, 2], `mean_gap` (length), `area_fraction`, `stick_fraction`, `elastic_energy`,
             `interface_energy`, `dissipated`, `dissipated_error` (stress * length), `passed_instability`,
-            `lowest_curvature`, `extra_solves`, with friction `increments`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
+            `lowest_curvature`, `extra_solves`, of a viscoelastic body `time` and `max_pressure`, with friction `increments`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
         pressure, gap, displacement_z: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
         shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
         plastic_depth: depth by which the surfaces were pressed into each other so far [waypoint, x, y], length, with a
@@ -39,6 +39,7 @@ class Path(Record):
         parted_at: the step at which the surfaces parted under their load, or None.
         undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
+        prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of a viscoelastic body.
         surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the effort.
 
     Example:
@@ -136,6 +137,7 @@ def path(
     p_star: Any = None,
     approach: Any = None,
     lateral: Any = None,
+    time: Any = None,
     direction: float = 0.0,
     law: Law | str | None = None,
     friction: Optional[float] = None,
@@ -158,6 +160,8 @@ def path(
         mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence;
             negative ones pull.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
+        time: times of the legs, each of which ends at a waypoint, with a viscoelastic body (`Body(prony=...)`): a number or a
+            sequence. The first leg begins at first touch; a leg of no time is a jump.
         direction: their direction, degrees from x.
         law: as of `contact`.
         friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
@@ -180,8 +184,12 @@ def path(
         >>> loop = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=adhesion, approach=[-0.004, 0.004, -0.007], steps=4)
         >>> loop.lowest_mean_pressure < 0
         True
+        >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
+        >>> creep = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), rubber, mean_pressure=0.01, time=[0, 1, 100], steps=1)
+        >>> creep.steps.area_fraction[-1] > creep.steps.area_fraction[0]
+        True
     """
-    made, elastic, given = as_surface(surface), as_body(body), as_law(law)
+    made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
     drive = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
     found = {name: numbers(name, value) for name, value in drive.items() if value is not None}
     if len(found) != 1:
@@ -193,6 +201,7 @@ def path(
         p_star=found.get("p_star"),
         displacement=found.get("approach"),
         lateral=None if lateral is None else numbers("lateral", lateral),
+        time=None if time is None else numbers("time", time),
         direction=number("direction", direction),
         steps=integer("steps", steps, 1, 2**32 - 1),
         tol=number("tolerance", tolerance),
@@ -210,7 +219,7 @@ def path(
         problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, float) else arrays)["hardness"] = bound
-    problem.update(length=list(made.size), **_command.body_keys(elastic))
+    problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields = _command.solve("path", problem, arrays, threads)
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}

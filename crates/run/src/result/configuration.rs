@@ -115,7 +115,11 @@ impl Configuration {
             match value {
                 Value::Boolean(given) => words.extend(given.then_some(flag)),
                 Value::Array(lists) if lists.iter().any(Value::is_array) => {
-                    let between = if key == "param" { "=" } else { "," };
+                    let between = match key.as_str() {
+                        "param" => "=",
+                        "prony" => ":",
+                        _ => ",",
+                    };
                     words.extend(
                         lists
                             .iter()

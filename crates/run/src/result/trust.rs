@@ -129,6 +129,13 @@ const CONTACT: &[Row] = &[
 ];
 
 const PATH: &[Row] = &[
+    row(&["/history/displacement"], Verified, Verified, "the displacement of the last step"),
+    row(
+        &["/history/branch"],
+        Verified,
+        Verified,
+        "the pressure of the last step, which it gives with the displacement",
+    ),
     row(&["/path/seconds"], Checksum, Checksum, ""),
     row(
         &["/path/converged", "/path/p_star", "/path/lateral_*"],
@@ -210,7 +217,7 @@ const SWEEP: &[Row] = &[
 pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
         Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
-        Kind::Path => &[SEARCH, PATH, ALL, SURFACE],
+        Kind::Path => &[PATH, SEARCH, ALL, SURFACE],
         Kind::Punch => &[SEARCH, ALL, PUNCH],
         Kind::Body => &[ALL, BODY],
         Kind::KappaSweep => &[ALL, SWEEP],

@@ -18,8 +18,8 @@ use crate::session::Session;
 use crate::source::scan::Scan;
 use crate::source::{Second, Surface};
 use gfmd_problem::Adhesion;
-use gfmd_problem::options::OtherArgs;
 use gfmd_problem::options::named;
+use gfmd_problem::options::{OtherArgs, Relaxation};
 
 /// The problem that was solved, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -45,6 +45,9 @@ pub struct Head {
     pub others: OtherArgs,
     #[serde(skip)]
     pub body: Option<String>,
+    /// Of a viscoelastic body.
+    #[serde(flatten)]
+    pub relaxation: Option<Relaxation>,
     #[serde(flatten)]
     pub base: BaseArgs,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -131,6 +134,7 @@ impl Head {
             e_star: prepared.body.contact_modulus(),
             others: asked.body.others.clone(),
             body: asked.body.words(asked.lower.flag().map(|_| lower::BETWEEN)),
+            relaxation: None,
             base: asked.base.clone(),
             lower: prepared.lower.as_ref().map(|lower| Lower {
                 surface: lower.description.clone(),
@@ -182,6 +186,17 @@ impl fmt::Display for Head {
         )?;
         if let Some(body) = &self.body {
             writeln!(f, "elastic body: {body}\n")?;
+        }
+        if let Some(relaxation) = &self.relaxation {
+            let Relaxation { prony, relaxes, young_long_term, young_instantaneous, .. } = relaxation;
+            let branches: Vec<String> = prony.iter().map(|(time, part)| format!("{time}:{part}")).collect();
+            writeln!(
+                f,
+                "viscoelastic: E = {young_instantaneous:.6e} at once, {young_long_term:.6e} in the long term; branches {} \
+                 (relaxation time, fraction), {}\n",
+                branches.join(", "),
+                relaxes.meaning()
+            )?;
         }
         if let Some(lower) = &self.lower {
             writeln!(f, "lower surface: {}", lower.surface)?;

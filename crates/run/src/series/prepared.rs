@@ -8,9 +8,10 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
-use gfmd_problem::{Facts, Given, Posed, Rest, pose};
+use gfmd_problem::{Facts, Given, Held, Posed, Rest, pose};
 use gfmd_record::At;
 use gfmd_surface::{Moments, Statistics, window};
+use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
 use super::parts::Parts;
@@ -40,6 +41,8 @@ pub struct Asked<'a> {
     pub hardness: Option<&'a GivenHardness>,
     /// The limit of the shear, and its flag.
     pub limit: Option<(Limit, &'static str)>,
+    /// Relaxation of the body, whose long-term moduli are given.
+    pub prony: Option<&'a Prony>,
     /// Boundary of the cell.
     pub boundary: Boundary,
     /// Choices of the damped dynamics.
@@ -70,6 +73,8 @@ pub struct Prepared {
     pub hardness: Option<Hardness>,
     /// Limit of the shear, with friction.
     pub limit: Option<Limit>,
+    /// Relaxation of the body, if it is viscoelastic.
+    pub prony: Option<Prony>,
     dynamics: Dynamics,
     /// Height of the surface's top above the highest point of the grid, if this process has all of it.
     rise: Option<f64>,
@@ -100,7 +105,11 @@ impl Prepared {
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
-        session.fits(facts.held(asked.once), &surface.grid, &surface.heights)?;
+        let held = match asked.prony {
+            Some(prony) => Held::relaxing(prony.branches().len()),
+            None => facts.held(asked.once),
+        };
+        session.fits(held, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
             // What the contact sees is the surface that the base displaces.
@@ -118,7 +127,8 @@ impl Prepared {
             }
             _ => surface.statistics.moments,
         };
-        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, dynamics: asked.dynamics, rise, moments })
+        let (prony, dynamics) = (asked.prony.cloned(), asked.dynamics);
+        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, prony, dynamics, rise, moments })
     }
 
     /// Takes the units of lengths as a file spells them.
@@ -179,6 +189,7 @@ impl Prepared {
             law: Arc::clone(law),
             hardness: self.hardness.clone(),
             limit: self.limit,
+            prony: self.prony.as_ref(),
             dynamics: self.dynamics,
             ..Given::new(self.facts, &self.body, &self.surface.grid, &heights)
         };

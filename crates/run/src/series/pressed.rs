@@ -129,6 +129,7 @@ impl ContactArgs {
             law: &self.law,
             hardness: self.hardness.as_ref(),
             limit: None,
+            prony: None,
             boundary: self.boundary,
             dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
             solver: self.solver.solver,

@@ -1,0 +1,89 @@
+//! The memory of a viscoelastic body in the file of a path, by which the pressure of the last step is checked.
+
+use gfmd_contact::Contact;
+use gfmd_files::{Archive, Dimension, Reader, Variable, axes, contiguous};
+use gfmd_run::failure::Failure;
+use gfmd_run::result::Comparison;
+use gfmd_run::series::{Prepared, StateFile};
+use gfmd_run::source::Surface;
+use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
+use ndarray::Array2;
+
+const DISPLACEMENT: &str = "/history/displacement";
+const BRANCH: &str = "/history/branch";
+
+/// The difference that rounding leaves between a displacement and that of the pressure, over the largest.
+const ROUNDING: f64 = 1e-9;
+
+/// Writes the memory of the last state.
+pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &ViscoelasticState) -> Result<(), Failure> {
+    let Some(archive) = file.archive() else { return Ok(()) };
+    let memory = state.memory();
+    let Some((indentation, branches)) = memory.split_first() else { return Ok(()) };
+    define(archive, surface, branches.len())?;
+    archive.write_rows(DISPLACEMENT, None, 0, &contiguous(indentation))?;
+    for (index, field) in branches.iter().enumerate() {
+        archive.write_slab(BRANCH, index, &contiguous(field))?;
+    }
+    Ok(())
+}
+
+/// Defines the memory, without values.
+pub(super) fn lay_out(file: &mut StateFile, prepared: &Prepared) -> Result<(), Failure> {
+    let contact = contact_of(prepared)?;
+    let Some((archive, contact)) = file.archive().zip(contact) else { return Ok(()) };
+    define(archive, &prepared.surface, contact.branches())
+}
+
+fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(), Failure> {
+    let unit = surface.unit();
+    let [x, y] = axes(&surface.grid, unit);
+    let variable = Variable {
+        dimensions: &[&x, &y],
+        units: unit,
+        long_name: "indentation of the surface at the last step, positive downwards",
+    };
+    archive.define_rows(DISPLACEMENT, &variable)?;
+    // Its own name is that of the variable.
+    let branch = Dimension::index("index", branches, "number of the branch of the relaxation");
+    let variable = Variable {
+        dimensions: &[&branch, &x, &y],
+        units: unit,
+        long_name: "elongation of the spring of each branch at the last step",
+    };
+    Ok(archive.define(BRANCH, &variable)?)
+}
+
+/// The contact of a viscoelastic body; `None` of an elastic one.
+fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failure> {
+    let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
+    let elastic = Contact::bounded(facts.boundary, body, &surface.grid, &surface.heights);
+    let relaxes = facts.relaxes.unwrap_or_default();
+    let contact = elastic.and_then(|elastic| ViscoelasticContact::new(elastic, body, prony, relaxes));
+    contact.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
+}
+
+/// Recomputes the pressure of the last step from the memory.
+pub(super) fn check(
+    reader: &Reader,
+    prepared: &Prepared,
+    (pressure, displacement): (&Array2<f64>, &Array2<f64>),
+    tolerance: f64,
+    comparison: &mut Comparison,
+) -> Result<(), Failure> {
+    let Some(contact) = contact_of(prepared)? else { return Ok(()) };
+    let points = prepared.surface.grid.points();
+    let field =
+        |values: Vec<f64>| Array2::from_shape_vec(points, values).map_err(|error| Failure::input("/history", error));
+    let indentation = field(reader.values(DISPLACEMENT)?)?;
+    let below: Vec<f64> = displacement.iter().map(|u| -u).collect();
+    comparison.values(DISPLACEMENT, &contiguous(&indentation), &below, 0.0);
+    let mut memory = vec![indentation];
+    for index in 0..contact.branches() {
+        memory.push(field(reader.slab(BRANCH, index)?)?);
+    }
+    let apart = contact.consistency(pressure, &memory);
+    let apart = apart.map_err(|refusal| Failure::input("/history", refusal))?;
+    comparison.at_most(BRANCH, apart, tolerance.max(ROUNDING));
+    Ok(())
+}

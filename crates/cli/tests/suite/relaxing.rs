@@ -1,0 +1,162 @@
+//! Viscoelastic bodies along a path in time, from end to end.
+
+use std::path::Path;
+
+use crate::common::{gfmd, json};
+use gfmd_files::Reader;
+use ndarray::Array2;
+use serde_json::Value;
+
+fn words(flags: &str) -> Vec<&str> {
+    flags.split_whitespace().collect()
+}
+
+/// The reason why a command is refused, in one line, with status 2.
+fn refused(folder: &Path, flags: &str) -> String {
+    let output = gfmd(folder, &words(flags));
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{flags}: {text}");
+    text
+}
+
+fn list(value: &Value) -> String {
+    value.as_array().unwrap().iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}
+
+#[test]
+fn the_program_has_the_values_of_dense_solutions() {
+    let folder = tempfile::tempdir().unwrap();
+    let all: Value = serde_json::from_str(include_str!("../../../../data/reference/viscoelastic/path.json")).unwrap();
+    // One with the shear alone and instantaneous moduli, one that parts and touches again, a profile.
+    for problem in [3, 5, 6].map(|index| &all["problems"][index]) {
+        let rows = problem["heights"].as_array().unwrap();
+        let [nx, ny] = [rows.len(), rows[0].as_array().unwrap().len()];
+        let at = |(i, j): (usize, usize)| problem["heights"][i][j].as_f64().unwrap();
+        ndarray_npy::write_npy(folder.path().join("heights.npy"), &Array2::from_shape_fn((nx, ny), at)).unwrap();
+        let sides = if ny == 1 { problem["length"][0].to_string() } else { list(&problem["length"]) };
+        let branches: Vec<String> =
+            problem["prony"].as_array().unwrap().iter().map(|pair| format!("{}:{}", pair[0], pair[1])).collect();
+        let word = |key: &str| problem[key].as_str().unwrap();
+        let height = problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string());
+        let flags = format!(
+            "path --surface heights.npy --length {sides} --young {} --poisson {} --height {height} --prony {} --moduli {} \
+             --relaxes {} --{} {} --time {} --steps {} --tol 1e-11 --json",
+            problem["young"],
+            problem["poisson"],
+            branches.join(","),
+            word("moduli"),
+            word("relaxes"),
+            word("control"),
+            list(&problem["waypoints"]),
+            list(&problem["time"]),
+            problem["steps"],
+        );
+        let report = json(folder.path(), &words(&flags));
+        let (steps, results) = (report["steps"].as_array().unwrap(), problem["results"].as_array().unwrap());
+        assert_eq!(steps.len(), results.len());
+        let largest = results.iter().map(|step| step["elastic_energy"].as_f64().unwrap()).fold(0.0, f64::max);
+        for (step, result) in steps.iter().zip(results) {
+            let keys = [
+                ("time", 1e-3),
+                ("mean_pressure", 1e-3),
+                ("displacement", 1e-3),
+                ("area_fraction", 1e-3),
+                ("max_pressure", 1e-3),
+                ("elastic_energy", largest),
+                ("dissipated", largest),
+                ("dissipated_error", largest),
+            ];
+            for (key, floor) in keys {
+                let [found, known] = [step, result].map(|step| step[key].as_f64().unwrap());
+                assert!((found - known).abs() <= 1e-8 * known.abs().max(floor), "{key}: {found:e}, {known:e}");
+            }
+        }
+        let known = if word("moduli") == "instantaneous" { "young_instantaneous" } else { "young_long_term" };
+        approx::assert_relative_eq!(
+            report[known].as_f64().unwrap(),
+            problem["young"].as_f64().unwrap(),
+            max_relative = 1e-14
+        );
+    }
+}
+
+#[test]
+fn a_path_in_time_is_written_checked_drawn_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, flags) in [
+        ("both", "--boundary free"),
+        ("shear", "--height 0.3 --poisson 0.3 --relaxes shear"),
+        ("layers", "--height 0.1 --layer 0.5,0.3,0.2 --moduli instantaneous"),
+    ] {
+        let run = format!(
+            "path --n 24 --eps-f-inv 6 {flags} --prony 0.1:0.3,10:0.4 --pressure 0.02,0.005,0.005 --time 1,0,20 --steps 3 \
+             --out {name}.h5 --plots {name} --json"
+        );
+        let report = json(folder.path(), &words(&run));
+        assert_eq!(report["steps"].as_array().unwrap().len(), 7);
+        let file = Reader::open(folder.path().join(format!("{name}.h5"))).unwrap();
+        let times: Vec<f64> = file.values("/path/time").unwrap();
+        assert_eq!((times[2], times[3], times[6]), (1.0, 1.0, 21.0));
+        assert_eq!(file.shape("/fields/pressure").unwrap(), [3, 24, 24]);
+        let branches = if name == "shear" { 6 } else { 2 };
+        assert_eq!(file.shape("/history/branch").unwrap(), [branches, 24, 24]);
+        let below: Vec<f64> = file.values("/history/displacement").unwrap();
+        let last: Vec<f64> = file.slab("/fields/displacement_z", 2).unwrap();
+        assert!(below.iter().zip(&last).all(|(d, u)| (d + u).abs() <= 1e-15));
+        let checked = json(folder.path(), &["check", &format!("{name}.h5"), "--rerun", "--json"]);
+        assert_eq!(checked["differing"], 0, "{name}");
+        assert!(folder.path().join(format!("{name}-path.svg")).exists());
+        assert!(gfmd(folder.path(), &["report", &format!("{name}.h5")]).status.success());
+    }
+}
+
+#[test]
+fn more_solves_make_steps_shorter_until_the_energy_balance_closes() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |solves: u32| {
+        let run = format!(
+            "path --n 24 --eps-f-inv 6 --prony 1:0.8 --pressure 0.01 --time 0,10 --steps 2 --energy-solves {solves} --json"
+        );
+        json(folder.path(), &words(&run))
+    };
+    let [long, short] = [0, 64].map(run);
+    let error = |report: &Value| report["dissipated_error"].as_f64().unwrap();
+    assert_eq!(long["extra_solves"], 0);
+    assert!(short["extra_solves"].as_u64().unwrap() > 0 && error(&short) < 0.2 * error(&long));
+}
+
+#[test]
+fn unusable_input_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |flags: &str| refused(folder.path(), &format!("path --n 24 --eps-f-inv 4 --pressure 0.01 {flags}"));
+    for (flags, words) in [
+        ("--prony 1:0.5", "--time is missing; it is needed with --prony"),
+        ("--time 1", "--time is given; it must be left out without --prony"),
+        ("--prony 0:0.5 --time 1", "--prony: a relaxation time is 0; it must be positive and finite"),
+        ("--prony 1:0 --time 1", "--prony: a fraction of the modulus is 0; it must be above 0 and below 1"),
+        ("--prony 1:0.5,1:0.2 --time 1", "--prony: two branches have the relaxation time 1; their times must differ"),
+        ("--prony 1:0.6,2:0.5 --time 1", "they must leave a long-term modulus, and add up to less than 1"),
+        ("--prony 1 --time 1", "it must be TAU:G"),
+        ("--prony 1:0.5 --time -1", "--time is -1; it must be finite and not negative"),
+        ("--prony 1:0.5 --time inf", "--time is inf; it must be finite and not negative"),
+        ("--moduli instantaneous", "--prony"),
+        ("--relaxes shear", "--prony"),
+        (
+            "--prony 1:0.5 --time 1 --relaxes shear --e-star 1",
+            "--e-star is 1; it must be left out with --relaxes shear",
+        ),
+        (
+            "--prony 1:0.5 --time 1 --relaxes shear --height 0.2 --base sliding",
+            "it must be bonded with --relaxes shear",
+        ),
+        ("--prony 1:0.5 --time 1 --friction 0.3", "--friction is given; it must be left out with --prony"),
+        ("--prony 1:0.5 --time 1 --dim 2 --boundary free", "--boundary is free; it must be periodic with --prony"),
+    ] {
+        let found = path(flags);
+        assert!(found.contains(words), "{flags}: {found}");
+    }
+    let two = "path --n 24 --pressure 0.01,0.02,0.03 --prony 1:0.5 --time 1,2";
+    assert!(refused(folder.path(), two).contains("--time has 2 waypoints; it must have 1 or 3"));
+    refused(folder.path(), "contact --n 24 --pressure 0.01 --prony 1:0.5");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

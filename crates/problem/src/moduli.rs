@@ -1,0 +1,38 @@
+use std::fmt;
+
+/// The moduli of a viscoelastic body that are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Moduli {
+    /// Those that are left when all branches have relaxed.
+    #[default]
+    LongTerm,
+    /// Those of a load in no time.
+    Instantaneous,
+}
+
+impl Moduli {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::LongTerm, Self::Instantaneous];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LongTerm => "long-term",
+            Self::Instantaneous => "instantaneous",
+        }
+    }
+
+    /// The description in one line.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::LongTerm => "those that are left when all branches have relaxed",
+            Self::Instantaneous => "those of a load in no time, as in ANSYS and Nastran",
+        }
+    }
+}
+
+impl fmt::Display for Moduli {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}

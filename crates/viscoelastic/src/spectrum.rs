@@ -1,0 +1,260 @@
+//! The relaxation of the stiffness of each wave, as branches of a Prony series.
+
+use gfmd_contact::Refusal;
+use gfmd_field::Grid;
+use gfmd_green::{Base, Body, Height, Material};
+use rayon::prelude::*;
+
+use crate::poles::poles;
+use crate::{Branch, Prony, Relaxes};
+
+/// The branches of the waves of a body, whose weights are relative to the long-term stiffness of the wave.
+#[derive(Clone, Debug)]
+pub(crate) enum Spectrum {
+    /// All waves have the same.
+    Common(Vec<Branch>),
+    /// Each wave has its own.
+    Waves(Waves),
+}
+
+/// The branches of the waves of a slab whose bulk modulus is constant, `count` of them for each mode of a grid.
+#[derive(Clone, Debug)]
+pub(crate) struct Waves {
+    pub(crate) count: usize,
+    /// The times that all waves have.
+    times: Vec<f64>,
+    /// The times that each wave has of its own, mode by mode.
+    own: Vec<f64>,
+    /// The weights, mode by mode.
+    weights: Vec<f64>,
+    /// The long-term stiffness of each mode, stress/length.
+    pub(crate) stiffness: Vec<f64>,
+}
+
+impl Waves {
+    /// The branches of a mode.
+    pub(crate) fn of(&self, mode: usize) -> impl Iterator<Item = Branch> + '_ {
+        let own = self.count - self.times.len();
+        let times = self.times.iter().chain(&self.own[mode * own..][..own]);
+        times.zip(&self.weights[mode * self.count..]).map(|(time, weight)| Branch { time: *time, weight: *weight })
+    }
+}
+
+impl Spectrum {
+    /// The spectrum of `body`, whose long-term moduli are given, on a periodic `grid`, or on a patch.
+    ///
+    /// # Errors
+    /// The shear alone relaxes in a body, or with a boundary, for which its spectrum is not known.
+    pub(crate) fn new(
+        body: &Body,
+        grid: &Grid,
+        is_free: bool,
+        prony: &Prony,
+        relaxes: Relaxes,
+    ) -> Result<Self, Refusal> {
+        let material = body.material();
+        // With a constant bulk modulus an incompressible body stays so: all of it relaxes alike.
+        if relaxes == Relaxes::Both || material.poisson() == 0.5 && is_alone(body) {
+            return Ok(Self::Common(prony.branches().to_vec()));
+        }
+        let refuse = |with: &'static str| Err(Refusal::ShearAlone { with });
+        match (body.height(), body.base()) {
+            _ if body.second().is_some() => refuse("a second body"),
+            (Height::Infinite, _) => Ok(Self::Common(of_half_space(material, prony))),
+            (_, Base::Elastic(_)) => refuse("layers"),
+            (_, Base::Sliding | Base::Free) => refuse("a base other than a bonded one"),
+            _ if is_free => refuse("a slab with free boundaries"),
+            (Height::Finite(height), Base::Bonded) => Ok(Self::Waves(of_slab(body, height, grid, prony))),
+        }
+    }
+}
+
+/// True for a half-space or a slab on a rigid base.
+fn is_alone(body: &Body) -> bool {
+    body.second().is_none() && !matches!(body.base(), Base::Elastic(_))
+}
+
+/// Bulk over shear modulus.
+pub(crate) fn bulk(material: &Material) -> f64 {
+    let nu = material.poisson();
+    2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+}
+
+/// E* = G + 9K/4 − (27/4) K²/(4G + 3K) of a half-space: 2n branches.
+fn of_half_space(material: &Material, prony: &Prony) -> Vec<Branch> {
+    // All moduli over the shear modulus.
+    let k = bulk(material);
+    let modulus = material.contact_modulus() / material.shear_modulus();
+    let direct = prony.branches().iter().map(|branch| Branch { weight: branch.weight / modulus, ..*branch });
+    let delayed = poles(prony.branches(), 0.75 * k).into_iter();
+    let of_bulk = delayed
+        .map(|[rate, residue]| Branch { time: 1.0 / rate, weight: 27.0 / 16.0 * k * k * residue / (rate * modulus) });
+    direct.chain(of_bulk).collect()
+}
+
+/// 1/G_zz = a + b G − A₁/(G + ¾K) − A₂/(G + βK) of a slab on a bonded base: 3n branches for each wave.
+fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
+    let (material, branches) = (body.material(), prony.branches());
+    let (n, k) = (branches.len(), bulk(material));
+    let common = poles(branches, 0.75 * k);
+    let times: Vec<f64> =
+        branches.iter().map(|branch| branch.time).chain(common.iter().map(|[rate, _]| 1.0 / rate)).collect();
+    let [_, level] = body.level_compliance();
+    let of_mode = |index: usize| {
+        let mode = grid.mode_at(index);
+        if mode.is_uniform() {
+            // C11 = K + 4G/3.
+            let weight = |branch: &Branch| 4.0 / 3.0 * branch.weight / (k + 4.0 / 3.0);
+            let weights = branches.iter().map(weight).chain(std::iter::repeat_n(0.0, 2 * n));
+            return (weights.collect::<Vec<f64>>(), times[n..].to_vec(), 1.0 / level);
+        }
+        let q = mode.wavenumber();
+        let stiffness = body.normal_stiffness(q);
+        // All moduli over the shear modulus, stiffnesses over the shear modulus times q.
+        let unit = material.shear_modulus() * q / stiffness;
+        let [b, beta, first, second] = coefficients(2.0 * q * height, k);
+        let own = poles(branches, beta * k);
+        let direct = branches.iter().map(|branch| b * branch.weight);
+        let of_first = common.iter().map(|[rate, residue]| first * residue / rate);
+        let of_second = own.iter().map(|[rate, residue]| second * residue / rate);
+        let weights = direct.chain(of_first).chain(of_second).map(|weight| weight * unit).collect();
+        (weights, own.iter().map(|[rate, _]| 1.0 / rate).collect(), stiffness)
+    };
+    let modes: Vec<(Vec<f64>, Vec<f64>, f64)> = (0..grid.spectrum_len()).into_par_iter().map(of_mode).collect();
+    let mut waves = Waves { count: 3 * n, times, own: Vec::new(), weights: Vec::new(), stiffness: Vec::new() };
+    for (weights, own, stiffness) in modes {
+        waves.weights.extend(weights);
+        waves.own.extend(own);
+        waves.stiffness.push(stiffness);
+    }
+    waves
+}
+
+/// [b, β, A₁, A₂] of a slab with x = 2qh, moduli over the shear modulus and stiffnesses over the shear modulus times q;
+/// `k` is the bulk modulus. Hyperbolic functions are scaled by e^{−x}.
+fn coefficients(x: f64, k: f64) -> [f64; 4] {
+    let one = (-x).exp();
+    let (sinh, cosh) = (0.5 * (1.0 - one * one), 0.5 * (1.0 + one * one));
+    // sinh x − x and cosh x − 1 − x²/2, by their series where the closed forms cancel.
+    let (odd, even) = match x < 1.0 {
+        true => (one * series(x, 3), one * series(x, 4)),
+        false => (sinh - x * one, cosh - (1.0 + 0.5 * x * x) * one),
+    };
+    let den = 7.0 * sinh - x * one;
+    let beta = 3.0 * odd / den;
+    let b = 0.5 * (7.0 * cosh + (0.5 * x * x + 25.0) * one) / den;
+    let first = 243.0 / 128.0 * k * k * even / (den * (0.75 - beta));
+    let (u, v) = (3.0 - 7.0 * beta, 3.0 - beta);
+    let bracket = u * v * cosh + ((0.5 * x * x + 0.5) * v * v + 0.5 * u * u) * one;
+    [b, beta, first, beta * k * k * bracket / (2.0 * den * (0.75 - beta))]
+}
+
+/// Σ x^i/i! over i = first, first + 2, ...
+fn series(x: f64, first: u32) -> f64 {
+    let start = (1..=first).fold(1.0, |term, i| term * x / f64::from(i));
+    let mut term = start;
+    let mut sum = term;
+    for i in (first + 2..first + 30).step_by(2) {
+        term *= x * x / (f64::from(i - 1) * f64::from(i));
+        sum += term;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+
+    use super::*;
+
+    fn three() -> Prony {
+        Prony::from_fractions(&[(0.05, 0.3), (0.7, 0.25), (6.0, 0.2)]).unwrap()
+    }
+
+    #[test]
+    fn the_spectrum_of_a_half_space_has_known_values() {
+        let material = Material::from_young(1.0, 0.31).unwrap();
+        let found = of_half_space(&material, &three());
+        let weights = [0.414, 0.345, 0.276, 0.13594555, 0.18367705, 0.27213602];
+        let times = [0.05, 0.7, 6.0, 0.06295618, 0.89482938, 7.83356709];
+        for ((found, weight), time) in found.iter().zip(weights).zip(times) {
+            assert_abs_diff_eq!(found.weight, weight, epsilon = 6e-9);
+            assert_abs_diff_eq!(found.time, time, epsilon = 6e-9);
+        }
+    }
+
+    #[test]
+    fn the_spectrum_of_a_slab_has_known_values() {
+        let grid = Grid::square(4, 1.0).unwrap();
+        let body = Body::slab(Material::from_young(1.0, 0.31).unwrap(), 0.4).unwrap();
+        let Ok(Spectrum::Waves(waves)) = Spectrum::new(&body, &grid, false, &three(), Relaxes::Shear) else { panic!() };
+        let uniform: Vec<Branch> = waves.of(0).collect();
+        for (branch, known) in uniform.iter().zip([0.44057971, 0.36714976, 0.29371981]) {
+            assert_abs_diff_eq!(branch.weight, known, epsilon = 6e-9);
+        }
+        let mode = grid.modes().position(|mode| mode.number == [1, 0]).unwrap();
+        assert_relative_eq!(waves.stiffness[mode], 4.0065559057, max_relative = 1e-10);
+        let known = [
+            [
+                0.38816284, 0.32346903, 0.25877522, 0.09084794, 0.12274533, 0.18185955, 0.02631154, 0.03899576,
+                0.06969567,
+            ],
+            [0.05, 0.7, 6.0, 0.06295618, 0.89482938, 7.83356709, 0.06562082, 0.94890809, 8.61818051],
+        ];
+        for (index, branch) in waves.of(mode).enumerate() {
+            assert_abs_diff_eq!(branch.weight, known[0][index], epsilon = 6e-9);
+            assert_abs_diff_eq!(branch.time, known[1][index], epsilon = 6e-9);
+        }
+    }
+
+    #[test]
+    fn branches_add_up_to_the_stiffness_with_other_moduli() {
+        // At the Laplace variable s the shear modulus is G(s), with the same bulk modulus.
+        let prony = three();
+        let of = |branches: &mut dyn Iterator<Item = Branch>, s: f64| {
+            1.0 + branches.map(|branch| branch.weight * s / (s + 1.0 / branch.time)).sum::<f64>()
+        };
+        for nu in [-0.5, 0.0, 0.31, 0.49] {
+            let material = Material::from_young(1.7, nu).unwrap();
+            let (shear, bulk) = (material.shear_modulus(), bulk(&material) * material.shear_modulus());
+            for s in [1e-3, 0.2, 3.0, 1e4] {
+                let stiffer = shear * of(&mut prony.branches().iter().copied(), s);
+                let young = 9.0 * bulk * stiffer / (3.0 * bulk + stiffer);
+                let other = Material::from_young(young, 0.5 * young / stiffer - 1.0).unwrap();
+                let ratio = other.contact_modulus() / material.contact_modulus();
+                assert_relative_eq!(
+                    of(&mut of_half_space(&material, &prony).into_iter(), s),
+                    ratio,
+                    max_relative = 1e-12
+                );
+                for height in [1e-6, 1e-3, 0.1, 1.0, 300.0] {
+                    let grid = Grid::new([6, 4], [1.0, 0.8]).unwrap();
+                    let slab = |material| Body::slab(material, height).unwrap();
+                    let waves = of_slab(&slab(material), height, &grid, &prony);
+                    for (index, mode) in grid.modes().enumerate().skip(1) {
+                        let q = mode.wavenumber();
+                        let ratio = slab(other).normal_stiffness(q) / slab(material).normal_stiffness(q);
+                        assert!(waves.of(index).all(|branch| branch.weight >= 0.0));
+                        assert_relative_eq!(of(&mut waves.of(index), s), ratio, max_relative = 1e-11);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bodies_without_a_known_spectrum_are_refused() {
+        let grid = Grid::square(4, 1.0).unwrap();
+        let material = |nu| Material::from_young(1.0, nu).unwrap();
+        let slab = |nu| Body::slab(material(nu), 0.3).unwrap();
+        let refused = |body: &Body, is_free| {
+            Spectrum::new(body, &grid, is_free, &three(), Relaxes::Shear).unwrap_err().to_string()
+        };
+        assert!(refused(&slab(0.3).on(Base::Sliding).unwrap(), false).ends_with("with a base other than a bonded one"));
+        assert!(refused(&slab(0.3).bonded_to(slab(0.3)).unwrap(), false).ends_with("with layers"));
+        assert!(refused(&slab(0.3).against(slab(0.3)), false).ends_with("with a second body"));
+        assert!(refused(&slab(0.3), true).ends_with("with a slab with free boundaries"));
+        let common = Spectrum::new(&slab(0.5), &grid, true, &three(), Relaxes::Shear);
+        assert!(matches!(common, Ok(Spectrum::Common(branches)) if branches.len() == 3));
+    }
+}

@@ -1,0 +1,87 @@
+use gfmd_contact::{Effort, Fields, Solution};
+use gfmd_field::{Grid, Transform};
+use gfmd_measure::{Scales, Summary};
+use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+
+use crate::history::History;
+
+/// A state of a viscoelastic contact at one time.
+#[derive(Clone, Debug)]
+pub struct ViscoelasticState {
+    /// Pressure, displacement, gap and residuals.
+    pub solution: Solution,
+    /// Time since the first touch of the undeformed surfaces.
+    pub time: f64,
+    /// Energy stored in the springs of all branches, per area, in stress × length.
+    pub elastic_energy: f64,
+    /// Energy lost in the step to this state, per area, in stress × length.
+    pub dissipated: f64,
+    /// The difference between the work of the rigid surface in the step, by the trapezoidal rule, and the energy stored
+    /// and lost. It falls with the square of the length of the step; 0 in a step of no time.
+    pub dissipated_error: f64,
+    pub(crate) history: History,
+}
+
+impl ViscoelasticState {
+    /// The indentation −u_z, and the elongation of the spring of each branch, `[x, y]`, in length. They are all that a
+    /// body remembers.
+    pub fn memory(&self) -> Vec<Array2<f64>> {
+        let (nx, ny) = self.solution.pressure.dim();
+        let field =
+            |values: Vec<f64>| Array2::from_shape_vec((nx, ny), values).expect("every field has the size of the grid");
+        match &self.history {
+            History::Points { lengths, .. } => lengths.iter().map(|values| field(values.clone())).collect(),
+            History::Waves(spectra) => {
+                // A transform does not know the lengths of the cell.
+                let grid = Grid::new([nx, ny], [1.0; 2]).expect("a field has points");
+                let transform = Transform::new(grid);
+                let mut workspace = transform.workspace();
+                let mut of = |spectrum: &[_]| {
+                    let mut values = vec![0.0; nx * ny];
+                    let fits = transform.inverse(spectrum, &mut values, &mut workspace);
+                    fits.expect("every spectrum has the size of the grid");
+                    field(values)
+                };
+                spectra.iter().map(|spectrum| of(spectrum)).collect()
+            }
+        }
+    }
+}
+
+impl Fields for ViscoelasticState {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.solution.pressure()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.solution.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.solution.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.solution.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.solution.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.solution.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.solution.residuals()
+    }
+
+    fn scales(&self) -> Scales {
+        self.solution.scales()
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        Summary { elastic_energy: self.elastic_energy, ..self.solution.summary_in(scales) }
+    }
+}

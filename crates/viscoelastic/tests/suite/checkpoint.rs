@@ -1,0 +1,32 @@
+//! States that are kept and restored go on bit for bit.
+
+use gfmd_contact::{Drive, Equilibrium as _, Load, Resumable as _, Tape};
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_viscoelastic::Relaxes;
+
+use crate::{material, rough, three, viscoelastic};
+
+#[test]
+fn a_restored_state_goes_on_bit_for_bit() {
+    let grid = Grid::new([12, 10], [1.0, 0.9]).unwrap();
+    let heights = rough(&grid, 8);
+    let slab = Body::slab(material(0.3), 0.4).unwrap();
+    for (body, relaxes) in [(Body::half_space(material(0.3)), Relaxes::Both), (slab, Relaxes::Shear)] {
+        let contact = viscoelastic(&body, &grid, &heights, &three(), relaxes);
+        let drives = [0.2, 0.5, 3.0].map(|time| Drive::from(Load::MeanPressure(0.02 + 0.001 * time)).at(time));
+        let first = contact.press(drives[0]).solve().unwrap();
+        let mut second = contact.press(drives[1]).starting_from(Some(&first)).solve().unwrap();
+        let third = contact.press(drives[2]).starting_from(Some(&second)).solve().unwrap();
+        let mut tape = Tape::default();
+        contact.keep(&mut second, &mut tape);
+        tape.rewind();
+        let again = contact.restore(drives[1], &mut tape).unwrap();
+        assert_eq!(again.solution.pressure, second.solution.pressure);
+        let other = contact.press(drives[2]).starting_from(Some(&again)).solve().unwrap();
+        assert_eq!(other.solution.pressure, third.solution.pressure);
+        assert_eq!(other.solution.gap, third.solution.gap);
+        assert_eq!([other.elastic_energy, other.dissipated], [third.elastic_energy, third.dissipated]);
+        assert_eq!(other.memory(), third.memory());
+    }
+}
