@@ -27,8 +27,9 @@ const LOADS: [f64; 4] = [0.01, 0.05, 0.2, 0.5];
 /// The shortest waves over the length of the cell.
 const WAVES: usize = 16;
 
-/// The reduced pressures on rough spheres with free boundaries, whose contacts stay inside of the patch.
-const LOADS_OF_A_PATCH: [f64; 4] = [0.005, 0.01, 0.02, 0.05];
+/// The mean pressures over E* on rough spheres with free boundaries, whose contacts stay inside of the patch. Reduced pressures would
+/// depend on the grid: the gradient of a patch is one of differences.
+const LOADS_OF_A_PATCH: [f64; 4] = [0.0007, 0.0015, 0.003, 0.007];
 
 /// The shortest waves over the length of a patch.
 const WAVES_OF_A_PATCH: usize = 8;
@@ -128,7 +129,7 @@ struct Command {
     contact: contact::Args,
 }
 
-/// The mode, the name of a number, the reduced pressure, and the comparison; `None` where the error is not told.
+/// The mode, the name of a number, the load, and the comparison; `None` where the error is not told.
 type Row = (&'static str, &'static str, f64, Option<Compared>);
 
 /// A surface, and the way in which its contact is solved.
@@ -143,18 +144,19 @@ struct Case {
 impl Case {
     /// The surface of this index, periodic ones first.
     fn new(args: &Args, index: u64) -> Self {
-        let place = index as usize;
+        let patch = index.checked_sub(args.seeds);
+        let place = patch.unwrap_or(index) as usize;
         Self {
-            is_free: index >= args.seeds,
+            is_free: patch.is_some(),
             seed: args.first_seed + index,
             hurst: HURST[place % HURST.len()],
             points_per_wave: POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()],
         }
     }
 
-    /// The reduced pressures.
-    fn p_star(&self) -> [f64; 4] {
-        if self.is_free { LOADS_OF_A_PATCH } else { LOADS }
+    /// The loads, and the flag that gives them.
+    fn drives(&self) -> (&'static str, [f64; 4]) {
+        if self.is_free { ("pressure", LOADS_OF_A_PATCH) } else { ("p-star", LOADS) }
     }
 
     /// The flags of the surface on a grid that is finer by this factor; a rough sphere is written to `folder`.
@@ -185,9 +187,10 @@ impl Case {
 
     /// The loads of the contact on a grid that is finer by this factor, as the program prints them.
     fn loads(&self, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Value>, Failure> {
-        let p_star = self.p_star().map(|load| load.to_string()).join(",");
+        let (flag, loads) = self.drives();
+        let loads = loads.map(|load| load.to_string()).join(",");
         let surface = self.flags(finer, folder)?;
-        let flags = format!("contact {surface} --p-star {p_star} --statistics --grid-error {mode}");
+        let flags = format!("contact {surface} --{flag} {loads} --statistics --grid-error {mode}");
         let command = Command::try_parse_from(flags.split(' ')).map_err(|error| Failure::Input(error.to_string()))?;
         let run = || contact::run(&command.contact, &Session::silent());
         let outcome = tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), run)?;
@@ -206,8 +209,8 @@ impl Case {
         let modes: &[_] =
             if self.is_free { &[("free", "estimate")] } else { &[("estimate", "estimate"), ("refine", "refine")] };
         for (name, mode) in modes {
-            for ((coarse, fine), p_star) in self.loads(1, mode, folder)?.iter().zip(&fine).zip(self.p_star()) {
-                found.extend(names().map(|number| (*name, number, p_star, compared(coarse, fine, number))));
+            for ((coarse, fine), load) in self.loads(1, mode, folder)?.iter().zip(&fine).zip(self.drives().1) {
+                found.extend(names().map(|number| (*name, number, load, compared(coarse, fine, number))));
             }
         }
         Ok(found)
@@ -258,14 +261,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         gfmd_files::replace(path, |file| std::io::Write::write_all(file, lines.as_bytes()))?;
     }
     let mut modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>> = BTreeMap::new();
-    for (Case { hurst, points_per_wave, .. }, found) in surfaces {
-        for (mode, name, p_star, compared) in found {
+    for (Case { is_free, hurst, points_per_wave, .. }, found) in surfaces {
+        for (mode, name, load, compared) in found {
             let numbers = modes.entry(mode.to_owned()).or_default().entry(name.to_owned()).or_default();
             let groups = [
                 "all".to_owned(),
                 format!("H = {hurst}"),
                 format!("{points_per_wave} points a wave"),
-                format!("p* = {p_star}"),
+                format!("{} = {load}", if is_free { "p/E*" } else { "p*" }),
             ];
             groups.into_iter().for_each(|group| numbers.entry(group).or_default().add(compared.as_ref()));
         }

@@ -183,8 +183,11 @@ const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductan
 /// The numbers whose errors are known only where they average out.
 const AVERAGES: [&str; 3] = ["boundary_links", "flow_xx", "flow_yy"];
 
-/// The numbers that depend on the gap outside of the contacts.
-const LEVELS: [&str; 4] = ["displacement", "mean_gap", "flow_xx", "flow_yy"];
+/// The numbers of a patch that depend on the gap outside of the contacts, or on a gradient by differences.
+const LEVELS: [&str; 5] = ["displacement", "mean_gap", "kappa", "flow_xx", "flow_yy"];
+
+/// The numbers of a patch whose errors are those of its compliance between points, which is not that of waves.
+const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2", "elastic_energy"];
 
 /// The largest ratio of the rms slopes along x and y.
 const STEEPEST: f64 = 2.0;
@@ -218,6 +221,11 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     if at.facts.boundary == Boundary::Free {
         if LEVELS.contains(&name) {
             return Err("its error by the grid was not measured with free boundaries".into());
+        } else if !is_alike && COMPLIANT.contains(&name) {
+            return Err(
+                "with free boundaries its error by the grid is known of contacts that are alike, as those of spheres"
+                    .into(),
+            );
         } else if at.reaches_rim() != Some(false) {
             return Err(
                 "contacts reach the rim of the patch, where the pressure is singular and grids do not agree".into()
