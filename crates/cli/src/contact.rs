@@ -128,7 +128,7 @@ pub struct Args {
 #[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 #[group(required = true, multiple = false)]
-struct ControlArgs {
+pub(crate) struct ControlArgs {
     /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
@@ -150,12 +150,12 @@ impl ControlArgs {
     }
 
     /// The flag that is given.
-    fn flag(&self) -> &'static str {
+    pub(crate) fn flag(&self) -> &'static str {
         self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("--displacement", |(flag, _)| flag)
     }
 
     /// The number of loads, which all have their sign right: an attraction alone goes with tension.
-    fn check(&self, pulls: bool) -> Result<usize, Failure> {
+    pub(crate) fn check(&self, pulls: bool) -> Result<usize, Failure> {
         let flags = self.given();
         if flags.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
             let allowed = flags.map(|(flag, _)| flag).join(", ");
@@ -173,7 +173,7 @@ impl ControlArgs {
     }
 
     /// The loads, with this unit of reduced pressures.
-    fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
+    pub(crate) fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
         (numbers(&self.pressure).map(Load::MeanPressure))
             .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&self.displacement).map(Load::Approach))

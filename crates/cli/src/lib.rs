@@ -31,5 +31,6 @@ pub mod progress;
 pub mod punch;
 pub mod report;
 pub mod session;
+pub mod slide;
 pub mod surface;
 pub mod theory;

@@ -16,7 +16,8 @@ use serde::Serialize;
 
 use crate::session::Common;
 use crate::{
-    body, check, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session, surface, theory,
+    body, check, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session, slide, surface,
+    theory,
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
@@ -53,6 +54,8 @@ pub enum Command {
     Green(Box<green::Args>),
     /// Follow a contact along a path: loading and unloading, adhesion, friction
     Path(Box<path::Args>),
+    /// Slide a rough surface steadily over a viscoelastic body: friction by hysteresis against velocity
+    Slide(Box<slide::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
     /// Evaluate theories of rough contact for a surface and a body, without solving a contact
@@ -163,11 +166,12 @@ impl Command {
     pub fn of(name: &str, table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
         Ok(match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
+            "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
             "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
-            _ => return Err(Failure::value("the command", name, "path, punch, body, kappa-sweep or green")),
+            _ => return Err(Failure::value("the command", name, "path, slide, punch, body, kappa-sweep or green")),
         })
     }
 
@@ -196,6 +200,7 @@ impl Command {
             Self::Damping(args) => whole(damping::run(args, session)?),
             Self::Green(args) => whole(green::run(args)?),
             Self::Path(args) => ended(path::run(args, session)?),
+            Self::Slide(args) => ended(slide::run(args, session)?),
             Self::Law(args) => whole(law::run(args)?),
             Self::Theory(args) => whole(theory::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),

@@ -76,7 +76,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         Kind::Contact => gfmd_report::contact::page(&reader)?,
         Kind::Path => gfmd_report::path::page(&reader)?,
         Kind::KappaSweep => gfmd_report::kappa::page(&reader, session)?,
-        Kind::Punch | Kind::Body => {
+        Kind::Slide | Kind::Punch | Kind::Body => {
             let text = format!("{} is a result of {}; it must be one of {kinds}", file.display(), kind.name());
             return Err(Failure::Input(text));
         }
@@ -95,7 +95,7 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
         Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
         Kind::Path => Configuration::read::<path::Args>(kind, &text),
         Kind::KappaSweep => return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into()),
-        Kind::Punch | Kind::Body => return None,
+        Kind::Slide | Kind::Punch | Kind::Body => return None,
     };
     let words: Vec<String> = config.ok()?.told().iter().map(|word| quoted(word)).collect();
     Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))

@@ -29,6 +29,7 @@ pub(crate) const RESIDUAL_OF_A_PATCH: f64 = 10.0;
 pub enum Kind {
     Contact,
     Path,
+    Slide,
     Punch,
     Body,
     KappaSweep,
@@ -38,8 +39,14 @@ impl Kind {
     /// The kind of a file, by its groups; `None` if it is no result.
     pub fn of(reader: &Reader) -> Option<Self> {
         let has = |group: &str| !reader.names(group).is_empty();
-        [("/loads", Self::Contact), ("/path", Self::Path), ("/punch", Self::Punch), ("/runs", Self::KappaSweep)]
-            .into_iter()
+        let groups = [
+            ("/loads", Self::Contact),
+            ("/path", Self::Path),
+            ("/states", Self::Slide),
+            ("/punch", Self::Punch),
+            ("/runs", Self::KappaSweep),
+        ];
+        (groups.into_iter())
             .find_map(|(group, kind)| has(group).then_some(kind))
             .or_else(|| reader.contains("/fields/depth").then_some(Self::Body))
     }
@@ -49,6 +56,7 @@ impl Kind {
         match self {
             Self::Contact => "contact",
             Self::Path => "path",
+            Self::Slide => "slide",
             Self::Punch => "punch",
             Self::Body => "body",
             Self::KappaSweep => "kappa-sweep",

@@ -173,6 +173,16 @@ impl SlidingContact {
         judge(state, ending, budget.tolerance)
     }
 
+    /// The steady state of a `pressure` under a `load` at a `velocity`, with its residuals, from fresh transforms.
+    ///
+    /// # Errors
+    /// A pressure of another shape than the grid.
+    pub fn certify(&self, velocity: &Velocity, pressure: &Array2<f64>, load: Load) -> Result<SlidingState, Refusal> {
+        let (moving, solution) = (self.at(velocity), self.contact.certify(pressure, load)?);
+        let certified = Search::new(self, &moving, Budget::default()).certify(solution, load);
+        Ok(self.told(velocity, &moving, certified))
+    }
+
     /// The state of a solution, with its friction.
     fn told(&self, velocity: &Velocity, moving: &Moving, solution: Solution) -> SlidingState {
         let grid = self.grid();

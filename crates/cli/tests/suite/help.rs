@@ -14,9 +14,20 @@ fn help(arguments: &[&str]) -> String {
 fn every_command_has_examples_under_the_name_of_the_program() {
     let all = help(&["--help"]);
     assert!(all.contains("Usage: gfmd "), "{all}");
-    for command in
-        ["contact", "kappa-sweep", "punch", "body", "surface", "damping", "green", "path", "law", "theory", "report"]
-    {
+    for command in [
+        "contact",
+        "kappa-sweep",
+        "punch",
+        "body",
+        "surface",
+        "damping",
+        "green",
+        "path",
+        "slide",
+        "law",
+        "theory",
+        "report",
+    ] {
         assert!(all.contains(&format!("\n  {command} ")), "{command}: {all}");
         let text = help(&[command, "--help"]);
         assert!(text.contains(&format!("Usage: gfmd {command} ")), "{text}");

@@ -27,6 +27,7 @@ mod report;
 mod scan;
 mod seams;
 mod second;
+mod slide;
 mod squeezed;
 mod sweep;
 mod theory;

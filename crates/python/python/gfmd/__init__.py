@@ -22,6 +22,7 @@ from ._kappa import KappaSweep, kappa_sweep
 from ._path import Path, friction, path
 from ._progress import progress
 from ._record import Record, Residual
+from ._slide import Slide, slide
 from ._solve import contact, contacts
 from ._surface import Statistics, Surface, read, self_affine
 
@@ -41,6 +42,7 @@ __all__ = [
     "Punch",
     "Record",
     "Residual",
+    "Slide",
     "Statistics",
     "Surface",
     "__version__",
@@ -58,4 +60,5 @@ __all__ = [
     "punch",
     "read",
     "self_affine",
+    "slide",
 ]

@@ -129,6 +129,7 @@ const CONTACT: &[Row] = &[
 ];
 
 const PATH: &[Row] = &[
+    row(&["/history/index", "/history/x", "/history/y"], Verified, Verified, "the layout that the configuration gives"),
     row(&["/history/displacement"], Verified, Verified, "the displacement of the last step"),
     row(
         &["/history/branch"],
@@ -158,6 +159,14 @@ const PATH: &[Row] = &[
     row(&["/path/step"], Verified, Verified, "the layout that the configuration gives"),
     row(&["/path/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
     row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
+];
+
+const SLIDE: &[Row] = &[
+    row(&["/states/seconds"], Checksum, Checksum, ""),
+    row(&["/states/iterations", "/states/transform_pairs"], Checksum, Verified, "the second run"),
+    row(&["/states/residual"], InPart, Verified, "the pressure, to 1e-3; its bound"),
+    row(&["/states/*"], Verified, Verified, "the pressure of the state; the configuration"),
+    row(&["/fields/*"], Verified, Verified, "the pressure, on surface and body"),
 ];
 
 const PUNCH: &[Row] = &[
@@ -218,6 +227,7 @@ pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
         Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
         Kind::Path => &[PATH, SEARCH, ALL, SURFACE],
+        Kind::Slide => &[SLIDE, ALL, SURFACE],
         Kind::Punch => &[SEARCH, ALL, PUNCH],
         Kind::Body => &[ALL, BODY],
         Kind::KappaSweep => &[ALL, SWEEP],
@@ -257,11 +267,16 @@ pub fn page() -> String {
         }
     };
     table(&mut page, "Every result", ALL);
-    table(&mut page, "Surface of `contact` and `path`", SURFACE);
+    table(&mut page, "Surface of `contact`, `path` and `slide`", SURFACE);
     table(&mut page, "Search of `contact`, `path` and `punch`", SEARCH);
-    for (title, rows) in
-        [("`contact`", CONTACT), ("`path`", PATH), ("`punch`", PUNCH), ("`body`", BODY), ("`kappa-sweep`", SWEEP)]
-    {
+    for (title, rows) in [
+        ("`contact`", CONTACT),
+        ("`path`", PATH),
+        ("`slide`", SLIDE),
+        ("`punch`", PUNCH),
+        ("`body`", BODY),
+        ("`kappa-sweep`", SWEEP),
+    ] {
         table(&mut page, title, rows);
     }
     page

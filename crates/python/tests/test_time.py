@@ -1,0 +1,67 @@
+"""Viscoelastic bodies: a path in time, and steady sliding."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import gfmd
+
+RUBBER = {"prony": [(0.1, 0.3), (10.0, 0.4)]}
+
+
+def test_creep_grows_from_the_instantaneous_to_the_long_term_contact():
+    surface = gfmd.self_affine(n=32, eps_f_inv=4)
+    creep = gfmd.path(surface, gfmd.Body(**RUBBER), mean_pressure=0.01, time=[0, 1, 1e4], steps=1, tolerance=1e-10)
+    assert creep.steps.time.tolist() == [0.0, 1.0, 10001.0]
+    assert creep.pressure.shape == (3, 32, 32)
+    assert (creep.young_long_term, round(creep.young_instantaneous, 12)) == (1.0, round(1 / 0.3, 12))
+    at_once = gfmd.contact(surface, gfmd.Body(young=1 / 0.3), mean_pressure=0.01, tolerance=1e-10)
+    assert creep.steps.displacement[0] == pytest.approx(at_once.displacement, rel=1e-8)
+    assert (np.diff(creep.steps.area_fraction) > 0).all() and (creep.steps.dissipated >= 0).all()
+
+
+def test_moduli_and_relaxes_are_those_of_the_body():
+    body = gfmd.Body(young=10.0, poisson=0.3, height=0.3, moduli="instantaneous", relaxes="shear", **RUBBER)
+    assert pickle.loads(pickle.dumps(body)) == body != gfmd.Body(young=10.0, poisson=0.3, height=0.3, **RUBBER)
+    path = gfmd.path(gfmd.self_affine(n=24, eps_f_inv=4), body, p_star=0.05, time=1.0, steps=2)
+    assert path.young_instantaneous == pytest.approx(10.0) and path.relaxes == "shear"
+
+
+def test_sliding_has_friction_at_every_load_and_velocity():
+    surface = gfmd.self_affine(n=32, eps_f_inv=4)
+    sliding = gfmd.slide(surface, gfmd.Body(**RUBBER), velocity=[0.01, 1.0], p_star=[0.02, 0.1])
+    states = sliding.states
+    assert states.velocity.tolist() == [0.01, 1.0, 0.01, 1.0] and sliding.gap.shape == (4, 32, 32)
+    assert (states.friction > 0).all() and states.converged.all() and (states.persson_friction > 0).all()
+    assert sliding.direction == [1.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"prony": [(0.0, 0.5)]}, "a relaxation time of prony is 0.0; it must be positive and finite"),
+        ({"prony": [(1.0, 1.5)]}, "a fraction of prony is 1.5; it must be above 0 and below 1"),
+        ({"prony": [(1.0, 0.5), (1.0, 0.2)]}, "its relaxation times must differ"),
+        ({"prony": [(1.0, 0.5), (2.0, 0.5)]}, "its fractions must add up to less than 1"),
+        ({"prony": [(1.0,)]}, "it must be a list of"),
+        ({"moduli": "instantaneous"}, "moduli is 'instantaneous'; it must be left out without prony"),
+        ({"relaxes": "bulk", **RUBBER}, "relaxes is 'bulk'; it must be 'both' or 'shear'"),
+    ],
+)
+def test_bodies_that_no_material_is_are_refused(given, words):
+    with pytest.raises(gfmd.InputError, match=".*") as error:
+        gfmd.Body(**given)
+    assert words in str(error.value)
+
+
+def test_what_does_not_go_together_is_refused():
+    surface, rubber = gfmd.self_affine(n=16, eps_f_inv=4), gfmd.Body(**RUBBER)
+    with pytest.raises(gfmd.InputError, match="body is viscoelastic; it must be elastic here"):
+        gfmd.contact(surface, rubber, p_star=0.05)
+    with pytest.raises(gfmd.InputError, match="time is missing"):
+        gfmd.path(surface, rubber, p_star=0.05)
+    with pytest.raises(gfmd.InputError, match="body is elastic; it must be viscoelastic to slide"):
+        gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05)
+    with pytest.raises(gfmd.InputError, match="velocity is 0; it must be positive and finite"):
+        gfmd.slide(surface, rubber, velocity=0.0, p_star=0.05)
