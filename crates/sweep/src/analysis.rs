@@ -81,13 +81,13 @@ pub struct Alternative {
 pub enum Form {
     /// alpha_f fitted between half and twice its value in the configuration.
     AlphaFFree,
-    /// The long waves composed and alpha_f = 1 - H.
+    /// The long waves composed and the least alpha_f, from 1 - H, that chi^2 allows at 95 %.
     LeastAlphaF,
-    /// The long waves composed and alpha_f = 2 - 2H, at most 1.
+    /// The long waves composed and the largest alpha_f, up to 2 - 2H or 1, that chi^2 allows at 95 %.
     LargestAlphaF,
     /// Without the largest eps_f.
     WithoutCoarsestEpsF,
-    /// Without the largest eps_t.
+    /// Without the largest eps_t, if two others are left.
     WithoutCoarsestEpsT,
     /// The long waves composed with the mean square pressure of the contacts, too.
     SecondClosure,
@@ -138,8 +138,8 @@ impl Form {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::AlphaFFree => "alpha_f fitted",
-            Self::LeastAlphaF => "alpha_f = 1 - H",
-            Self::LargestAlphaF => "alpha_f = min(1, 2 - 2H)",
+            Self::LeastAlphaF => "the least alpha_f that chi^2 allows",
+            Self::LargestAlphaF => "the largest alpha_f that chi^2 allows",
             Self::WithoutCoarsestEpsF => "without the largest eps_f",
             Self::WithoutCoarsestEpsT => "without the largest eps_t",
             Self::SecondClosure => "long waves with the measured mean square pressure",
@@ -295,6 +295,17 @@ fn exponent(data: &[Datum], other: &[Datum], [least, largest]: [f64; 2]) -> f64 
     if slope.is_finite() { slope.clamp(least, largest) } else { 0.5 * (least + largest) }
 }
 
+/// The limits at the least and at the largest exponent of eps_f that chi^2 allows at 95 %, from a fit of the exponent.
+fn allowed(free: &Fit) -> Vec<Alternative> {
+    const AT_95: f64 = 3.84;
+    let unit = (free.chi_squared / free.degrees_of_freedom.max(1) as f64).max(1.0);
+    let profile = free.term(Axis::Fractal).map_or(&[][..], |term| &term.profile);
+    let mut allowed = profile.iter().filter(|point| point.chi_squared <= free.chi_squared + AT_95 * unit);
+    let (least, largest) = (allowed.next(), allowed.next_back());
+    let ends = [(Form::LeastAlphaF, least), (Form::LargestAlphaF, largest.or(least))];
+    ends.into_iter().filter_map(|(form, point)| Some(Alternative { form, kappa_tfc: point?.kappa_tfc })).collect()
+}
+
 /// The fit of the data, and those of the other forms that the data determine. `other`: the data by the second closure.
 fn fitted(
     data: &[Datum],
@@ -307,17 +318,26 @@ fn fitted(
         settings.model.f = Some(Exponent::Fixed(exponent(data, other, range)));
     }
     let found = fit(data, &settings)?;
+    // The edge is held: the levels that remain may not determine it.
+    let held = |datum: &Datum| {
+        let less = |(seed, kappa): (&u64, &f64)| {
+            let edge = datum.edge.get(seed).copied().unwrap_or(0.0);
+            (*seed, kappa - found.parameters.excess(datum.eps_c, edge))
+        };
+        Datum::new(datum.all_eps(), datum.kappa.iter().map(less).collect())
+    };
     let without = |axis: Axis| -> Vec<Datum> {
         let coarsest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
-        data.iter().filter(|datum| datum.eps(axis) < coarsest).cloned().collect()
+        data.iter().filter(|datum| datum.eps(axis) < coarsest).map(held).collect()
     };
     let varies = |data: &[Datum], axis: Axis| data.iter().any(|datum| datum.eps(axis) != data[0].eps(axis));
     let mut forms: Vec<(Form, Vec<Datum>, Model)> = Vec::new();
+    let mut alternatives: Vec<Alternative> = Vec::new();
     let model = |f: Exponent| Model { f: Some(f), ..settings.model };
     match (range, settings.model.f) {
-        (Some([least, largest]), Some(_)) if least < largest => {
-            forms.push((Form::LeastAlphaF, data.to_vec(), model(Exponent::Fixed(least))));
-            forms.push((Form::LargestAlphaF, data.to_vec(), model(Exponent::Fixed(largest))));
+        (Some([min, max]), Some(_)) if min < max => {
+            let free = fit(data, &Settings { model: model(Exponent::Free { min, max }), resamples: 0, ..settings })?;
+            alternatives.extend(allowed(&free));
         }
         (None, Some(Exponent::Fixed(alpha))) => {
             let free = Exponent::Free { min: 0.5 * alpha, max: 2.0 * alpha };
@@ -327,18 +347,18 @@ fn fitted(
     }
     for (form, axis) in [(Form::WithoutCoarsestEpsF, Axis::Fractal), (Form::WithoutCoarsestEpsT, Axis::Thermodynamic)] {
         let rest = without(axis);
-        // A fit whose other terms are lost with the level is another quantity.
-        let keeps = |other: Axis| other == axis || varies(&rest, other) || !varies(data, other);
+        // A fit whose terms are lost with the level is another quantity.
+        let is_held = |axis: Axis| axis == Axis::Continuum && settings.model.edge.is_some();
+        let keeps = |other: Axis| is_held(other) || varies(&rest, other) || !varies(data, other);
         if varies(data, axis) && Axis::ALL.into_iter().all(keeps) {
-            forms.push((form, rest, settings.model));
+            forms.push((form, rest, Model { edge: None, ..settings.model }));
         }
     }
     forms.extend(other.map(|data| (Form::SecondClosure, data.to_vec(), settings.model)));
-    let alternatives = forms.into_iter().filter_map(|(form, data, model)| {
+    alternatives.extend(forms.into_iter().filter_map(|(form, data, model)| {
         let fit = fit(&data, &Settings { model, resamples: 0, ..settings }).ok()?;
         Some(Alternative { form, kappa_tfc: fit.kappa_tfc.value })
-    });
-    let mut alternatives: Vec<Alternative> = alternatives.collect();
+    }));
     let pairs = other.into_iter().flat_map(|other| data.iter().zip(other));
     if let Some((one, two)) = pairs.min_by(|a, b| a.0.eps_f.total_cmp(&b.0.eps_f)) {
         let kappa_tfc = found.kappa_tfc.value - 0.5 * difference(one, two);
