@@ -62,6 +62,19 @@ pub enum FitError {
         /// Index of the datum.
         datum: usize,
     },
+    /// The expected factor of the edge is not finite, its standard error not above zero, or that of f' negative or infinite.
+    #[error(
+        "the expected factor of the edge is {factor} ± {standard_error}, and on coarse grids ± {coarse} more; it must be \
+         finite, its standard error above zero, the other one finite and not negative"
+    )]
+    BadEdge {
+        /// The factor.
+        factor: f64,
+        /// Its standard error.
+        standard_error: f64,
+        /// The standard error of f'.
+        coarse: f64,
+    },
     /// A prior is negative or not finite.
     #[error("the weighting prior is {found}; it must be finite and not negative")]
     BadPrior {

@@ -11,11 +11,11 @@ use crate::richardson::triples;
 use crate::rows::Rows;
 use crate::uncertainty::{Errors, Quantity};
 use crate::{
-    Axis, Datum, DatumReport, EdgeTerm, Exponent, Fit, FitError, Model, ProfilePoint, Settings, Term, Warning,
+    Axis, Datum, DatumReport, Edge, EdgeTerm, Exponent, Fit, FitError, Model, ProfilePoint, Settings, Term, Warning,
     Weighting,
 };
 
-/// The number of fits after which s and s' of the measured edge, which the scatter depends on, no longer change.
+/// The number of fits after which the factor of the measured edge, which the scatter depends on, no longer changes.
 const EDGE_FITS: usize = 4;
 
 /// Fits the model to the data.
@@ -28,12 +28,12 @@ pub fn fit(data: &[Datum], settings: &Settings) -> Result<Fit, FitError> {
     check(data, settings)?;
     let mut warnings = Vec::new();
     let (shapes, held) = shapes(data, &settings.model, &mut warnings);
-    let edges = edge_columns(data, &settings.model, &mut warnings);
-    let parameters = 1 + edges + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
+    let edge = edge_column(data, &settings.model, &mut warnings);
+    let parameters = parameters(&shapes, edge);
     if parameters > data.len() {
         return Err(FitError::TooFewData { parameters, data: data.len() });
     }
-    let (rows, minimum) = minimise(data, settings, &shapes, edges)?;
+    let (rows, minimum) = minimise(data, settings, &shapes, edge)?;
     let means = &rows.means;
     let degrees_of_freedom = data.len() - parameters;
     let errors = Errors::new(&rows, &shapes, &minimum, settings, degrees_of_freedom)?;
@@ -56,9 +56,9 @@ pub fn fit(data: &[Datum], settings: &Settings) -> Result<Fit, FitError> {
                 }
             })
             .collect(),
-        edge: (edges > 0).then(|| EdgeTerm {
-            factor: errors.estimate(Quantity::Edge(0)),
-            slope: (edges > 1).then(|| errors.estimate(Quantity::Edge(1))),
+        edge: edge.map(|_| {
+            let coarse = (means.edges.len() > 1).then(|| errors.estimate(Quantity::Edge(1)));
+            EdgeTerm { factor: errors.estimate(Quantity::Edge(0)), coarse, share: errors.share_of_edge() }
         }),
         parameters: minimum.parameters,
         chi_squared: minimum.sum_of_squares,
@@ -95,7 +95,10 @@ fn check(data: &[Datum], settings: &Settings) -> Result<(), FitError> {
             return Err(FitError::SameDatum { first, second: index });
         }
     }
-    if settings.model.edge {
+    if let Some(Edge { factor, standard_error, coarse }) = settings.model.edge {
+        if !(factor.is_finite() && standard_error > 0.0 && coarse >= 0.0 && coarse.is_finite()) {
+            return Err(FitError::BadEdge { factor, standard_error, coarse });
+        }
         if settings.model.c.is_some() {
             return Err(FitError::TwoContinuumTerms);
         }
@@ -125,7 +128,7 @@ fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Sh
     for axis in Axis::ALL {
         let levels = levels(data, axis);
         let Some(exponent) = model.of(axis) else {
-            if levels.len() > 1 && !(axis == Axis::Continuum && model.edge) {
+            if levels.len() > 1 && !(axis == Axis::Continuum && model.edge.is_some()) {
                 warnings.push(Warning::TermLeftOut { axis, levels: levels.len() });
             }
             continue;
@@ -144,34 +147,47 @@ fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Sh
             }
             (Exponent::Free { min, max }, _) => (min, max),
         };
-        shapes.push(Shape { axis: axis as usize, min, max });
+        shapes.push(Shape { axis: axis as usize, min, max, times: None });
+    }
+    let fractal = shapes.iter().position(|shape| shape.axis == Axis::Fractal as usize);
+    for shape in shapes.iter_mut().filter(|shape| model.crossed && shape.axis == Axis::Thermodynamic as usize) {
+        shape.times = fractal;
     }
     (shapes, held)
 }
 
-/// The number of columns of the measured edge that the levels of eps_c determine.
-fn edge_columns(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> usize {
+/// The number of parameters that the data must determine; an expected factor of the edge is a datum of its own.
+fn parameters(shapes: &[Shape], edge: Option<Edge>) -> usize {
+    let free = shapes.iter().filter(|shape| shape.is_free()).count();
+    1 + shapes.len() + free + usize::from(edge.is_some_and(|edge| !edge.is_known()))
+}
+
+/// The measured edge, if the levels of eps_c determine its factor or it is expected.
+fn edge_column(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> Option<Edge> {
     let levels = levels(data, Axis::Continuum);
-    match (model.edge, levels.len()) {
-        (false, _) => 0,
-        (true, 1) => {
-            warnings.push(Warning::SingleLevel { axis: Axis::Continuum, eps: levels[0] });
-            0
-        }
-        (true, count) => 2.min(count - 1),
+    let edge = model.edge?;
+    if levels.len() == 1 && !edge.is_known() {
+        warnings.push(Warning::SingleLevel { axis: Axis::Continuum, eps: levels[0] });
+        return None;
     }
+    Some(edge)
 }
 
 /// The rows and the least sum of squares.
-fn minimise(data: &[Datum], settings: &Settings, shapes: &[Shape], edges: usize) -> Result<(Rows, Minimum), FitError> {
-    let fit = |edge: [f64; 2], guess: Option<&Minimum>| -> Result<(Rows, Minimum), FitError> {
-        let rows = Rows::new(data, settings, edges, edge);
+fn minimise(
+    data: &[Datum],
+    settings: &Settings,
+    shapes: &[Shape],
+    edge: Option<Edge>,
+) -> Result<(Rows, Minimum), FitError> {
+    let fit = |factors: [f64; 2], guess: Option<&Minimum>| -> Result<(Rows, Minimum), FitError> {
+        let rows = Rows::new(data, settings, edge, factors);
         let search = if guess.is_some() { Search::Near } else { Search::Thorough };
         let minimum = rows.means.minimise(shapes, search, guess.map(|minimum| &minimum.parameters));
         Ok((rows, minimum.map_err(|_| FitError::Dependent)?))
     };
-    let mut found = fit([0.0; 2], None)?;
-    for _ in 1..(if edges > 0 { EDGE_FITS } else { 1 }) {
+    let mut found = fit([edge.map_or(0.0, |edge| edge.factor), 0.0], None)?;
+    for _ in 1..(if edge.is_some() { EDGE_FITS } else { 1 }) {
         found = fit(found.1.parameters.edge, Some(&found.1))?;
     }
     Ok(found)
@@ -203,15 +219,14 @@ fn datum_reports(
     shapes: &[Shape],
     minimum: &Minimum,
 ) -> Vec<DatumReport> {
-    let edges = rows.means.edges.len();
+    let edge = settings.model.edge.filter(|_| !rows.means.edges.is_empty());
     let without = |left_out: usize| {
         let rest: Vec<Datum> =
             data.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, datum)| datum.clone()).collect();
-        let needed = 1 + edges + shapes.len() + shapes.iter().filter(|shape| shape.is_free()).count();
-        if needed > rest.len() {
+        if parameters(shapes, edge) > rest.len() {
             return None;
         }
-        let means = Rows::new(&rest, settings, edges, minimum.parameters.edge).means;
+        let means = Rows::new(&rest, settings, edge, minimum.parameters.edge).means;
         Some(means.minimise(shapes, Search::Near, Some(&minimum.parameters)).ok()?.parameters.kappa_tfc)
     };
     (0..data.len())

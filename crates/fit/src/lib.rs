@@ -1,17 +1,19 @@
 //! Extrapolation to the thermodynamic, fractal and continuum limit (theory.md, section 11).
 //!
 //! kappa(eps_t, eps_f, eps_c) = kappa_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c, fitted to all
-//! data of a sweep at once by weighted least squares. The crate uses no files, no clock and no terminal.
+//! data of a sweep at once by weighted least squares; with [`Model::crossed`] the term in eps_t is
+//! C_t eps_t^alpha_t eps_f^alpha_f. The crate uses no files, no clock and no terminal.
 //!
 //! - An axis with a single level has no term: kappa_TFC then still contains the correction of that axis, and a warning
 //!   says so.
 //! - Data with common seeds (the same random modes at other discretisations) are compared surface by surface, so that their
 //!   common scatter drops out; the rows of the fit are independent of each other.
-//! - With [`Model::edge`], the continuum error is a multiple of the measured perimeter instead of a constant times eps_c.
+//! - With [`Model::edge`], the continuum error is a multiple of a measured edge instead of a constant times eps_c. The
+//!   expected factor is an observation beside the data.
 //! - Intervals: the rows are resampled from their errors, all parameters are refitted, and the percentiles are stretched by
-//!   Student's t for few realisations.
-//! - The intervals do not contain the misfit of the model. Check `chi_squared`, `kappa_tfc_without`, the profiles, and
-//!   a second fit with other exponents.
+//!   Student's t for few realisations and by √(χ²/degrees of freedom) where that is above one.
+//! - The intervals do not contain an error of the form that χ² does not show. Check `kappa_tfc_without`, the profiles,
+//!   and a second fit with other exponents.
 //!
 //! ```
 //! use gfmd_fit::{Datum, Exponent, Model, Settings, fit};
@@ -43,7 +45,7 @@ mod uncertainty;
 pub use datum::{Axis, Datum};
 pub use error::FitError;
 pub use fit::fit;
-pub use model::{Exponent, Model, Settings, Weighting};
+pub use model::{COARSE, Edge, Exponent, Model, Settings, Weighting};
 pub use projection::Parameters;
 pub use report::{BootstrapReport, DatumReport, EdgeTerm, Estimate, Fit, ProfilePoint, Term, Uncertainty, Warning};
 pub use richardson::{Richardson, RichardsonLimit};

@@ -30,9 +30,42 @@ pub struct Model {
     pub f: Option<Exponent>,
     /// Term in eps_c.
     pub c: Option<Exponent>,
-    /// If true, the continuum error is (s + s' eps_c) times the measured edge of every realisation, with s and s' fitted:
-    /// unlike a constant times eps_c, it grows and falls with the perimeter of the contact. `c` must then be `None`.
-    pub edge: bool,
+    /// If true, the term in eps_t is multiplied by the power of eps_f: C_t eps_t^alpha_t eps_f^alpha_f. Without a term in
+    /// eps_f it is C_t eps_t^alpha_t.
+    pub crossed: bool,
+    /// The continuum error as a multiple of the measured edge of every realisation ([`crate::Datum::edge`]): unlike a
+    /// constant times eps_c, it grows and falls with the perimeter of the contact. `c` must then be `None`.
+    pub edge: Option<Edge>,
+}
+
+/// The expected factor of the measured edge, f + f' (eps_c/[`COARSE`])²: f, and f' if it may differ from zero, are
+/// observations beside the data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// The expected f.
+    pub factor: f64,
+    /// Its standard error, above zero; infinite if nothing is known beforehand.
+    pub standard_error: f64,
+    /// The standard error of f', which is expected to be zero; zero if it is.
+    pub coarse: f64,
+}
+
+/// The eps_c at which f' counts once: four points on the shortest wave.
+pub const COARSE: f64 = 0.25;
+
+impl Edge {
+    /// The factor follows from the data alone, and does not depend on eps_c.
+    pub const UNKNOWN: Self = Self { factor: 1.0, standard_error: f64::INFINITY, coarse: 0.0 };
+
+    /// The number of columns.
+    pub(crate) fn columns(&self) -> usize {
+        1 + usize::from(self.coarse > 0.0)
+    }
+
+    /// True if the expected factor is an observation.
+    pub(crate) fn is_known(&self) -> bool {
+        self.standard_error.is_finite()
+    }
 }
 
 impl Default for Model {
@@ -43,7 +76,8 @@ impl Default for Model {
             t: Some(Exponent::Fixed(1.0)),
             f: Some(Exponent::Fixed(1.0)),
             c: Some(Exponent::Fixed(1.0)),
-            edge: false,
+            crossed: false,
+            edge: None,
         }
     }
 }
@@ -51,7 +85,7 @@ impl Default for Model {
 impl Model {
     /// All three exponents fitted within [1/4, 4].
     pub fn free() -> Self {
-        Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE), edge: false }
+        Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE), ..Self::default() }
     }
 
     pub(crate) fn of(&self, axis: Axis) -> Option<Exponent> {

@@ -4,6 +4,8 @@
 //! the exponents alone. It starts from the best node of a grid over the whole box, because the sum of squares may have
 //! several minima, and ends with damped Gauss-Newton steps that respect the bounds.
 
+use crate::{Axis, COARSE};
+
 /// The largest number of terms: one per axis.
 pub(crate) const AXES: usize = 3;
 
@@ -20,6 +22,8 @@ pub(crate) struct Shape {
     pub(crate) axis: usize,
     pub(crate) min: f64,
     pub(crate) max: f64,
+    /// The index of the shape whose power multiplies this one.
+    pub(crate) times: Option<usize>,
 }
 
 impl Shape {
@@ -37,30 +41,46 @@ pub struct Parameters {
     pub coefficients: [f64; AXES],
     /// alpha_t, alpha_f, alpha_c; one for an axis without a term.
     pub exponents: [f64; AXES],
-    /// s and s' of the measured edge ([`crate::Model::edge`]); zero without it.
+    /// True if the term in eps_t is multiplied by the power of eps_f ([`crate::Model::crossed`]).
+    pub crossed: bool,
+    /// f and f' of the measured edge ([`crate::Edge`]); zero without it.
     pub edge: [f64; 2],
 }
 
 impl Parameters {
     /// kappa of the model at `eps` = (eps_t, eps_f, eps_c), for contacts without an edge.
     pub fn predict(&self, eps: [f64; AXES]) -> f64 {
-        self.kappa_tfc + (0..AXES).map(|axis| self.term(axis, eps[axis])).sum::<f64>()
+        self.kappa_tfc + (0..AXES).map(|axis| self.term(axis, eps)).sum::<f64>()
     }
 
     /// The part of kappa that a measured mean edge adds at `eps_c`.
     pub fn excess(&self, eps_c: f64, edge: f64) -> f64 {
-        (self.edge[0] + self.edge[1] * eps_c) * edge
+        factor(self.edge, eps_c) * edge
     }
 
-    pub(crate) fn term(&self, axis: usize, eps: f64) -> f64 {
-        if self.coefficients[axis] == 0.0 { 0.0 } else { self.coefficients[axis] * eps.powf(self.exponents[axis]) }
+    /// The function of `eps` that the coefficient of an axis multiplies.
+    pub fn power(&self, axis: Axis, eps: [f64; AXES]) -> f64 {
+        let power = |axis: usize| eps[axis].powf(self.exponents[axis]);
+        let [t, f] = [Axis::Thermodynamic as usize, Axis::Fractal as usize];
+        match axis as usize {
+            axis if axis == t && self.crossed => power(t) * power(f),
+            axis => power(axis),
+        }
+    }
+
+    pub(crate) fn term(&self, axis: usize, eps: [f64; AXES]) -> f64 {
+        match self.coefficients[axis] {
+            0.0 => 0.0,
+            coefficient => coefficient * self.power(Axis::ALL[axis], eps),
+        }
     }
 }
 
 /// The comparison of a datum with its parent: index of the parent, and b.
 pub(crate) type Parent = (usize, f64);
 
-/// The rows to fit: abscissae, parents, ordinates, measured edges (none, or two columns), square roots of the weights.
+/// The rows to fit: abscissae, parents, ordinates, measured edges, square roots of the weights. An expected factor of
+/// the edge is one more row, which has an ordinate, an edge of one and a weight.
 #[derive(Clone, Debug)]
 pub(crate) struct Means {
     pub(crate) eps: Vec<[f64; AXES]>,
@@ -167,17 +187,34 @@ impl Means {
     fn column(&self, f: impl Fn(&[f64; AXES]) -> f64) -> Vec<f64> {
         let above = |parent: &Option<Parent>| parent.map_or(0.0, |(index, b)| b * f(&self.eps[index]));
         let rows = self.eps.iter().zip(&self.parents).zip(&self.root_weight);
-        rows.map(|((eps, parent), w)| w * (f(eps) - above(parent))).collect()
+        let mut column: Vec<f64> = rows.map(|((eps, parent), w)| w * (f(eps) - above(parent))).collect();
+        column.resize(self.root_weight.len(), 0.0);
+        column
     }
 
-    /// The weighted columns 1, eps^alpha of each term, and the measured edges.
+    /// The weighted columns 1, eps^alpha of each term, and the measured edge.
     fn columns(&self, shapes: &[Shape], exponents: &[f64]) -> Vec<Vec<f64>> {
-        let terms = shapes.iter().zip(exponents).map(|(shape, &alpha)| self.column(|eps| eps[shape.axis].powf(alpha)));
+        let terms = (0..shapes.len()).map(|k| self.column(|eps| power(shapes, exponents, k, eps)));
         std::iter::once(self.column(|_| 1.0)).chain(terms).chain(self.weighted_edges()).collect()
+    }
+
+    /// The weighted derivative of all terms with respect to the exponent of term `k`.
+    fn slope(&self, shapes: &[Shape], exponents: &[f64], coefficients: &[f64], k: usize) -> Vec<f64> {
+        let depends = |term: usize| term == k || shapes[term].times == Some(k);
+        self.column(|eps| {
+            let terms = (0..shapes.len()).filter(|term| depends(*term));
+            terms.map(|term| coefficients[term] * power(shapes, exponents, term, eps)).sum::<f64>()
+                * eps[shapes[k].axis].ln()
+        })
     }
 
     fn weighted_edges(&self) -> impl Iterator<Item = Vec<f64>> {
         self.edges.iter().map(|edge| edge.iter().zip(&self.root_weight).map(|(e, w)| e * w).collect())
+    }
+
+    /// The same rows with the factors of the edge held.
+    pub(crate) fn without_edges(&self) -> Self {
+        Self { edges: Vec::new(), root_weight: self.root_weight[..self.eps.len()].to_vec(), ..self.clone() }
     }
 
     /// Damped Gauss-Newton steps from `exponents`, inside the bounds.
@@ -185,7 +222,7 @@ impl Means {
         let mut here = self.project(shapes, &exponents)?;
         let mut damping = 1e-3;
         for _ in 0..200 {
-            let slopes: Vec<Vec<f64>> = free.iter().map(|&k| here.slope(self, &shapes[k], k, exponents[k])).collect();
+            let slopes: Vec<Vec<f64>> = free.iter().map(|&k| here.slope(self, shapes, &exponents, k)).collect();
             let gradient: Vec<f64> = slopes.iter().map(|slope| dot(slope, here.residual())).collect();
             let moving: Vec<usize> = (0..free.len())
                 .filter(|&i| {
@@ -221,19 +258,20 @@ impl Means {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each row) of kappa_TFC, the coefficients, s and s' of the edge, and the free
+    /// The rows d(parameter)/d(kappa of each row) of kappa_TFC, the coefficients, the factors of the edge, and the free
     /// exponents that are not at a bound.
     pub(crate) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
         let exponents: Vec<f64> = shapes.iter().map(|s| at.exponents[s.axis]).collect();
         let mut columns = self.columns(shapes, &exponents);
-        for s in shapes.iter().filter(|s| is_interior(s, at.exponents[s.axis])) {
-            columns.push(self.column(|eps| at.term(s.axis, eps[s.axis]) * eps[s.axis].ln()));
+        let coefficients: Vec<f64> = shapes.iter().map(|s| at.coefficients[s.axis]).collect();
+        for k in (0..shapes.len()).filter(|&k| is_interior(&shapes[k], exponents[k])) {
+            columns.push(self.slope(shapes, &exponents, &coefficients, k));
         }
-        let rows = columns.len();
+        let (rows, count) = (columns.len(), self.root_weight.len());
         let qr = Qr::new(columns)?;
-        let mut sensitivities = vec![vec![0.0; self.eps.len()]; rows];
-        for datum in 0..self.eps.len() {
-            let mut unit = vec![0.0; self.eps.len()];
+        let mut sensitivities = vec![vec![0.0; count]; rows];
+        for datum in 0..count {
+            let mut unit = vec![0.0; count];
             unit[datum] = self.root_weight[datum];
             let response = qr.back_substitute(&qr.rotate(unit));
             for (row, value) in sensitivities.iter_mut().zip(response) {
@@ -242,6 +280,17 @@ impl Means {
         }
         Ok(sensitivities)
     }
+}
+
+/// The factor of an edge measured at `eps_c`.
+pub(crate) fn factor([f, coarse]: [f64; 2], eps_c: f64) -> f64 {
+    f + coarse * (eps_c / COARSE).powi(2)
+}
+
+/// The function of eps that the coefficient of term `k` multiplies.
+fn power(shapes: &[Shape], exponents: &[f64], k: usize, eps: &[f64; AXES]) -> f64 {
+    let own = |k: usize| eps[shapes[k].axis].powf(exponents[k]);
+    own(k) * shapes[k].times.map_or(1.0, own)
 }
 
 /// True for a free exponent that did not stop at its bound.
@@ -276,22 +325,20 @@ impl Projection {
 
     /// d(residual)/d(exponent of term `k`) in Kaufman's approximation, for which the gradient of the sum of squares is
     /// exact.
-    fn slope(&self, means: &Means, shape: &Shape, k: usize, exponent: f64) -> Vec<f64> {
-        let coefficient = self.coefficients[k + 1];
-        let column = means.column(|eps| {
-            let eps = eps[shape.axis];
-            -coefficient * eps.ln() * eps.powf(exponent)
-        });
+    fn slope(&self, means: &Means, shapes: &[Shape], exponents: &[f64], k: usize) -> Vec<f64> {
+        let mut column = means.slope(shapes, exponents, &self.coefficients[1..=shapes.len()], k);
+        column.iter_mut().for_each(|value| *value = -*value);
         self.qr.rotate(column).split_off(self.coefficients.len())
     }
 
     fn into_minimum(self, shapes: &[Shape], exponents: &[f64]) -> Minimum {
         let kappa_tfc = self.coefficients[0];
         let mut parameters =
-            Parameters { kappa_tfc, coefficients: [0.0; AXES], exponents: [1.0; AXES], edge: [0.0; 2] };
-        for (s, found) in parameters.edge.iter_mut().zip(&self.coefficients[1 + shapes.len()..]) {
-            *s = *found;
+            Parameters { kappa_tfc, coefficients: [0.0; AXES], exponents: [1.0; AXES], crossed: false, edge: [0.0; 2] };
+        for (factor, found) in parameters.edge.iter_mut().zip(&self.coefficients[1 + shapes.len()..]) {
+            *factor = *found;
         }
+        parameters.crossed = shapes.iter().any(|shape| shape.times.is_some());
         for (k, shape) in shapes.iter().enumerate() {
             parameters.coefficients[shape.axis] = self.coefficients[k + 1];
             parameters.exponents[shape.axis] = exponents[k];

@@ -11,8 +11,8 @@ use crate::{Axis, Datum, Parameters, Richardson};
 pub struct Estimate {
     /// Value from the fit to the means.
     pub value: f64,
-    /// Standard error by linear propagation of the scatter (or misfit); `None` if the number is fixed or at its bound,
-    /// or if its error is unknown.
+    /// Standard error by linear propagation of the scatter (or misfit), times √(χ²/degrees of freedom) where that is above
+    /// one; `None` if the number is fixed or at its bound, or if its error is unknown.
     pub standard_error: Option<f64>,
     /// 95 % interval; see [`Uncertainty`] for its source.
     pub ci95: Option<[f64; 2]>,
@@ -63,13 +63,15 @@ pub struct Term {
     pub profile: Vec<ProfilePoint>,
 }
 
-/// The term of the measured edge, (s + s' eps_c) times the edge of every realisation.
+/// The term of the measured edge, a factor times the edge of every realisation ([`crate::Edge`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeTerm {
-    /// s.
+    /// f, from the data and from its expected value.
     pub factor: Estimate,
-    /// s'; `None` if two levels of eps_c do not determine it.
-    pub slope: Option<Estimate>,
+    /// f', likewise; `None` if it is zero.
+    pub coarse: Option<Estimate>,
+    /// The part of the standard error of kappa_TFC that the factors make; `None` without errors.
+    pub share: Option<f64>,
 }
 
 /// One point of a profile likelihood.
@@ -157,11 +159,11 @@ impl Fit {
         self.parameters.predict(eps)
     }
 
-    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against eps^alpha of that axis, or against the
-    /// mean edge.
+    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against the function of eps that belongs to this
+    /// axis ([`Parameters::power`]), or against the mean edge.
     pub fn isolate(&self, datum: &Datum, axis: Axis) -> f64 {
         let others = Axis::ALL.iter().filter(|&&other| other != axis);
-        let terms: f64 = others.map(|&other| self.parameters.term(other as usize, datum.eps(other))).sum();
+        let terms: f64 = others.map(|&other| self.parameters.term(other as usize, datum.all_eps())).sum();
         let excess = if axis == Axis::Continuum { 0.0 } else { self.parameters.excess(datum.eps_c, datum.mean_edge()) };
         datum.mean() - terms - excess
     }
@@ -334,7 +336,7 @@ impl fmt::Display for Warning {
             Self::Misfit { chi_squared, degrees_of_freedom, chance } => write!(
                 f,
                 "chi^2 = {chi_squared:.1} for {degrees_of_freedom} degrees of freedom (chance {chance:.1e}): \
-                 the model does not describe the data within their noise, and the intervals do not contain this"
+                 the model does not describe the data within their noise; the intervals are widened accordingly"
             ),
             Self::SingleRealisation { data } => {
                 write!(f, "{data} data have one realisation: their scatter is taken from the other data")

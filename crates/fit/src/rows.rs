@@ -10,9 +10,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::projection::{Means, Parent};
+use crate::projection::{Means, Parent, factor};
 use crate::student::stretch;
-use crate::{Axis, Datum, Settings, Weighting};
+use crate::{Axis, Datum, Edge, Settings, Weighting};
 
 /// The least number of common surfaces from which b is computed; with fewer, b = 1.
 const LEAST_REGRESSION: usize = 4;
@@ -49,34 +49,50 @@ pub(crate) struct Spread {
 }
 
 impl Rows {
-    /// Makes the rows of the data, with `edges` columns of the measured edge: none, s, or s and s' (see
-    /// [`crate::Model::edge`]). `edge` is the current estimate of s and s', which decides what counts as scatter.
-    pub(crate) fn new(data: &[Datum], settings: &Settings, edges: usize, edge: [f64; 2]) -> Self {
+    /// Makes the rows of the data, with the columns of the measured edge if the model has `edge`. `factors` are the current
+    /// estimates of f and f', which decide what counts as scatter.
+    pub(crate) fn new(data: &[Datum], settings: &Settings, edge: Option<Edge>, factors: [f64; 2]) -> Self {
         let paired = settings.paired && settings.weighting != Weighting::Equal;
-        let scatter: Vec<Scatter> = (0..data.len()).map(|index| Scatter::of(data, index, paired, edge)).collect();
+        let scatter: Vec<Scatter> = (0..data.len()).map(|index| Scatter::of(data, index, paired, factors)).collect();
         let pool = Pool::of(&scatter);
-        let errors: Vec<f64> =
+        let mut errors: Vec<f64> =
             scatter.iter().map(|row| (pool.variance(row, settings.weighting) / row.count).sqrt()).collect();
         let noise_known = pool.alone > 0.0 && settings.weighting != Weighting::Equal;
         let parents: Vec<Option<Parent>> = scatter.iter().map(|row| row.parent).collect();
         let compare = |value: &dyn Fn(&Datum, u64) -> f64| -> Vec<f64> {
             data.iter().zip(&parents).map(|(datum, parent)| comparison(data, datum, *parent, value)).collect()
         };
-        let edge = |datum: &Datum, seed: u64| datum.edge.get(&seed).copied().unwrap_or(0.0);
-        let means = Means {
+        let measured = |datum: &Datum, seed: u64| datum.edge.get(&seed).copied().unwrap_or(0.0);
+        let mut means = Means {
             eps: data.iter().map(Datum::all_eps).collect(),
             kappa: compare(&|datum, seed| datum.kappa[&seed]),
-            edges: (0..edges as i32).map(|k| compare(&|datum, seed| datum.eps_c.powi(k) * edge(datum, seed))).collect(),
+            edges: (0..edge.map_or(0, |edge| edge.columns()))
+                .map(|column| {
+                    let part = [f64::from(u8::from(column == 0)), f64::from(u8::from(column == 1))];
+                    compare(&|datum, seed| factor(part, datum.eps_c) * measured(datum, seed))
+                })
+                .collect(),
             root_weight: errors.iter().map(|error| if noise_known { error.recip() } else { 1.0 }).collect(),
             parents,
         };
+        let mut freedom: Vec<f64> = scatter.iter().map(|row| row.freedom).collect();
+        let expected = edge.into_iter().flat_map(|edge| [(edge.factor, edge.standard_error), (0.0, edge.coarse)]);
+        for (column, (value, error)) in expected.enumerate().take(means.edges.len()) {
+            if error.is_finite() {
+                means.edges.iter_mut().enumerate().for_each(|(k, edge)| edge.push(f64::from(u8::from(k == column))));
+                means.kappa.push(value);
+                means.root_weight.push(error.recip());
+                errors.push(error);
+                freedom.push(0.0);
+            }
+        }
         let single = data.iter().filter(|datum| datum.kappa.len() < 2).count();
-        Self { means, errors, freedom: scatter.iter().map(|row| row.freedom).collect(), noise_known, single }
+        Self { means, errors, freedom, noise_known, single }
     }
 
     /// True if some datum has at least two realisations.
     pub(crate) fn have_scatter(&self) -> bool {
-        self.single < self.freedom.len()
+        self.single < self.means.eps.len()
     }
 
     /// The rows with one draw of their errors added, which depends only on `seed` and `index`.
@@ -112,10 +128,9 @@ struct Scatter {
 }
 
 impl Scatter {
-    fn of(data: &[Datum], index: usize, paired: bool, edge: [f64; 2]) -> Self {
+    fn of(data: &[Datum], index: usize, paired: bool, factors: [f64; 2]) -> Self {
         let value = |datum: &Datum, seed: u64| {
-            let excess = datum.edge.get(&seed).map_or(0.0, |e| (edge[0] + edge[1] * datum.eps_c) * e);
-            datum.kappa[&seed] - excess
+            datum.kappa[&seed] - factor(factors, datum.eps_c) * datum.edge.get(&seed).unwrap_or(&0.0)
         };
         let mean = |of: &Datum, seeds: &Datum| {
             seeds.kappa.keys().map(|seed| value(of, *seed)).sum::<f64>() / seeds.kappa.len() as f64

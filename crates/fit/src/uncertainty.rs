@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::projection::{Means, Minimum, Nodes, Search, Shape, is_interior};
-use crate::rows::Rows;
+use crate::rows::{Rows, Spread};
 use crate::student::{NORMAL_975, quantile, student_975};
 use crate::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
 
@@ -13,7 +13,7 @@ pub(crate) enum Quantity {
     Limit,
     Coefficient(usize),
     Exponent(usize),
-    /// s (0) or s' (1) of the measured edge.
+    /// f (0) or f' (1) of the measured edge.
     Edge(usize),
 }
 
@@ -24,6 +24,8 @@ pub(crate) struct Errors<'a> {
     minimum: &'a Minimum,
     sensitivities: Vec<Vec<f64>>,
     degrees_of_freedom: usize,
+    /// The factor on standard errors by which chi^2 exceeds what the scatter explains, at least one.
+    inflation: f64,
     pub(crate) source: Uncertainty,
     pub(crate) bootstrap: Option<BootstrapReport>,
 }
@@ -68,7 +70,12 @@ impl<'a> Errors<'a> {
             _ if degrees_of_freedom > 0 => Uncertainty::Misfit,
             _ => Uncertainty::None,
         };
-        let mut errors = Self { rows, shapes, minimum, sensitivities, degrees_of_freedom, source, bootstrap };
+        let inflation = match (rows.noise_known, degrees_of_freedom) {
+            (true, 1..) => (minimum.sum_of_squares / degrees_of_freedom as f64).sqrt().max(1.0),
+            _ => 1.0,
+        };
+        let mut errors =
+            Self { rows, shapes, minimum, sensitivities, degrees_of_freedom, inflation, source, bootstrap };
         if let (Some(row), Some(report)) = (errors.sensitivities.first(), &mut errors.bootstrap) {
             report.stretch = rows.spread(row).map_or(1.0, |spread| spread.stretch);
         }
@@ -81,10 +88,13 @@ impl<'a> Errors<'a> {
         let Some(row) = self.sensitivity(quantity).filter(|_| !given) else {
             return Estimate { value, standard_error: None, ci95: None };
         };
-        let spread = self.rows.spread(row);
+        let spread = self
+            .rows
+            .spread(row)
+            .map(|spread| Spread { standard_error: spread.standard_error * self.inflation, stretch: spread.stretch });
         let (standard_error, ci95) = match (self.source, spread) {
             (Uncertainty::Realisations, Some(spread)) => {
-                (Some(spread.standard_error), self.percentiles(quantity, value, spread.stretch))
+                (Some(spread.standard_error), self.percentiles(quantity, value, self.inflation * spread.stretch))
             }
             (Uncertainty::Propagated, Some(spread)) => {
                 let half = NORMAL_975 * spread.stretch * spread.standard_error;
@@ -101,6 +111,15 @@ impl<'a> Errors<'a> {
             _ => (None, None),
         };
         Estimate { value, standard_error, ci95 }
+    }
+
+    /// The part of the standard error of the limit that the factors of the edge make: what is beyond that of a fit in which
+    /// they are held.
+    pub(crate) fn share_of_edge(&self) -> Option<f64> {
+        let held = self.rows.means.without_edges().sensitivities(self.shapes, &self.minimum.parameters).ok()?;
+        let without = self.inflation * self.rows.spread(held.first()?)?.standard_error;
+        let whole = self.estimate(Quantity::Limit).standard_error?;
+        Some((whole * whole - without * without).max(0.0).sqrt())
     }
 
     /// The stretched percentile interval.

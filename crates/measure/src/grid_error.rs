@@ -163,6 +163,39 @@ pub struct GridLimits<'a> {
     is_alike: bool,
 }
 
+/// The ρ beyond which it counts as this.
+const LARGEST_NARROW: f64 = 3.0;
+
+/// The part of the strip of Yastrebov et al. by which counting exceeds the area.
+fn strip(narrow: f64) -> f64 {
+    0.858 + 0.021 * narrow.min(LARGEST_NARROW).powi(2)
+}
+
+/// The part of the mean square pressure that a grid lacks.
+fn lacking(narrow: f64) -> f64 {
+    0.0071 * narrow.min(LARGEST_NARROW).powf(2.47)
+}
+
+impl Summary {
+    /// Boundary links per point in contact, zero without contact.
+    fn narrow(&self) -> f64 {
+        if self.boundary_links == 0 { 0.0 } else { self.boundary_links as f64 / self.contact_nodes as f64 }
+    }
+
+    /// κ less what counting whole points adds along the edge: the limit of [`GridLimits::kappa`], also for contacts for which
+    /// its interval was not measured.
+    pub fn kappa_limit(&self) -> f64 {
+        self.kappa - strip(self.narrow()) * (self.kappa - self.kappa_corrected)
+    }
+
+    /// ⟨p²⟩/(E* ḡ)² on an infinitely fine grid: the limit of [`GridLimits::pressure_moment_2`] in reduced units, also for
+    /// contacts for which its interval was not measured.
+    pub fn reduced_square_limit(&self) -> f64 {
+        let unit = self.mean_pressure / self.p_star;
+        self.pressure_moment_2 * (1.0 + lacking(self.narrow())) / (unit * unit)
+    }
+}
+
 impl<'a> GridLimits<'a> {
     /// The contact with this `summary` in these scales, on a grid of so many `points`, `spacing` (length) apart.
     ///
@@ -210,8 +243,7 @@ impl<'a> GridLimits<'a> {
     /// [correction](crate::ContactArea) by Yastrebov et al.; where the edge cuts the links is not known.
     pub fn area_fraction(&self) -> GridLimit {
         let Summary { area_fraction, area_fraction_corrected, .. } = self.summary;
-        let strip = area_fraction - area_fraction_corrected;
-        let limit = area_fraction - (0.858 + 0.021 * self.narrow.powi(2)) * strip;
+        let limit = area_fraction - strip(self.narrow) * (area_fraction - area_fraction_corrected);
         let narrow = if self.is_alike { 1.5 } else { 1.14 };
         let part = self.part([0.40, narrow, -0.45, -0.15], 0.22);
         GridLimit::within(limit, part.max(0.0035 * self.narrow))
@@ -232,7 +264,7 @@ impl<'a> GridLimits<'a> {
 
     /// The mean square pressure, in stress².
     pub fn pressure_moment_2(&self) -> GridLimit {
-        let limit = self.summary.pressure_moment_2 * (1.0 + 0.0071 * self.narrow.powf(2.47));
+        let limit = self.summary.pressure_moment_2 * (1.0 + lacking(self.narrow));
         GridLimit::within(limit, self.part([0.063, 1.91, -0.38, -0.92], 0.055))
     }
 

@@ -2,16 +2,16 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use statrs::function::erf::{erf_inv, erfc};
+use statrs::function::erf::{erf, erf_inv, erfc};
 
 use crate::theory::persson_area;
 
 /// Waves longer than the longest one of a simulated surface, added by Persson's theory (theory.md, section 11).
 ///
 /// They spread the pressure p̄ into a distribution P(σ) with absorption at σ = 0; where they press with σ, the simulated
-/// short waves have the contact area a(σ). Hence a_∞(p̄) = ∫ P(σ) a(σ) dσ. The width of P is that with which the long waves
-/// have the contact area a_∞ themselves, since they have the spectrum of the whole: V/q², where V = (E* g_l/2)² and
-/// a_∞(p*) = erf(√2 q p*). No parameter is fitted.
+/// short waves have the contact area a(σ). Hence a_∞(p̄) = ∫ P(σ) a(σ) dσ. The long waves have the spectrum of the whole at
+/// another scale, so that P has the contact area a_∞ itself, and with [`LongWaves::with_moments`] its second moment. No
+/// parameter is fitted.
 ///
 /// The result is linear in the simulated κ, with weights that this value holds, so that it applies to means and to single
 /// surfaces alike.
@@ -37,25 +37,57 @@ const FULL: f64 = 0.98;
 /// The relative change of κ at which the width is consistent.
 const CONSISTENT: f64 = 1e-12;
 
+/// The contact area fraction beyond which area and mean square pressure do not determine two widths: the spread stays, and
+/// the mean square pressure gives the width.
+const HALF: f64 = 0.5;
+
+/// The largest δ of two widths w (1 ± δ); contacts have a quarter.
+const LARGEST_SPREAD: f64 = 0.5;
+
+/// The most steps to a root, and the value that vanishes.
+const MOST_STEPS: usize = 100;
+const VANISHES: f64 = 1e-15;
+
 impl LongWaves {
     /// The weights for contacts at the reduced pressures `p_star` with the mean coefficients `kappa`, if the waves that the
-    /// surfaces lack have `missing` times the mean square gradient that the surfaces have.
+    /// surfaces lack have `missing` times the mean square gradient that the surfaces have. P is Persson's, a Gaussian less its
+    /// mirror image, with the width that has the contact area a_∞.
     ///
     /// `None` if `p_star` has fewer than four loads, does not ascend, ends below [`LEAST_LARGEST_LOAD`] or has gaps of more
     /// than a factor of 3; if a κ is not positive; if `missing` is negative or not finite.
     pub fn new(p_star: &[f64], kappa: &[f64], missing: f64) -> Option<Self> {
+        Self::consistent(p_star, kappa, None, missing)
+    }
+
+    /// As [`LongWaves::new`] with the shape of P measured, too: `moments` are the mean square pressures ⟨p²⟩/(E* g)² of the
+    /// contacts. P is the mean of two of Persson's distributions, of widths w (1 ± δ), which have the contact area and the
+    /// mean square pressure of the surface without end; Persson's alone has less than that.
+    ///
+    /// `None` as for [`LongWaves::new`], and if a moment is not above p*².
+    pub fn with_moments(p_star: &[f64], kappa: &[f64], moments: &[f64], missing: f64) -> Option<Self> {
+        let good =
+            moments.len() == p_star.len() && moments.iter().zip(p_star).all(|(m, p)| m.is_finite() && *m > p * p);
+        if good { Self::consistent(p_star, kappa, Some(moments), missing) } else { None }
+    }
+
+    fn consistent(p_star: &[f64], kappa: &[f64], moments: Option<&[f64]>, missing: f64) -> Option<Self> {
         let positive = |values: &[f64]| values.iter().all(|x| x.is_finite() && *x > 0.0);
         let good = Self::suits(p_star) && kappa.len() == p_star.len() && positive(kappa);
         if !(good && missing >= 0.0 && missing.is_finite()) {
             return None;
         }
-        let mut limit = kappa.to_vec();
+        let mut limit = Limit { kappa: kappa.to_vec(), moments: moments.map(<[f64]>::to_vec) };
         let mut found = Self { weights: Vec::new(), full: Vec::new() };
         for _ in 0..100 {
-            found = Self::with_widths(p_star, missing, &limit);
+            let integrals = Integrals::new(p_star, missing, &limit);
+            found = integrals.of(p_star, &AREA);
             let next: Vec<f64> = (0..p_star.len()).map(|load| found.compose(load, |j| kappa[j])).collect();
-            let change = next.iter().zip(&limit).fold(0.0_f64, |far, (a, b)| far.max((a / b - 1.0).abs()));
-            limit = next;
+            let change = next.iter().zip(&limit.kappa).fold(0.0_f64, |far, (a, b)| far.max((a / b - 1.0).abs()));
+            limit.kappa = next;
+            if let (Some(moments), Some(limit)) = (moments, &mut limit.moments) {
+                let squares = integrals.of(p_star, &SQUARE);
+                *limit = (0..p_star.len()).map(|load| squares.compose(load, |j| moments[j])).collect();
+            }
             if change <= CONSISTENT {
                 break;
             }
@@ -80,64 +112,191 @@ impl LongWaves {
     pub fn compose_difference(&self, load: usize, difference: impl Fn(usize) -> f64) -> f64 {
         self.weights[load].iter().enumerate().map(|(j, weight)| weight * difference(j)).sum()
     }
+}
 
-    /// The weights if the long waves have the contact area of `limit`.
-    fn with_widths(p_star: &[f64], missing: f64, limit: &[f64]) -> Self {
-        let rows = p_star.iter().map(|&load| {
+/// The numbers of the surface without end at the given loads.
+struct Limit {
+    kappa: Vec<f64>,
+    moments: Option<Vec<f64>>,
+}
+
+/// A number of a contact at a load, as a ratio to that of Persson's theory: the ratio is interpolated.
+struct Reference {
+    /// The number at p* in Persson's theory.
+    value: fn(f64) -> f64,
+    /// The scale of the datum: the number over the datum at p*.
+    scale: fn(f64) -> f64,
+    /// The unit of the number in units of the gradient of all waves, if that of the simulated ones has 1 + missing times
+    /// less mean square.
+    unit: fn(f64) -> f64,
+}
+
+/// The contact area, given as κ = a/p*.
+const AREA: Reference = Reference { value: persson_area, scale: |p_star| p_star, unit: |_| 1.0 };
+
+/// The mean square pressure over (E* g)².
+const SQUARE: Reference = Reference { value: persson_square, scale: |_| 1.0, unit: |missing| 1.0 / (1.0 + missing) };
+
+/// ⟨p²⟩/(E* g)² of Persson's distribution, of width 1/2.
+fn persson_square(p_star: f64) -> f64 {
+    square(p_star, 0.5)
+}
+
+/// The second moment of a Gaussian about `pressure` of this width less its mirror image, over positive pressures.
+fn square(pressure: f64, width: f64) -> f64 {
+    let ratio = pressure / width;
+    (pressure * pressure + width * width) * erf(ratio / SQRT_2)
+        + pressure * width * (2.0 / PI).sqrt() * (-0.5 * ratio * ratio).exp()
+}
+
+/// P(σ) dσ at nodes, load by load.
+struct Integrals {
+    missing: f64,
+    nodes: Vec<Vec<(f64, f64)>>,
+}
+
+impl Integrals {
+    /// The distributions with which the long waves have the contact area, and the mean square pressure, of `limit`.
+    fn new(p_star: &[f64], missing: f64, limit: &Limit) -> Self {
+        let nodes = p_star.iter().map(|&load| {
             // In units of E* times the gradient of the simulated waves.
             let pressure = load * (1.0 + missing).sqrt();
             let of_long_waves = pressure / missing.sqrt();
-            let width = 0.5 * missing.sqrt() / sharpness(p_star, limit, of_long_waves);
+            let widths = limit.widths(p_star, of_long_waves).map(|width| width * missing.sqrt());
+            match widths {
+                [one, other] if one == other => distribution(pressure, one, 1.0),
+                [one, other] => {
+                    let mut both = distribution(pressure, one, 0.5);
+                    both.extend(distribution(pressure, other, 0.5));
+                    both
+                }
+            }
+        });
+        Self { missing, nodes: nodes.collect() }
+    }
+
+    /// The weights of a number of the contact.
+    fn of(&self, p_star: &[f64], reference: &Reference) -> LongWaves {
+        let rows = p_star.iter().zip(&self.nodes).map(|(&load, nodes)| {
             let mut weights = vec![0.0; p_star.len()];
             let mut full = 0.0;
-            for (sigma, chance) in distribution(pressure, width) {
-                full += share(p_star, sigma, chance / load, &mut weights);
+            let unit = (reference.unit)(self.missing) / (reference.scale)(load);
+            for &(sigma, chance) in nodes {
+                full += share(p_star, sigma, chance * unit, reference, &mut weights);
             }
             (weights, full)
         });
         let (weights, full) = rows.unzip();
-        Self { weights, full }
+        LongWaves { weights, full }
     }
 }
 
-/// P(σ) dσ at the nodes of the trapezoidal rule; Gaussian less its mirror image at σ = 0.
-fn distribution(pressure: f64, width: f64) -> Vec<(f64, f64)> {
+impl Limit {
+    /// The widths of the two distributions of the pressure of the long waves at their reduced pressure `load`, in units of E*
+    /// times their gradient.
+    fn widths(&self, p_star: &[f64], load: f64) -> [f64; 2] {
+        let width = |load: f64| 0.5 / sharpness(p_star, &self.kappa, load);
+        let Some(moments) = self.moments.as_ref().filter(|_| load.is_finite()) else { return [width(load); 2] };
+        let wanted = |load: f64| persson_square(load) * ratio(p_star, moments, load);
+        let pair = |mean: f64, spread: f64| [mean * (1.0 - spread), mean * (1.0 + spread)];
+        let mean_of = |pair: [f64; 2], of: &dyn Fn(f64) -> f64| 0.5 * (of(pair[0]) + of(pair[1]));
+        // Two widths of this spread that have the area of `width`.
+        let of_area = |load: f64, spread: f64| {
+            let (area, width) = (|width: f64| erf(load / (SQRT_2 * width)), width(load));
+            let ends = [width * (1.0 - spread), width / (1.0 - spread * spread)];
+            pair(root(ends, |mean| mean_of(pair(mean, spread), &area) - area(width)), spread)
+        };
+        let half = root([p_star[0], p_star[p_star.len() - 1]], |load| HALF - erf(load / (SQRT_2 * width(load))));
+        let at = load.min(half);
+        let lacks = |pair: [f64; 2]| wanted(at) - mean_of(pair, &|width| square(at, width));
+        let spread = root([0.0, LARGEST_SPREAD], |spread| lacks(of_area(at, spread)));
+        if load <= half {
+            return of_area(load, spread);
+        }
+        let ends = [1e-3 * width(load), 10.0 * width(load)];
+        let lacks = |mean: f64| wanted(load) - mean_of(pair(mean, spread), &|width| square(load, width));
+        pair(root(ends, lacks), spread)
+    }
+}
+
+/// The place between two ends where a falling function vanishes, by false position (Illinois), or the end nearest to it.
+fn root([mut low, mut high]: [f64; 2], falls: impl Fn(f64) -> f64) -> f64 {
+    let (mut at_low, mut at_high) = (falls(low), falls(high));
+    if at_low <= 0.0 {
+        return low;
+    } else if at_high >= 0.0 {
+        return high;
+    }
+    let mut middle = low;
+    for _ in 0..MOST_STEPS {
+        middle = (low * at_high - high * at_low) / (at_high - at_low);
+        let value = falls(middle);
+        if value.abs() <= VANISHES {
+            break;
+        } else if value > 0.0 {
+            (low, at_low, at_high) = (middle, value, 0.5 * at_high);
+        } else {
+            (high, at_high, at_low) = (middle, value, 0.5 * at_low);
+        }
+    }
+    middle
+}
+
+/// P(σ) dσ times `part` at the nodes of the trapezoidal rule; Gaussian less its mirror image at σ = 0.
+fn distribution(pressure: f64, width: f64, part: f64) -> Vec<(f64, f64)> {
     if width < 1e-9 * pressure {
-        return vec![(pressure, 1.0)];
+        return vec![(pressure, part)];
     }
     let low = (pressure - REACH * width).max(0.0);
     let step = (pressure + REACH * width - low) / INTERVALS as f64;
     let normal = |x: f64| (-0.5 * (x / width).powi(2)).exp() / ((2.0 * PI).sqrt() * width);
     let node = |k: usize| {
         let sigma = low + step * k as f64;
-        (sigma, step * (normal(sigma - pressure) - normal(sigma + pressure)))
+        (sigma, part * step * (normal(sigma - pressure) - normal(sigma + pressure)))
     };
     // Both ends carry nothing: P vanishes at σ = 0, and is below 1e-14 of its height at the others.
     (1..INTERVALS).map(node).collect()
 }
 
-/// Adds `factor` times the contact area at `sigma` to the weights of the κ of all loads and returns the part without κ. The
-/// ratio to Persson's area is interpolated, a cubic in the logarithm; it tends to one beyond the last load.
-fn share(p_star: &[f64], sigma: f64, factor: f64, weights: &mut [f64]) -> f64 {
-    let (last, persson) = (p_star.len() - 1, factor * persson_area(sigma));
-    let of_kappa = |j: usize| p_star[j] / persson_area(p_star[j]);
+/// Adds `factor` times a number of the contact at `sigma` to the weights of the data of all loads and returns the part without
+/// data. The ratio to Persson's theory is interpolated, a cubic in the logarithm; below the first load it goes on as the
+/// parabola through the first three loads, linear at first touch; beyond the last load it tends to one.
+fn share(p_star: &[f64], sigma: f64, factor: f64, reference: &Reference, weights: &mut [f64]) -> f64 {
+    let (last, persson) = (p_star.len() - 1, factor * (reference.value)(sigma));
+    let of_datum = |j: usize| (reference.scale)(p_star[j]) / (reference.value)(p_star[j]);
     if sigma >= p_star[last] {
         let fades = erfc(SQRT_2 * sigma) / erfc(SQRT_2 * p_star[last]);
-        weights[last] += persson * fades * of_kappa(last);
+        weights[last] += persson * fades * of_datum(last);
         return persson * (1.0 - fades);
     }
-    if sigma <= p_star[0] {
-        weights[0] += persson * of_kappa(0);
-        return 0.0;
-    }
-    let above = p_star.partition_point(|p| *p < sigma);
-    let first = above.saturating_sub(2).min(p_star.len() - 4);
-    for j in first..first + 4 {
-        let others = (first..first + 4).filter(|k| *k != j);
-        let basis: f64 = others.map(|k| (sigma / p_star[k]).ln() / (p_star[j] / p_star[k]).ln()).product();
-        weights[j] += persson * basis * of_kappa(j);
+    let light = sigma < p_star[0];
+    let along = |p: f64| if light { p } else { p.ln() };
+    let nodes = if light {
+        0..3
+    } else {
+        let first = p_star.partition_point(|p| *p < sigma).saturating_sub(2).min(p_star.len() - 4);
+        first..first + 4
+    };
+    for j in nodes.clone() {
+        let others = nodes.clone().filter(|k| *k != j);
+        let part = |k: usize| (along(sigma) - along(p_star[k])) / (along(p_star[j]) - along(p_star[k]));
+        weights[j] += persson * others.map(part).product::<f64>() * of_datum(j);
     }
     0.0
+}
+
+/// The ratio of the mean square pressure to Persson's at any load, from those at the given ones: linear in the logarithm
+/// between them, constant below, and tending to one beyond.
+fn ratio(p_star: &[f64], moments: &[f64], load: f64) -> f64 {
+    let at = |j: usize| moments[j] / persson_square(p_star[j]);
+    match p_star.partition_point(|p| *p < load) {
+        0 => at(0),
+        j if j == p_star.len() => 1.0 + (at(j - 1) - 1.0) * erfc(SQRT_2 * load) / erfc(SQRT_2 * p_star[j - 1]),
+        j => {
+            let part = (load / p_star[j - 1]).ln() / (p_star[j] / p_star[j - 1]).ln();
+            at(j - 1) + part * (at(j) - at(j - 1))
+        }
+    }
 }
 
 /// q of a_∞ = erf(√2 q p*) at any load, from κ at the given ones; linear in the logarithm between them. Areas above
@@ -218,6 +377,63 @@ mod tests {
         let slope = (area(p + h) - area(p - h)) / (2.0 * h);
         let expected = missing * (0.5 * p * slope + 0.125 * curvature / (q * q));
         assert!((change / expected - 1.0).abs() < 0.02, "{change:e} {expected:e}");
+    }
+
+    #[test]
+    fn two_widths_have_the_area_and_the_mean_square_pressure_of_the_limit() {
+        let kappa: Vec<f64> = LOADS.iter().map(|p| libm::erf(SQRT_2 * 1.15 * p) / p).collect();
+        for (load, excess) in [(0.02, 0.0), (0.05, 0.066), (0.25, 0.04), (0.7, 0.01), (1.4, 0.001)] {
+            let squares: Vec<f64> = LOADS.iter().map(|p| square(*p, 0.5 / 1.15) * (1.0 + excess)).collect();
+            let limit = Limit { kappa: kappa.clone(), moments: Some(squares.clone()) };
+            let [low, high] = limit.widths(&LOADS, load);
+            let mean = |of: &dyn Fn(f64) -> f64| 0.5 * (of(low) + of(high));
+            let area = mean(&|width| libm::erf(load / (SQRT_2 * width)));
+            let allowed = if load < 0.3 { 1e-6 } else { 0.05 };
+            assert!((area / libm::erf(SQRT_2 * 1.15 * load) - 1.0).abs() < allowed, "{load}: {low} {high} {area}");
+            let wanted = persson_square(load) * ratio(&LOADS, &squares, load);
+            assert!((mean(&|width| square(load, width)) / wanted - 1.0).abs() < 1e-6, "{load}: {low} {high}");
+            assert!((high > 1.05 * low) == (excess > 0.0), "{load}: {low} {high}");
+        }
+    }
+
+    /// With the moments of Persson's distribution its area stays; a larger mean square pressure lowers the area.
+    #[test]
+    fn a_wider_distribution_of_the_pressure_has_less_area() {
+        let area = |p: f64| libm::erf(SQRT_2 * p) * (1.0 + 0.3 * (-3.0 * p).exp());
+        for missing in [1e-4, 0.01, 0.1, 0.5] {
+            let of = |area: &dyn Fn(f64) -> f64, excess: f64| -> Vec<f64> {
+                let kappa: Vec<f64> = LOADS.iter().map(|p| area(*p) / p).collect();
+                let squares: Vec<f64> =
+                    LOADS.iter().map(|p| persson_square(*p) * (1.0 + excess * (-2.0 * p * p).exp())).collect();
+                let waves = LongWaves::with_moments(&LOADS, &kappa, &squares, missing).unwrap();
+                (0..LOADS.len()).map(|load| waves.compose(load, |j| kappa[j])).collect()
+            };
+            for (found, p) in of(&persson_area, 0.0).iter().zip(LOADS) {
+                assert!((found * p / persson_area(p) - 1.0).abs() < 1e-6, "{missing} {p}");
+            }
+            let mirror = composed(&LOADS, area, missing);
+            let [wide, wider] = [0.15, 0.3].map(|excess| of(&area, excess));
+            assert!(
+                missing < 0.01 || (wide[0] < mirror[0] && wider[0] < wide[0]),
+                "{missing}: {mirror:?} {wide:?} {wider:?}"
+            );
+        }
+        let kappa = [2.0; 7];
+        assert!(LongWaves::with_moments(&LOADS, &kappa, &[0.0; 7], 0.1).is_none());
+    }
+
+    /// Below the first load the curve goes on.
+    #[test]
+    fn loads_below_the_first_are_not_those_of_the_first() {
+        let area = |p: f64| libm::erf(SQRT_2 * p) * (1.0 + 0.4 / (1.0 + 8.0 * p) * (-p * p).exp());
+        let dense: Vec<f64> = (0..=140).map(|k| 0.0005 * 3000.0_f64.powf(f64::from(k) / 140.0)).collect();
+        let few = [0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2];
+        for missing in [1e-4, 1e-3, 0.01] {
+            let near = dense.iter().position(|p| *p >= 0.02).unwrap();
+            let [from_few, from_many] = [composed(&few, area, missing)[0], composed(&dense, area, missing)[near]];
+            let apart = from_few / from_many - 1.0 - (area(0.02) / 0.02 / (area(dense[near]) / dense[near]) - 1.0);
+            assert!(apart.abs() < 1e-3, "{missing}: {from_few} {from_many}");
+        }
     }
 
     #[test]

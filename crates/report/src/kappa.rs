@@ -93,7 +93,7 @@ fn answer(page: &mut Page, reader: &Reader, fits: &Stored) {
             " in the thermodynamic, fractal and continuum limit. "
             @if low.is_finite() && high.is_finite() {
                 "The interval is that of 95 % with the error of the form of the fit; the statistical one is " (interval(statistical[0]))
-                ", the other forms differ by up to " (number(systematic[0])) ". "
+                ", the error of the form is " (number(systematic[0])) ". "
             } @else { strong { "It has no interval. " } }
             "χ² is " (number(chi[0])) " with " (whole(freedom[0])) " degrees of freedom. "
             @if let Some(source) = uncertainty.first() { "Source of the interval: " (text(source)) "." }
@@ -214,7 +214,7 @@ fn asked(page: &mut Page, config: &Config) {
         Alpha::Free => "fitted".into(),
         Alpha::Without => "no term".into(),
         Alpha::SelfAffine if surface.hurst.iter().all(|hurst| config.composes(*hurst)) => {
-            "min(1, 2 − 2H), long waves composed".into()
+            "that of the difference of two closures, long waves composed".into()
         }
         Alpha::SelfAffine => "1 − H".into(),
         Alpha::Edge => "measured edge".into(),

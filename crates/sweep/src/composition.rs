@@ -5,11 +5,16 @@ use std::collections::BTreeMap;
 use gfmd_fit::Datum;
 use gfmd_measure::LongWaves;
 
-use crate::{Analysis, Area, Extrapolation, Key, Plan, Point, SweepError};
+use crate::{Analysis, Area, Extrapolation, Key, Plan, Point, Pressed, SweepError};
 
-/// The part of the measured edge by which counted points exceed the area: s + s' eps_c with s and s' of theory.md, section
-/// 11. It decides on the width of the distribution of pressure alone; the fit has its own.
-const EDGE: [f64; 2] = [0.82, 0.3];
+/// The ways to choose the distribution of the pressure of the long waves (theory.md, section 11).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Closure {
+    /// Persson's shape with the contact area of the surface without end.
+    Area,
+    /// Its mean square pressure, too.
+    Square,
+}
 
 /// The long waves that the surfaces of each point lack.
 pub(crate) struct Composition {
@@ -17,12 +22,22 @@ pub(crate) struct Composition {
 }
 
 impl Composition {
-    /// From kappa of all points and loads.
-    pub(crate) fn new(plan: &Plan, data: &BTreeMap<Key, Datum>) -> Result<Self, SweepError> {
+    /// From kappa of all points and loads, and the contacts.
+    pub(crate) fn new(
+        plan: &Plan,
+        data: &BTreeMap<Key, Datum>,
+        runs: &[Vec<Pressed>],
+        closure: Closure,
+    ) -> Result<Self, SweepError> {
         let loads = &plan.config.loads.p_star;
+        // The edge decides on the width of the distribution of pressure alone; the fit has its own factor.
         let limit = |point: usize, load: usize| {
             let datum = data.get(&Key { point, load, area: Area::Raw });
-            datum.map_or(f64::NAN, |d| d.mean() - (EDGE[0] + EDGE[1] * d.eps_c) * d.mean_edge())
+            datum.map_or(f64::NAN, |datum| datum.mean() - datum.mean_edge())
+        };
+        let square = |point: usize, load: usize| {
+            let runs = &runs[plan.runs_of(point)];
+            runs.iter().map(|run| run[load].summary.reduced_square_limit()).sum::<f64>() / runs.len() as f64
         };
         let of_point = |index: usize| {
             let Point { hurst, discretisation, .. } = plan.points[index];
@@ -31,7 +46,13 @@ impl Composition {
             }
             let missing = discretisation.missing_long_waves(hurst).map_err(SweepError::Points)?;
             let kappa: Vec<f64> = (0..loads.len()).map(|load| limit(index, load)).collect();
-            let waves = LongWaves::new(loads, &kappa, missing);
+            let waves = match closure {
+                Closure::Area => LongWaves::new(loads, &kappa, missing),
+                Closure::Square => {
+                    let squares: Vec<f64> = (0..loads.len()).map(|load| square(index, load)).collect();
+                    LongWaves::with_moments(loads, &kappa, &squares, missing)
+                }
+            };
             waves.map(Some).ok_or(SweepError::Composition { hurst, discretisation, kappa })
         };
         Ok(Self { points: (0..plan.points.len()).map(of_point).collect::<Result<_, _>>()? })

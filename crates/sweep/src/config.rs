@@ -4,7 +4,7 @@ mod body;
 mod check;
 
 use gfmd_contact::{Budget, Solver};
-use gfmd_fit::{Exponent, Model};
+use gfmd_fit::{Edge, Exponent, Model};
 use gfmd_green::{BaseKind, Body, Height};
 use gfmd_measure::LongWaves;
 use gfmd_surface::Discretisation;
@@ -128,7 +128,7 @@ pub struct PointsConfig {
     pub eps_f_inv: Vec<f64>,
     /// Grid points per shortest wavelength.
     pub eps_c_inv: Vec<f64>,
-    /// The middle of a star: eps_t_inv, eps_f_inv, eps_c_inv.
+    /// The middle of a star or of ladders: eps_t_inv, eps_f_inv, eps_c_inv.
     pub centre: [f64; 3],
     /// The largest number of grid points along one axis; larger grids are left out. 0 means no limit.
     pub largest_n: usize,
@@ -142,6 +142,9 @@ pub enum Design {
     Grid,
     /// One axis at a time, the other two at the centre.
     Star,
+    /// All combinations of eps_t_inv and eps_f_inv with the eps_c_inv of the centre, up to the largest grid at its eps_t_inv,
+    /// and all eps_c_inv at the centre: the term of a finite cell depends on eps_f (theory.md, section 11).
+    Ladders,
 }
 
 /// The loads.
@@ -195,8 +198,8 @@ pub struct StatisticsConfig {
     /// exponent) down to which surfaces are added, where they lower it most for their work; 0: none are added.
     #[serde(skip_serializing_if = "is_zero")]
     pub target: f64,
-    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in their order; empty:
-    /// the numbers follow from the rules above. A result of a sweep with a target has the numbers that it came to.
+    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in their order; 0
+    /// leaves a point out; empty: the numbers follow from the rules above. A result of a sweep with a target has the numbers that it came to.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<u64>,
     /// First seed. Points of one eps_t have their seeds, and thus their random modes, in common; points of another eps_t have
@@ -223,17 +226,18 @@ pub struct SolverConfig {
 pub struct FitConfig {
     /// The load of the main result; all loads are fitted.
     pub p_star: f64,
-    /// Exponent of the term in eps_t. The bias of a finite cell falls with its area, as its variance does: 2 for surfaces, 1
-    /// for profiles.
+    /// Exponent of the term in eps_t, which is a part of the one in eps_f: C_t eps_t^alpha_t eps_f^alpha_f. A finite cell differs
+    /// by the sum over its discrete longest waves: 2 for surfaces, 1 for profiles.
     pub alpha_t: Alpha,
     /// The waves beyond the longest ones of the surfaces, which the fractal limit asks for.
     pub long_waves: LongWavesConfig,
-    /// Exponent of the term in eps_f: `"self-affine"` for 2 - 2H, at most 1, with the long waves composed and
-    /// 1 - H without (theory.md, section 11), a number, `"free"` or `"none"`.
+    /// Exponent of the term in eps_f: `"self-affine"`, with the long waves composed, for that with which the difference of two
+    /// closures vanishes, between 1 - H and 2 - 2H, at most 1, and for 1 - H without (theory.md, section 11), a number,
+    /// `"free"` or `"none"`.
     pub alpha_f: Alpha,
-    /// Exponent of the term in eps_c: `"edge"` for a multiple of the measured perimeter in place of a power of eps_c, a
-    /// number, `"free"` or `"none"`. It concerns the raw area; what is left of the error in the corrected area is fitted with
-    /// the exponent 1.
+    /// Exponent of the term in eps_c: `"edge"` for a multiple near one of what the grid adds by the estimate from each contact,
+    /// in place of a power of eps_c, a number, `"free"` or `"none"`. It concerns the raw area; what is left of the error in the
+    /// corrected area is fitted with the exponent 1.
     pub alpha_c: Alpha,
     /// kappa of one surface.
     pub estimator: Estimator,
@@ -266,10 +270,10 @@ pub enum Alpha {
     Free,
     /// No term along this axis.
     Without,
-    /// For eps_f: the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H); its square, or
-    /// eps_f itself if that is larger, if the long waves are composed.
+    /// For eps_f: the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H); an exponent between this
+    /// one and that of its square, at most 1, if the long waves are composed.
     SelfAffine,
-    /// A multiple of the measured edge of each contact in place of a power, for eps_c.
+    /// A multiple of the estimated edge of each contact in place of a power, for eps_c.
     Edge,
 }
 
@@ -297,10 +301,10 @@ impl Default for BodyConfig {
 impl Default for PointsConfig {
     fn default() -> Self {
         Self {
-            design: Design::Star,
-            eps_t_inv: vec![1.0, 2.0, 4.0],
+            design: Design::Ladders,
+            eps_t_inv: vec![1.0, 2.0],
             eps_f_inv: vec![16.0, 32.0, 64.0, 128.0],
-            eps_c_inv: vec![4.0, 8.0, 16.0],
+            eps_c_inv: vec![4.0, 8.0],
             centre: [1.0, 32.0, 4.0],
             largest_n: 0,
         }
@@ -345,6 +349,11 @@ impl Default for FitConfig {
     }
 }
 
+/// The factor of what the grid adds to kappa, as estimated from each contact (`Summary::kappa_limit` of `gfmd-measure`): the strip
+/// along the edge is 0.86 ± 0.03 (95 %) of that of Yastrebov et al. (theory.md, section 9.2). On four points a wave pairs of grids
+/// deviate by another 0.03 (section 11).
+const EDGE: Edge = Edge { factor: 1.0, standard_error: 0.0175, coarse: 0.03 };
+
 /// The most discretisations of a sweep. A configuration may come from a file of anyone.
 const MOST_POINTS: usize = 10_000;
 
@@ -353,7 +362,7 @@ impl Config {
     pub(crate) fn realisations(&self, at: &Discretisation, n: usize, largest: usize) -> u64 {
         let StatisticsConfig { realisations, nested, equal_area, .. } = self.statistics;
         let reference = match self.points.design {
-            Design::Star => self.points.centre[0],
+            Design::Star | Design::Ladders => self.points.centre[0],
             Design::Grid => self.points.eps_t_inv.first().copied().unwrap_or(1.0),
         };
         let sides = if self.surface.dim == 2 { 1 } else { 2 };
@@ -393,9 +402,21 @@ impl Config {
     /// The model of the extrapolation for surfaces of a Hurst exponent.
     pub fn model(&self, hurst: f64) -> Model {
         let FitConfig { alpha_t, alpha_f, alpha_c, .. } = self.fit;
-        let self_affine = if self.composes(hurst) { (2.0 - 2.0 * hurst).min(1.0) } else { 1.0 - hurst };
-        let exponent = |alpha: Alpha| alpha.exponent(self_affine);
-        Model { t: exponent(alpha_t), f: exponent(alpha_f), c: exponent(alpha_c), edge: alpha_c == Alpha::Edge }
+        let [min, max] = self.exponents(hurst);
+        let exponent = |alpha: Alpha| match alpha {
+            Alpha::Fixed(alpha) => Some(Exponent::Fixed(alpha)),
+            Alpha::SelfAffine if self.composes(hurst) => Some(Exponent::Free { min, max }),
+            Alpha::SelfAffine => Some(Exponent::Fixed(min)),
+            Alpha::Free => Some(Exponent::FREE),
+            Alpha::Without | Alpha::Edge => None,
+        };
+        let edge = (alpha_c == Alpha::Edge).then_some(EDGE);
+        Model { t: exponent(alpha_t), f: exponent(alpha_f), c: exponent(alpha_c), crossed: true, edge }
+    }
+
+    /// The least and the largest exponent of eps_f in kappa of surfaces of a Hurst exponent (theory.md, section 11).
+    pub(crate) fn exponents(&self, hurst: f64) -> [f64; 2] {
+        [1.0 - hurst, (2.0 - 2.0 * hurst).min(1.0)]
     }
 
     /// The discretisations with their number of points along one axis, without repetition, small grids first.
@@ -408,6 +429,7 @@ impl Config {
         let count = match design {
             Design::Grid => t.saturating_mul(f).saturating_mul(c),
             Design::Star => (1 + t + f + c).saturating_mul(self.fit.references.len().max(1)),
+            Design::Ladders => t.saturating_mul(f).saturating_add(1 + c),
         };
         if count > MOST_POINTS {
             let allowed = format!("at most {MOST_POINTS} combinations of the three numbers");
@@ -431,6 +453,16 @@ impl Config {
                     all.extend(eps_f_inv.iter().map(|&f| [t, f, c]));
                     all.extend(eps_c_inv.iter().map(|&c| [t, f, c]));
                 }
+            }
+            Design::Ladders => {
+                let [centre_t, centre_f, centre_c] = *centre;
+                all.push(*centre);
+                let most = centre_t * eps_f_inv.iter().copied().fold(centre_f, f64::max);
+                for &t in eps_t_inv {
+                    let ladder = eps_f_inv.iter().filter(|f| t == centre_t || t * **f <= most);
+                    all.extend(ladder.map(|&f| [t, f, centre_c]));
+                }
+                all.extend(eps_c_inv.iter().map(|&c| [centre_t, centre_f, c]));
             }
         }
         let mut points: Vec<(Discretisation, usize)> = Vec::new();
@@ -458,15 +490,6 @@ impl SolverConfig {
 }
 
 impl Alpha {
-    fn exponent(self, self_affine: f64) -> Option<Exponent> {
-        match self {
-            Self::Fixed(alpha) => Some(Exponent::Fixed(alpha)),
-            Self::SelfAffine => Some(Exponent::Fixed(self_affine)),
-            Self::Free => Some(Exponent::FREE),
-            Self::Without | Self::Edge => None,
-        }
-    }
-
     /// The word of an exponent that is not a number.
     pub(crate) fn word(self) -> &'static str {
         match self {

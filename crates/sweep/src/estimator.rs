@@ -1,17 +1,17 @@
 //! kappa of one surface, from its contact areas at all loads.
 
 use crate::config::Estimator;
-use crate::{Area, Config, Pressed};
+use crate::{Config, Pressed};
 
 impl Estimator {
-    /// kappa of the area at load `load`, or of all loads.
-    pub(crate) fn kappa(self, loads: &[Pressed], load: usize, area: Area) -> f64 {
+    /// kappa at load `load`, or of all loads, from `kappa` of each load.
+    pub(crate) fn kappa(self, loads: &[Pressed], load: usize, kappa: &dyn Fn(&Pressed) -> f64) -> f64 {
         match self {
-            Self::Ratio => area.kappa(&loads[load]),
+            Self::Ratio => kappa(&loads[load]),
             Self::Slope => slope(loads.iter().map(|load| {
                 let p_star = load.summary.p_star;
                 // The kappa of a pair is a_r/p*.
-                (p_star, area.kappa(load) * p_star)
+                (p_star, kappa(load) * p_star)
             })),
         }
     }

@@ -50,7 +50,7 @@ mod study;
 mod target;
 mod words;
 
-pub use analysis::{Alternative, Analysis, Area, Extrapolation, Form, Key};
+pub use analysis::{Alternative, Analysis, Area, Extrapolation, Form, Key, Source};
 pub use config::{
     Alpha, BodyConfig, Config, Control, Design, Estimator, FitConfig, LoadsConfig, LongWavesConfig, Method,
     PointsConfig, SolverConfig, StatisticsConfig, SurfaceConfig,

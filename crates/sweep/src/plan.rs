@@ -84,13 +84,17 @@ impl Plan {
         let largest = cells.last().map_or(1, |(_, n)| *n);
         let surfaces = &config.statistics.surfaces;
         let count = cells.len() * config.surface.hurst.len();
-        if !surfaces.is_empty() && (surfaces.len() != count || surfaces.contains(&0)) {
+        let grows = config.statistics.target > 0.0;
+        let none = surfaces.iter().all(|number| *number == 0) || (grows && surfaces.contains(&0));
+        if !surfaces.is_empty() && (surfaces.len() != count || none) {
+            let least = if grows { "above 0" } else { "(0 leaves a point out)" };
             return Err(SweepError::Field {
                 field: "statistics.surfaces",
                 found: format!("{surfaces:?}"),
-                allowed: format!("{count} numbers above 0, one for each point, or empty"),
+                allowed: format!("{count} numbers {least}, one for each point, or empty"),
             });
         }
+        let mut numbers = surfaces.iter().copied();
         let (mut points, mut runs) = (Vec::new(), Vec::new());
         for (discretisation, n) in cells {
             let grid = if config.surface.dim == 2 { Grid::line(n, 1.0) } else { Grid::square(n, 1.0) };
@@ -99,10 +103,13 @@ impl Plan {
             let group = groups.iter().position(|group| *group == discretisation.eps_t_inv).unwrap_or(0);
             let by_rule = config.realisations(&discretisation, n, largest);
             for (family, &hurst) in config.surface.hurst.iter().enumerate() {
+                let realisations = numbers.next().unwrap_or(by_rule);
+                if realisations == 0 {
+                    continue;
+                }
                 let offset = SEEDS_PER_GROUP * (family * groups.len() + group) as u64;
                 let first_seed = first_seed(config.statistics.seed, offset)?;
                 let point = points.len();
-                let realisations = surfaces.get(point).copied().unwrap_or(by_rule);
                 if realisations > SEEDS_PER_GROUP {
                     let allowed = format!("small enough for {SEEDS_PER_GROUP} realisations at the smallest cells");
                     return Err(refusal("statistics.realisations", &config.statistics.realisations, allowed));

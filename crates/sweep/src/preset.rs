@@ -72,6 +72,7 @@ impl Preset {
             Self::Default => base,
             Self::Smoke => Config {
                 points: PointsConfig {
+                    design: Design::Star,
                     eps_t_inv: vec![1.0, 2.0],
                     eps_f_inv: vec![4.0, 8.0, 16.0, 32.0],
                     eps_c_inv: vec![4.0, 8.0, 16.0],
@@ -100,6 +101,7 @@ impl Preset {
             Self::Prodanov => Config {
                 surface: SurfaceConfig { hurst: vec![0.0, 0.3, 0.8], ..base.surface },
                 points: PointsConfig {
+                    design: Design::Star,
                     eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
                     eps_f_inv: vec![16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
                     eps_c_inv: vec![2.0, 4.0, 8.0],
@@ -113,6 +115,7 @@ impl Preset {
             Self::Line => Config {
                 surface: SurfaceConfig { dim: 2, ..base.surface },
                 points: PointsConfig {
+                    design: Design::Star,
                     eps_t_inv: vec![1.0, 2.0, 4.0, 8.0],
                     eps_f_inv: vec![64.0, 256.0, 1024.0, 4096.0],
                     eps_c_inv: vec![4.0, 8.0, 16.0, 32.0],

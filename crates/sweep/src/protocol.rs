@@ -166,7 +166,7 @@ impl<'a> Cells<'a> {
                 Datum::new(cell.map(f64::recip), BTreeMap::from([(k as u64, self.mean(datum, without))]))
             })
             .collect();
-        let mut model = Model { t: None, f: None, c: None, edge: false };
+        let mut model = Model { t: None, f: None, c: None, crossed: false, edge: None };
         *[&mut model.t, &mut model.f, &mut model.c][axis as usize] = Some(exponent);
         let settings = Settings { model, resamples: 0, weighting: Weighting::Equal, ..Settings::default() };
         let fitted = fit(&data, &settings).ok()?;
@@ -231,7 +231,7 @@ mod tests {
 
     use super::*;
 
-    const FREE: Model = Model { t: None, f: Some(Exponent::FREE), c: Some(Exponent::FREE), edge: false };
+    const FREE: Model = Model { t: None, f: Some(Exponent::FREE), c: Some(Exponent::FREE), crossed: false, edge: None };
 
     /// Data of a star about (2, 256, 4) and (2, 256, 8), of `kappa` at eps for each of the surfaces.
     fn data(surfaces: u64, kappa: impl Fn([f64; 3], u64) -> f64) -> Vec<([f64; 3], Datum)> {
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn an_exponent_that_is_held_needs_two_levels_and_one_surface_has_no_interval() {
         let data = data(1, |eps, _| 1.5 + 3.0 * eps[2]);
-        let model = Model { t: None, f: None, c: Some(Exponent::Fixed(1.0)), edge: false };
+        let model = Model { t: None, f: None, c: Some(Exponent::Fixed(1.0)), crossed: false, edge: None };
         let protocol = cells(&data, model).protocol(0.0, 0.01, [2.0, 512.0, 4.0]).unwrap();
         assert_eq!(protocol.arms.len(), 1);
         assert_relative_eq!(protocol.kappa_tfc.value, 1.5, max_relative = 1e-10);

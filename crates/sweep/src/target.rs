@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use gfmd_fit::{Datum, Settings, fit};
+use gfmd_fit::{Axis, Datum, Exponent, Settings, fit};
 
 use crate::analysis::settings;
 use crate::{Analysis, Area, Extrapolation, Plan};
@@ -49,7 +49,10 @@ impl Reached {
 
 /// Raises the surfaces of the points of one Hurst exponent so that the variance falls to its part `wanted`.
 fn grow(plan: &Plan, result: &Extrapolation, wanted: f64, surfaces: &mut [u64]) -> Option<()> {
-    let settings = Settings { resamples: 0, ..settings(&plan.config, result.hurst, result.area) };
+    let mut settings = Settings { resamples: 0, ..settings(&plan.config, result.hurst, result.area) };
+    if let (true, Some(term)) = (result.composed, result.fit.term(Axis::Fractal).filter(|term| !term.free)) {
+        settings.model.f = Some(Exponent::Fixed(term.exponent.value));
+    }
     let variance = |data: &[Datum]| Some(fit(data, &settings).ok()?.kappa_tfc.standard_error?.powi(2));
     let whole = variance(&result.data)?;
     // Point, contribution to the variance times the number of surfaces, work of a surface.

@@ -138,16 +138,13 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
         ("kappa_sem", "standard error of the mean of kappa", &|row| error(row, Area::Raw)),
         ("kappa_corrected", "kappa of the perimeter-corrected area", &|row| kappa(row, Area::Corrected)),
         ("kappa_corrected_sem", "standard error of the mean of kappa_corrected", &|row| error(row, Area::Corrected)),
-        ("edge", "measured edge of the contact: kappa less kappa_corrected, mean over realisations", &edge),
+        ("edge", "part of kappa that the grid adds, estimated from each contact, mean over realisations", &edge),
     ];
     write_columns(archive, "/points", &point, &rows, &columns)
 }
 
 /// A part of `T`, with its word in the names of variables.
 type Named<T, V> = (&'static str, fn(&T) -> V);
-
-/// A number of an extrapolation with its interval, if it has one: its name, its meaning, its value.
-type Part<'a> = (&'a str, &'a str, &'a dyn Fn(&Extrapolation) -> Option<Estimate>);
 
 /// The ends of a 95 % interval, NaN if there is none.
 fn ends(estimate: &Estimate) -> [f64; 2] {
@@ -166,7 +163,9 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
         ("kappa_tfc_standard_error", "standard error of kappa_tfc", &|e| limit(e).standard_error.unwrap_or(f64::NAN)),
         ("kappa_tfc_ci95_low", "lower end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[0]),
         ("kappa_tfc_ci95_high", "upper end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[1]),
-        ("kappa_tfc_systematic", "largest distance of another form of the fit from kappa_tfc", &|e| e.systematic()),
+        ("kappa_tfc_systematic", "error of the form of the fit: exponent, levels, closure in quadrature", &|e| {
+            e.systematic()
+        }),
         ("kappa_tfc_total_ci95_low", "lower end of kappa_tfc with the systematic error", &|e| total(e)[0]),
         ("kappa_tfc_total_ci95_high", "upper end of kappa_tfc with the systematic error", &|e| total(e)[1]),
         ("composed", "1 if the long waves are composed, 0 if not", &|e| f64::from(u8::from(e.composed))),
@@ -174,7 +173,8 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
         ("degrees_of_freedom", "points minus parameters", &|e| e.fit.degrees_of_freedom as f64),
     ];
     write_columns(archive, "/fit", &fit, all, &columns)?;
-    let long_name = "kappa = kappa_tfc + sum over axes of coefficient * eps^exponent; NaN: no such term or interval";
+    let long_name = "kappa = kappa_tfc + sum over axes of coefficient * eps^exponent (t: times eps_f^exponent_f if \
+                     there is a term f); NaN: no such term or interval";
     let parts: [Named<Term, Estimate>; 2] =
         [("coefficient", |term| term.coefficient), ("exponent", |term| term.exponent)];
     let numbers: [Named<Estimate, f64>; 3] =
@@ -188,16 +188,19 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
             }
         }
     }
-    let edges: [Part; 2] = [
-        ("edge_factor", "part of the measured edge that the raw area has too much", &|e| Some(e.fit.edge?.factor)),
-        ("edge_slope", "change of edge_factor with eps_c", &|e| e.fit.edge?.slope),
-    ];
-    for (part, long_name, estimate) in edges {
-        for (suffix, number) in numbers {
-            let value = |e: &Extrapolation| estimate(e).map_or(f64::NAN, |estimate| number(&estimate));
-            write_columns(archive, "/fit", &fit, all, &[(&format!("{part}{suffix}"), long_name, &value)])?;
-        }
+    for (suffix, number) in numbers {
+        let factor = |e: &Extrapolation| e.fit.edge.map_or(f64::NAN, |edge| number(&edge.factor));
+        let coarse =
+            |e: &Extrapolation| e.fit.edge.and_then(|edge| edge.coarse).map_or(f64::NAN, |coarse| number(&coarse));
+        let columns: [Column<Extrapolation>; 2] = [
+            (&format!("edge_factor{suffix}"), "factor of /points/edge in the kappa of counted points", &factor),
+            (&format!("edge_coarse{suffix}"), "the factor of (4 eps_c)^2 beside it", &coarse),
+        ];
+        write_columns(archive, "/fit", &fit, all, &columns)?;
     }
+    let share = |e: &Extrapolation| e.fit.edge.and_then(|edge| edge.share).unwrap_or(f64::NAN);
+    let long_name = "part of kappa_tfc_standard_error that stems from those of the factors of the edge";
+    write_columns(archive, "/fit", &fit, all, &[("edge_share", long_name, &share)])?;
     let forms: Vec<Form> = all.iter().flat_map(|e| &e.alternatives).map(|other| other.form).collect();
     let forms: std::collections::BTreeSet<Form> = forms.into_iter().collect();
     for form in forms {

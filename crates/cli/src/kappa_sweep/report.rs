@@ -55,6 +55,14 @@ pub struct PointReport {
     pub kappa_corrected: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kappa_corrected_sem: Option<f64>,
+    /// The part of kappa that the grid adds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge: Option<f64>,
+    /// kappa with the long waves composed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_composed: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_composed_sem: Option<f64>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -112,15 +120,18 @@ pub struct TermReport {
     pub levels: usize,
 }
 
-/// The continuum error as (factor + slope eps_c) times the measured edge.
+/// The continuum error as a multiple of the edge that is estimated from each contact.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct EdgeReport {
     pub factor: f64,
     pub factor_ci95: Option<[f64; 2]>,
+    /// f' of the factor at four points on the shortest wave, f + f'.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub slope: Option<f64>,
+    pub coarse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub slope_ci95: Option<[f64; 2]>,
+    pub coarse_ci95: Option<[f64; 2]>,
+    /// The part of the standard error of kappa_TFC that stems from that of the factor.
+    pub share: Option<f64>,
 }
 
 /// Limits of comparison theories at vanishing load, for surfaces.
@@ -175,8 +186,9 @@ impl FitReport {
             edge: fit.edge.map(|edge| EdgeReport {
                 factor: edge.factor.value,
                 factor_ci95: edge.factor.ci95,
-                slope: edge.slope.map(|slope| slope.value),
-                slope_ci95: edge.slope.and_then(|slope| slope.ci95),
+                coarse: edge.coarse.map(|coarse| coarse.value),
+                coarse_ci95: edge.coarse.and_then(|coarse| coarse.ci95),
+                share: edge.share,
             }),
             chi_squared: fit.chi_squared,
             degrees_of_freedom: fit.degrees_of_freedom,
@@ -203,6 +215,11 @@ impl Report {
         let points = analysis.data.iter().filter(|(key, _)| key.area == Area::Raw).map(|(key, raw)| {
             let point = &plan.points[key.point];
             let corrected = analysis.data.get(&Key { area: Area::Corrected, ..*key });
+            // Less what the grid adds, which is composed, too.
+            let composed = analysis.composed(key.point, key.load, plan).map(|datum| {
+                let less = |(seed, kappa): (&u64, &f64)| (*seed, kappa - datum.edge.get(seed).unwrap_or(&0.0));
+                Datum::new(datum.all_eps(), datum.kappa.iter().map(less).collect())
+            });
             PointReport {
                 cell: Cell::new(plan, point),
                 p_star: plan.config.loads.p_star[key.load],
@@ -211,6 +228,9 @@ impl Report {
                 kappa_sem: raw.standard_error(),
                 kappa_corrected: corrected.map(Datum::mean),
                 kappa_corrected_sem: corrected.and_then(Datum::standard_error),
+                edge: (!raw.edge.is_empty()).then(|| raw.mean_edge()),
+                kappa_composed: composed.as_ref().map(Datum::mean),
+                kappa_composed_sem: composed.as_ref().and_then(Datum::standard_error),
             }
         });
         let points = points.collect();
@@ -247,9 +267,9 @@ impl fmt::Display for Report {
                 )?;
             }
             if let Some(edge) = fit.edge {
-                write!(f, "  edge: {} of the perimeter", Interval(edge.factor, edge.factor_ci95))?;
-                match edge.slope {
-                    Some(slope) => writeln!(f, ", plus {} eps_c", Interval(slope, edge.slope_ci95))?,
+                write!(f, "  edge: {} of the estimate from each contact", Interval(edge.factor, edge.factor_ci95))?;
+                match edge.coarse {
+                    Some(coarse) => writeln!(f, ", plus {} (4 eps_c)^2", Interval(coarse, edge.coarse_ci95))?,
                     None => writeln!(f)?,
                 }
             }
@@ -271,7 +291,7 @@ impl fmt::Display for Report {
         if let Some([low, high]) = result.total_ci95 {
             writeln!(
                 f,
-                "With the error of the form, {:.4} (the farthest of the other forms): [{low:.4}, {high:.4}]",
+                "With the error of the form, {:.4} (exponent, levels and closure in quadrature): [{low:.4}, {high:.4}]",
                 result.systematic
             )?;
         }

@@ -14,6 +14,7 @@ pub(crate) fn long() -> bool {
 /// A sweep of seconds.
 pub(crate) const SWEEP: &str = "
 [points]
+design = 'star'
 eps_t_inv = [1.0, 2.0]
 eps_f_inv = [4, 8]
 eps_c_inv = [4, 8]

@@ -32,6 +32,7 @@ const EFFORT: [&str; 8] =
 
 const SWEEP: &str = "
 [points]
+design = 'star'
 eps_t_inv = [1.0, 2.0]
 eps_f_inv = [4.0, 8.0]
 eps_c_inv = [4.0, 8.0]

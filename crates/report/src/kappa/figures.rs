@@ -53,6 +53,8 @@ pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             continue;
         }
         let alpha = result.fit.term(axis).map_or(1.0, |term| term.exponent.value);
+        // The term of eps_t is multiplied by the power of eps_f.
+        let crossed = axis == Limit::Thermodynamic && result.fit.parameters.crossed;
         let mut series = Vec::new();
         for extrapolation in &shown {
             let Extrapolation { hurst, area, data, fit, .. } = extrapolation;
@@ -60,12 +62,20 @@ pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             let raw = *area == Area::Raw;
             let hue = if several { family } else { usize::from(!raw) };
             // Data that vary along another axis would overlap at one value of eps.
-            let on_arm = |eps: [f64; 3]| varies(data.iter().map(Datum::all_eps), eps, position);
+            let coarsest = data.iter().map(|datum| datum.eps_c).fold(0.0, f64::max);
+            let on_arm = |eps: [f64; 3]| match crossed {
+                true => eps[2] == coarsest,
+                false => varies(data.iter().map(Datum::all_eps), eps, position),
+            };
             let points = (data.iter().zip(&fit.data))
                 .filter(|(datum, _)| on_arm(datum.all_eps()))
                 .map(|(datum, report)| {
                     let value = fit.isolate(datum, axis);
-                    let x = if by_edge { datum.mean_edge() } else { datum.eps(axis).powf(alpha) };
+                    let x = match (by_edge, crossed) {
+                        (true, _) => datum.mean_edge(),
+                        (_, true) => fit.parameters.power(axis, datum.all_eps()),
+                        _ => datum.eps(axis).powf(alpha),
+                    };
                     Point::with_error(x, value, report.standard_error.unwrap_or(0.0))
                 })
                 .collect();
@@ -73,9 +83,15 @@ pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
             let label = if several { format!("*H* = {hurst}, {counting}") } else { counting.into() };
             let mark = if raw { Mark::Points } else { Mark::HollowPoints };
             series.push(Series { label, hue, mark, points });
-            let curve = match by_edge {
-                true => on_edge(fit, data.iter().filter(|datum| on_arm(datum.all_eps()))),
-                false => {
+            let curve = match (by_edge, crossed) {
+                (true, _) => on_edge(fit, data.iter().filter(|datum| on_arm(datum.all_eps()))),
+                (_, true) => {
+                    let powers = data.iter().map(|datum| fit.parameters.power(axis, datum.all_eps()));
+                    let coefficient = fit.term(axis).map_or(0.0, |term| term.coefficient.value);
+                    let ends = [0.0, powers.fold(0.0, f64::max)];
+                    ends.map(|x| (x, fit.kappa_tfc.value + coefficient * x)).to_vec()
+                }
+                _ => {
                     let largest = data.iter().map(|datum| datum.eps(axis)).fold(0.0, f64::max);
                     let mut others = [0.0; 3];
                     let curve = (0..=60).map(|i| {
@@ -91,7 +107,9 @@ pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
         }
         let letter = axis.letter();
         let label = if by_edge {
-            "measured edge  (*κ* counted − corrected)".into()
+            "edge of the grid, estimated from each contact".into()
+        } else if let (true, Some(fractal)) = (crossed, result.fit.term(Limit::Fractal)) {
+            format!("*ε*_t^{{{alpha}}} *ε*_f^{{{:.2}}}", fractal.exponent.value)
         } else if (alpha - 1.0).abs() < 1e-12 {
             format!("*ε*_{letter}")
         } else {

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use gfmd_fit::Warning;
 use gfmd_measure::theory::persson_area;
 use gfmd_sweep::{
-    Alpha, Analysis, Area, Config, Example, FitConfig, Keep, LoadsConfig, Plan, PointsConfig, Pressed, Run,
+    Alpha, Analysis, Area, Config, Design, Example, FitConfig, Keep, LoadsConfig, Plan, PointsConfig, Pressed, Run,
     StatisticsConfig, Study, SweepError, run, run_one,
 };
 
@@ -19,6 +19,7 @@ fn plan() -> Plan {
             eps_f_inv: vec![4.0, 8.0],
             eps_c_inv: vec![4.0, 8.0],
             centre: [2.0, 4.0, 4.0],
+            design: Design::Star,
             ..PointsConfig::default()
         },
         statistics: StatisticsConfig { realisations: 2, ..StatisticsConfig::default() },
