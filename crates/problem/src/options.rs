@@ -8,6 +8,7 @@ pub mod flags;
 mod generator;
 pub mod given;
 mod law;
+pub mod quantities;
 mod solver;
 pub mod values;
 

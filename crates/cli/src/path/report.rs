@@ -4,10 +4,12 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gfmd_record::{Record, Table, lines, table_of};
+use gfmd_unit::Shown;
 use serde::Serialize;
 
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
+use gfmd_run::hardness::GivenHardness;
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::series::Head;
 
@@ -108,10 +110,17 @@ const TABLE: [&str; 4] = ["displacement", "elastic_energy", "dissipated", "passe
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
+        let read = |value: f64, kind: &str| self.head.read(value, kind, "");
         if let Some(hardness) = &self.head.hardness {
+            let hardness = match hardness {
+                GivenHardness::Number(number) => read(*number, "stress"),
+                GivenHardness::Field(given) => given.to_string(),
+            };
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
         }
-        for (index, line) in table_of(&self.steps, &[Table::State, Table::Energy]).iter().enumerate() {
+        for (index, line) in
+            table_of(&self.steps, &[Table::State, Table::Energy], &self.head.units()).iter().enumerate()
+        {
             let Some(step) = index.checked_sub(1) else {
                 writeln!(f, "{:>5}{line}", "")?;
                 continue;
@@ -124,20 +133,33 @@ impl fmt::Display for Report {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }
         for leg in &self.sliding {
+            let stiffness = self.head.units().shown("stress/length", leg.tangential_stiffness);
             writeln!(
                 f,
-                "leg {}: tangential stiffness {:.4e} at first, friction coefficient up to {:.6}",
-                leg.leg, leg.tangential_stiffness, leg.friction_coefficient
+                "leg {}: tangential stiffness {} at first, friction coefficient up to {:.6}",
+                leg.leg,
+                stiffness.map_or_else(
+                    || format!("{:.4e}", leg.tangential_stiffness),
+                    |unit| unit.text(leg.tangential_stiffness)
+                ),
+                leg.friction_coefficient
             )?;
         }
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
-            (Some(lost), None) => write!(f, "\ndissipated {lost:.6e} per area")?,
+            (Some(lost), None) => write!(f, "\ndissipated {} per area", read(lost, "stress*length"))?,
             (Some(lost), Some(error)) => {
-                write!(f, "\ndissipated {lost:.6e} +- {error:.1e} per area ({} extra solves)", self.extra_solves)?;
+                match self.head.units().shown("stress*length", lost.abs().max(error)) {
+                    Some(Shown { factor, name }) => {
+                        write!(f, "\ndissipated ({:.6} +- {:.2}) {name}", lost * factor, error * factor)?;
+                    }
+                    None => write!(f, "\ndissipated {lost:.6e} +- {error:.1e} per area")?,
+                }
+                let none = if error >= lost.abs() { "none within its error, " } else { "" };
+                write!(f, " ({none}{} extra solves)", self.extra_solves)?;
             }
         }
-        writeln!(f, ", lowest mean pressure {:.6e}", self.lowest_mean_pressure)?;
+        writeln!(f, ", lowest mean pressure {}", read(self.lowest_mean_pressure, "stress"))?;
         for line in lines(&self.steps, ["step", "steps"], |column| TABLE.contains(&column)) {
             writeln!(f, "{line}")?;
         }

@@ -30,3 +30,4 @@ mod squeezed;
 mod sweep;
 mod theory;
 mod trust;
+mod units;
