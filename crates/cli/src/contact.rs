@@ -291,6 +291,7 @@ impl Loads {
         let Self { prepared, drives, output, .. } = self;
         let contact = prepared.pose_and_tell(&args.problem.asked()?, session)?;
         prepared.check_drives(&contact, drives, args.control.flag(), args.problem.solver.tol)?;
+        prepared.warn_of_drives(drives, args.control.flag(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
@@ -386,9 +387,9 @@ impl Loads {
     fn finish(&self, mut file: StateFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
         let surface = &self.prepared.surface;
         if let Some(archive) = file.archive() {
-            gfmd_run::statistics::write(archive, &surface.grid, surface.unit(), &gathered.loads)?;
+            gfmd_run::statistics::write(archive, &surface.grid, &surface.units(), &gathered.loads)?;
             if let Some(found) = &report.flow_threshold {
-                threshold::write(archive, surface.unit(), &self.prepared.facts, found)?;
+                threshold::write(archive, &surface.units(), &self.prepared.facts, found)?;
             }
             if let Some(history) = &report.history {
                 history.write(archive, surface.unit())?;

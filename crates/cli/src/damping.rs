@@ -128,7 +128,7 @@ const HISTORY_BYTES: u64 = 3 * 8 * 3;
 fn experiment(args: &Args) -> Result<Experiment, Failure> {
     let Args { young, poisson, others, .. } = args.clone();
     let height = Height::Finite(args.height);
-    let body = BodyArgs { young, poisson, height, others, ..BodyArgs::default() }.body()?;
+    let body = BodyArgs { young: Some(young), poisson, height, others, ..BodyArgs::default() }.body()?;
     args.others.check_heights(height, &[1.0])?;
     let points = if args.dim == 2 { [args.n, 1] } else { [args.n; 2] };
     memory::fits(memory::DAMPING, "--n", points)?;

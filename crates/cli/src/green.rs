@@ -172,8 +172,14 @@ impl Report {
 
 fn body(args: &Args) -> Result<Body, Failure> {
     let Args { young, poisson, height, others, .. } = args;
-    Ok(BodyArgs { young: *young, poisson: *poisson, height: *height, others: others.clone(), ..BodyArgs::default() }
-        .body()?)
+    Ok(BodyArgs {
+        young: Some(*young),
+        poisson: *poisson,
+        height: *height,
+        others: others.clone(),
+        ..BodyArgs::default()
+    }
+    .body()?)
 }
 
 fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {

@@ -237,6 +237,7 @@ impl Way {
         let Self { prepared, drives, output, .. } = self;
         let contact = args.asked(|asked| prepared.pose_and_tell(asked, session))?;
         prepared.check_drives(&contact, drives, args.waypoints.flag(), args.tol)?;
+        prepared.warn_of_drives(drives, args.waypoints.flag(), session);
         let config = args.config()?;
         let kept = match output {
             Some(output) if !session.is_in_memory() => {

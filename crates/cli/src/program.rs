@@ -24,6 +24,7 @@ use gfmd_problem::options::given::Arrays;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::processes::agree;
 use gfmd_run::session::Session;
+use gfmd_run::units::{of_table, of_words};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -105,7 +106,17 @@ fn together<C: Subcommand + Sync>(
         let _ = writeln!(io::stderr(), "error: the argument {word} is not UTF-8; it must be, since results record it");
         return 2;
     }
-    let parsed = named(Line::<C>::command(), name).try_get_matches_from(words);
+    let command = named(Line::<C>::command(), name);
+    let plain = of_words(&command, words.to_vec());
+    let plain = match world {
+        Some(world) => agree(&**world, plain),
+        None => plain,
+    };
+    let words = match plain {
+        Ok(words) => words,
+        Err(failure) => return processes::end(world, failure.status(), Some(&failure)),
+    };
+    let parsed = command.try_get_matches_from(words);
     let line = match parsed.and_then(|mut matches| Line::<C>::from_arg_matches_mut(&mut matches)) {
         Ok(line) => line,
         Err(error) => {
@@ -163,7 +174,8 @@ impl Command {
     ///
     /// # Errors
     /// A command without such a table; a key that the command does not have; a value of another type.
-    pub fn of(name: &str, table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
+    pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
+        of_table(name, &mut table, &arrays)?;
         Ok(match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
             "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),

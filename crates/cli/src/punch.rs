@@ -265,7 +265,7 @@ impl Prepared {
             (0..args.refine).map(|level| grid(args, n.saturating_mul(1 << level))).collect::<Result<Vec<_>, _>>()?;
         let height = args.height.unwrap_or(Height::Finite(args.length));
         let Args { young, poisson, others, .. } = args.clone();
-        let body = BodyArgs { young, poisson, height, others, ..BodyArgs::default() }.body()?;
+        let body = BodyArgs { young: Some(young), poisson, height, others, ..BodyArgs::default() }.body()?;
         args.others.check_heights(height, &[args.length])?;
         let edge = match args.nodes {
             Nodes::Strict => Edge::Strict,

@@ -144,6 +144,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     positive("--p-star", &args.p_star)?;
     positive("--wavelength", &args.wavelength)?;
     let surface = args.source.surface(session)?;
+    args.body.check_modulus(surface.unit.as_deref())?;
     let body = args.body.body()?;
     let grid = surface.grid;
     let e_star = body.contact_modulus();

@@ -9,6 +9,7 @@ mod generator;
 pub mod given;
 mod law;
 mod prony;
+pub mod quantities;
 mod solver;
 pub mod values;
 

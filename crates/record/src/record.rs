@@ -40,11 +40,11 @@ impl Record {
         self.get(name).filter(|cell| !matches!(cell, Cell::Undefined(_))).map(Cell::number)
     }
 
-    /// A number as its error by the grid leaves it ([`with_limit`]); `None` for a column without a limit.
-    pub(crate) fn with_limit(&self, name: &str) -> Option<String> {
+    /// A number times a `factor` as its error by the grid leaves it ([`with_limit`]); `None` for a column without a limit.
+    pub(crate) fn with_limit(&self, name: &str, factor: f64) -> Option<String> {
         let limit = format!("{name}{LIMIT}");
         let error = || self.number(&format!("{limit}_error"));
-        self.has(&limit).then(|| with_limit(self.number(name), self.number(&limit), error()))
+        self.has(&limit).then(|| with_limit(factor * self.number(name), factor * self.number(&limit), factor * error()))
     }
 
     /// The numbers of the columns `name_x` and `name_y`.

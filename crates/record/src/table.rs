@@ -1,6 +1,7 @@
 use crate::column::{Column, Form, Head, Table};
 use crate::columns::COLUMNS;
 use crate::record::Record;
+use gfmd_unit::{Shown, Units};
 
 /// The columns of a table, in their order, with their places in it. Tables other than that of the state and its energies begin
 /// with the reduced pressure.
@@ -10,9 +11,9 @@ pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
     COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
 }
 
-/// The numbers of states in tables as lines of text, below a line of heads: the columns that have a number in any of the rows.
+/// The numbers of states in tables as lines of text, in units that people read if those of the problem are known, below a line of heads: the columns that have a number in any of the rows.
 /// The last one is the largest residual, of the table of the lower face its own. Empty if the states have nothing of the tables.
-pub fn table_of(rows: &[Record], tables: &[Table]) -> Vec<String> {
+pub fn table_of(rows: &[Record], tables: &[Table], units: &Units) -> Vec<String> {
     let has = |column: &Column, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
             Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
@@ -25,8 +26,11 @@ pub fn table_of(rows: &[Record], tables: &[Table]) -> Vec<String> {
         return Vec::new();
     }
     let columns = heads.iter().map(|(column, head)| {
-        let cells = rows.iter().map(|row| shown(row, column.name, head.form));
-        std::iter::once(head.word.to_owned()).chain(cells).collect::<Vec<_>>()
+        let unit = readable(column, rows, units);
+        let word =
+            unit.as_ref().map_or_else(|| head.word.to_owned(), |unit| format!("{} / {}", head.word, unit.divisor()));
+        let cells = rows.iter().map(|row| shown(row, column.name, head.form, unit.as_ref()));
+        std::iter::once(word).chain(cells).collect::<Vec<_>>()
     });
     let residual = match tables {
         [Table::State, ..] => Some("residual"),
@@ -39,7 +43,7 @@ pub fn table_of(rows: &[Record], tables: &[Table]) -> Vec<String> {
     });
     let mut lines = vec![String::new(); rows.len() + 1];
     for column in columns.chain(residuals) {
-        let width = column.iter().map(String::len).max().unwrap_or(0) + 2;
+        let width = column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
         lines.iter_mut().zip(&column).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
     }
     lines
@@ -47,9 +51,11 @@ pub fn table_of(rows: &[Record], tables: &[Table]) -> Vec<String> {
 
 /// A number as a table shows it; `-` without a value. In place of a number that has an error by the grid stands its limit on fine
 /// grids, with the digits that are certain, or two digits and `~` where that is not known.
-fn shown(row: &Record, name: &str, form: Form) -> String {
+fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
     let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
-    row.with_limit(name).unwrap_or_else(|| match form {
+    let factor = unit.map_or(1.0, |unit| unit.factor);
+    row.with_limit(name, factor).unwrap_or_else(|| match form {
+        Form::Size | Form::SizeUnlessZero if unit.is_some() => significant(value * factor),
         Form::Size | Form::SizeUnlessZero => format!("{value:.4e}"),
         Form::Rough => format!("{value:.1e}"),
         Form::Share => format!("{value:.6}"),
@@ -58,6 +64,21 @@ fn shown(row: &Record, name: &str, form: Form) -> String {
         Form::Whole => format!("{value:.1}"),
         Form::Flag => if value == 0.0 { "no" } else { "yes" }.into(),
     })
+}
+
+/// The unit in which people read a column; `None` if it has none, or that of the problem is not known.
+pub fn readable(column: &Column, rows: &[Record], units: &Units) -> Option<Shown> {
+    let values = rows.iter().filter_map(|row| row.value(column.name)).filter(|value| value.is_finite());
+    units.shown(column.unit, values.fold(0.0, |largest: f64, value| largest.max(value.abs())))
+}
+
+/// Five significant digits of a number that is not much larger than 1000.
+fn significant(value: f64) -> String {
+    let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    match decade {
+        -3.0..=4.0 => format!("{value:.*}", (4.0 - decade) as usize),
+        _ => format!("{value:.4e}"),
+    }
 }
 
 #[cfg(test)]
@@ -95,8 +116,8 @@ mod tests {
             "  1.0000e-1  0.250000     12    2.0e-9",
             "  2.0000e-1         -   1234       NaN",
         ];
-        assert_eq!(table_of(&rows, &[Table::State, Table::Energy]), wanted);
-        assert!(table_of(&rows, &[Table::Patches]).is_empty());
+        assert_eq!(table_of(&rows, &[Table::State, Table::Energy], &Units::default()), wanted);
+        assert!(table_of(&rows, &[Table::Patches], &Units::default()).is_empty());
     }
 
     #[test]
@@ -111,6 +132,21 @@ mod tests {
             ("flow_percolates_x", Cell::Flag(false)),
         ];
         let wanted = ["         p*     flow xx  flow yy  through x", "  1.0000e-1  0.1014(12)  0.0041~         no"];
-        assert_eq!(table_of(&[row(&flow)], &[Table::Flow]), wanted);
+        assert_eq!(table_of(&[row(&flow)], &[Table::Flow], &Units::default()), wanted);
+    }
+
+    #[test]
+    fn numbers_of_a_problem_with_units_are_read_in_those() {
+        let of = |gap: f64, limit: Cell| {
+            row(&[("p_star", Cell::Real(0.1)), ("mean_gap", Cell::Real(gap)), ("mean_gap_limit", limit)])
+        };
+        let rows = [of(3.2e-7, Cell::Real(3.214e-7)), of(1.25e-9, Cell::undefined("near closing"))];
+        let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None));
+        assert!(lines[0].contains("mean gap / nm"), "{lines:?}");
+        assert!(lines[2].contains("1.3~") || lines[2].contains("1.2500"), "{lines:?}");
+        assert_eq!(
+            [320.0, 0.0, 1.25, 4e-6, -71.294].map(significant),
+            ["320.00", "0.0000", "1.2500", "4.0000e-6", "-71.294"]
+        );
     }
 }

@@ -6,7 +6,7 @@ use maud::html;
 
 use crate::figures::{area_chart, theories};
 use crate::page::{Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, text, whole};
-use gfmd_record::with_limit;
+use gfmd_record::{COLUMNS, with_limit};
 use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
 
@@ -40,12 +40,14 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     if let Some(&last) = solved.last() {
         // A number as it is on an infinitely fine grid, if the file tells that.
         let shown = |name: &str, unit: f64| {
-            let [value, limit, error] =
-                ["", "_limit", "_limit_error"].map(|end| unit * column(&format!("{name}{end}"))[last]);
-            if limit.is_nan() {
-                number(value)
-            } else {
-                html! { (with_limit(value, limit, error)) }
+            let of = |end: &str| column(&format!("{name}{end}"))[last];
+            let kind = COLUMNS.iter().find(|column| column.name == name).map_or("1", |column| column.unit);
+            let read = loads.units().shown(kind, of(""));
+            let unit = read.as_ref().map_or(unit, |read| read.factor);
+            let [value, limit, error] = ["", "_limit", "_limit_error"].map(|end| unit * of(end));
+            html! {
+                @if limit.is_nan() { (number(value)) } @else { (with_limit(value, limit, error)) }
+                @if let Some(read) = &read { " " (read.name) }
             }
         };
         let error = column("area_fraction_grid_error")[last];
@@ -57,7 +59,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         });
         page.answer.push(html! {
             p {
-                "Mean pressure " (number(mean[last])) ", approach " (shown("displacement", 1.0)) ", mean gap "
+                "Mean pressure " (shown("mean_pressure", 1.0)) ", approach " (shown("displacement", 1.0)) ", mean gap "
                 (shown("mean_gap", 1.0)) ", largest pressure " (shown("max_pressure", 1.0)) ". "
                 @if kappa[last].is_finite() { "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". " }
                 @if error.is_finite() {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use gfmd_field::Grid;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
 use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
+use gfmd_unit::{Shown as Readable, Units};
 use ndarray::Array2;
 
 use gfmd_run::failure::Failure;
@@ -127,12 +128,37 @@ impl Drawn<'_> {
     }
 }
 
-/// The figure of a field; of a long profile the largest value of every few is drawn.
-pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
+/// The unit in which people read lengths up to the `largest`, whose unit is `length` if it is not known.
+pub fn length(unit: &str, largest: f64) -> Readable {
+    let known = Units::new(Some(unit), None).shown("length", largest);
+    known.unwrap_or_else(|| Readable { factor: 1.0, name: unit.into() })
+}
+
+/// The unit in which people read the sides of a cell.
+pub fn sides(grid: &Grid, unit: &str) -> Readable {
     let [lx, ly] = grid.lengths();
+    length(unit, if grid.is_line() { lx } else { lx.max(ly) })
+}
+
+/// The largest absolute value.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
+/// The figure of heights, with their unit.
+pub fn heights<R>(grid: &Grid, values: &[f64], unit: &str, take: impl FnOnce(&Drawn) -> R) -> R {
+    let Readable { factor, name } = length(unit, largest(values));
+    let scaled: Vec<f64> = values.iter().map(|height| height * factor).collect();
+    take(&field(grid, &scaled, &format!("height *h* / {name}"), unit))
+}
+
+/// The figure of a field, whose lengths have this unit; of a long profile the largest value of every few is drawn.
+pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
+    let Readable { factor, name: unit } = sides(grid, unit);
+    let [lx, ly] = grid.lengths().map(|length| length * factor);
     if grid.is_line() {
         let step = values.len().div_ceil(MOST_POINTS);
-        let spacing = grid.spacing()[0];
+        let spacing = grid.spacing()[0] * factor;
         let highest = |part: &[f64]| part.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let line = values.chunks(step).enumerate().map(|(i, part)| ((i * step) as f64 * spacing, highest(part)));
         let panel = Panel {
@@ -153,9 +179,9 @@ pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Dra
     Drawn::Map(map)
 }
 
-/// The figure of the pressure, from its values over E*.
-pub fn pressure<'a>(grid: &Grid, values: &'a [f64], unit: &str) -> Drawn<'a> {
-    let mut drawn = field(grid, values, "pressure *p*/*E*\\*", unit);
+/// The figure of the pressure, from its values as the label says.
+pub fn pressure<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
+    let mut drawn = field(grid, values, label, unit);
     if let Drawn::Map(map) = &mut drawn {
         map.below = Some(Below::pale(0.0, "no contact"));
     }
@@ -171,7 +197,7 @@ pub fn draw_pressure(
     unit: &str,
 ) -> Result<Vec<PathBuf>, Failure> {
     let values: Vec<f64> = values.iter().map(|p| p / modulus).collect();
-    pressure(grid, &values, unit).save(stem)
+    pressure(grid, &values, "pressure *p*/*E*\\*", unit).save(stem)
 }
 
 #[cfg(test)]

@@ -323,7 +323,11 @@ fn drawn(
     let values: Vec<f64> = example.pressure.iter().map(|p| p / modulus).collect();
     let grid = &example.point.grid;
     let caption = html! { "An example: contact pressure over " i { "E" } "*, seed " (example.seed) ", H = " (example.point.hurst) "." };
-    page.field(&pressure(grid, &values, "cell length"), "contact pressure of an example", &caption);
+    page.field(
+        &pressure(grid, &values, "pressure *p*/*E*\\*", "cell length"),
+        "contact pressure of an example",
+        &caption,
+    );
     let heights: Vec<f64> = example.heights.iter().copied().collect();
     let caption = html! { "The surface of the example, peaks towards the body." };
     page.field(&field(grid, &heights, "height / cell length", "cell length"), "heights of an example", &caption);

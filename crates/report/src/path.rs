@@ -4,6 +4,7 @@ use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use maud::html;
 
+use crate::figures::{largest as farthest, length};
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
 use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
@@ -119,7 +120,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let panels = match sideways {
         _ if relaxes => in_time([&area, &p_star, &approach].map(|values| pairs(&time, values)), reduced, &unit),
         true => {
-            let x = format!("lateral displacement / {unit}");
+            let read = length(&unit, farthest(&lateral[..computed]));
+            let lateral: Vec<f64> = lateral.iter().map(|value| value * read.factor).collect();
+            let x = format!("lateral displacement / {}", read.name);
             let (label, share) = if stick.iter().any(|share| share.is_finite()) {
                 ("sticking area", &stick)
             } else {
@@ -131,7 +134,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             let area = panel(reduced, "contact area", pairs(&p_star, &area));
             // The displacement may have no level.
             match approach.iter().any(|approach| approach.is_finite()) {
-                true => vec![panel(&format!("approach / {unit}"), reduced, pairs(&approach, &p_star)), area],
+                true => {
+                    let read = length(&unit, farthest(&approach[..computed]));
+                    let approach: Vec<f64> = approach.iter().map(|value| value * read.factor).collect();
+                    vec![panel(&format!("approach / {}", read.name), reduced, pairs(&approach, &p_star)), area]
+                }
                 false => vec![area],
             }
         }

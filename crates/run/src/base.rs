@@ -7,6 +7,7 @@ use gfmd_body::{BaseField, Interior};
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
+use gfmd_unit::Units;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
 use serde::{Deserialize, Serialize};
 
@@ -129,15 +130,17 @@ impl MovedBase {
         mut archive: Option<&mut Archive>,
         share: &Share,
         axes: [&Dimension; 2],
-        unit: &str,
+        units: &Units,
     ) -> Result<(), Failure> {
         let [x, y] = axes;
         let component =
             Dimension::index("component", self.field.len_of(Axis(2)), "component: x, y, z, of a profile x, z");
-        let (units, long_name) = match self.kind {
-            Kind::Displacement => (unit, "displacement of the base"),
+        let (kind, long_name) = match self.kind {
+            Kind::Displacement => ("length", "displacement of the base"),
             Kind::Traction => ("stress", "traction on the lower face"),
         };
+        let unit = &*units.name("length");
+        let units = &*units.name(kind);
         let path = STORED.iter().find(|(kind, ..)| *kind == self.kind).map_or("", |(.., path)| path);
         let values: Vec<f64> = self.field.iter().copied().collect();
         let whole = archive.as_mut().map_or(Ok(()), |archive| {

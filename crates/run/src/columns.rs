@@ -3,18 +3,19 @@
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_problem::Facts;
 use gfmd_record::{Record, columns, reasons};
+use gfmd_unit::Units;
 
 use crate::failure::Failure;
 
 /// Writes the columns of a problem into a group: `count` rows, without a number beyond those there are, with the reasons of
-/// numbers without a value. A row has a name, in singular and plural.
+/// numbers without a value, in the units of a problem. A row has a name, in singular and plural.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write_columns(
     archive: &mut Archive,
     (group, rows, name): (&str, &Dimension, [&str; 2]),
-    facts: &Facts,
+    (facts, units): (&Facts, &Units),
     records: &[Record],
     count: usize,
 ) -> Result<(), Failure> {
@@ -22,7 +23,8 @@ pub fn write_columns(
         let number = |row: usize| records.get(row).map_or(f64::NAN, |record| record.number(column.name));
         let values: Vec<f64> = (0..count).map(number).collect();
         let path = format!("{group}/{}", column.name);
-        let variable = Variable { dimensions: &[rows], units: column.unit, long_name: column.meaning(facts) };
+        let units = units.name(column.unit);
+        let variable = Variable { dimensions: &[rows], units: &units, long_name: column.meaning(facts) };
         archive.write(&path, &variable, &values)?;
         if let Some(reason) = reasons(records, column.name, name) {
             archive.attribute(&path, "undefined", &*reason)?;

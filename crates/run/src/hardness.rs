@@ -6,6 +6,7 @@ use std::str::FromStr;
 use gfmd_contact::Hardness;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
+use gfmd_unit::Units;
 use ndarray::{Array2, Ix2};
 use serde::{Deserialize, Serialize};
 
@@ -104,10 +105,14 @@ pub fn write(
     archive: Option<&mut Archive>,
     share: &Share,
     axes: [&Dimension; 2],
+    units: &Units,
 ) -> Result<(), Failure> {
     let Some(Hardness::Field(field)) = hardness else { return Ok(()) };
-    let variable =
-        Variable { dimensions: &axes, units: "stress", long_name: "largest pressure that the surfaces carry" };
+    let variable = Variable {
+        dimensions: &axes,
+        units: &units.name("stress"),
+        long_name: "largest pressure that the surfaces carry",
+    };
     rows::write_all(share, field.view(), archive, STORED, &variable)
 }
 

@@ -7,6 +7,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
 use gfmd_surface::{Fill, Interpolation, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer};
+use gfmd_unit::{Units, canonical, is_length};
 use ndarray::Array2;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -41,6 +42,14 @@ pub struct SourceArgs {
     #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
     #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
     pub fill: Option<Fill>,
+    /// Unit of all lengths, such as um: that of heights and size if the source has none, and else the one into which they are converted
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Unit of stresses given without one [default: Pa if a stress has a unit or lengths are in m]
+    #[arg(long, value_name = "UNIT", value_parser = stress_unit)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_unit: Option<String>,
     /// Cell size, L or Lx,Ly; default: that of the file, or 1
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
@@ -82,6 +91,20 @@ pub struct SourceArgs {
 
 /// The largest number of points along a side over that of a file.
 const LARGEST_REFINE: u64 = 64;
+
+fn length_unit(text: &str) -> Result<String, String> {
+    match is_length(text) {
+        true => Ok(canonical(text).to_owned()),
+        false => Err("it must be a unit of length, such as m, mm, um, nm, pm, in".into()),
+    }
+}
+
+fn stress_unit(text: &str) -> Result<String, String> {
+    match Units::is_stress(text) {
+        true => Ok(text.to_owned()),
+        false => Err("it must be a unit of stress, such as Pa, MPa, GPa, N/mm^2".into()),
+    }
+}
 
 fn times<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
     within::<1, LARGEST_REFINE, _, _>(deserializer).map(Some)
@@ -126,6 +149,8 @@ pub struct Surface {
     pub share: Share,
     /// Unit of heights and lengths, if known.
     pub unit: Option<String>,
+    /// Unit of stresses, if one is named.
+    pub stress_unit: Option<String>,
     /// Statistics of the heights.
     pub statistics: Statistics,
     /// The surroundings of the surface.
@@ -182,6 +207,16 @@ impl Surface {
     /// The unit of heights and lengths; `length` if it is unknown.
     pub fn unit(&self) -> &str {
         self.unit.as_deref().unwrap_or("length")
+    }
+
+    /// The unit of stresses, if it is known.
+    pub fn stress(&self) -> Option<&str> {
+        self.stress_unit.as_deref().or_else(|| (self.unit.as_deref() == Some("m")).then_some(Units::PASCAL))
+    }
+
+    /// The units of the problem.
+    pub fn units(&self) -> Units {
+        Units::new(self.unit.as_deref(), self.stress_unit.as_deref())
     }
 
     /// The SHA-256 of the heights, row by row.
@@ -270,6 +305,7 @@ impl Surface {
             grid,
             share: grid.whole(),
             unit: self.unit.clone(),
+            stress_unit: self.stress_unit.clone(),
             statistics,
             boundary,
             description: self.description.clone(),
@@ -367,8 +403,9 @@ impl SourceArgs {
             }
         }
         let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
-        let unit = scans.into_iter().find_map(|scan| scan.unit.clone());
-        Ok(Surface { heights, grid, share, unit, statistics, boundary, description, scan, origin, second })
+        let unit = scans.into_iter().find_map(|scan| scan.unit.clone()).or_else(|| self.unit.clone());
+        let stress_unit = self.stress_unit.clone();
+        Ok(Surface { heights, grid, share, unit, stress_unit, statistics, boundary, description, scan, origin, second })
     }
 
     /// The heights of the rows of this process. Of several, each makes its own if the generator can; else the first one makes or

@@ -3,6 +3,7 @@
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Reader, Variable};
 use gfmd_record::{Along, STATISTICS, Statistic, Statistics};
+use gfmd_unit::Units;
 
 use crate::failure::Failure;
 use crate::result::Comparison;
@@ -15,12 +16,13 @@ fn joined(statistic: &Statistic, loads: &[Statistics]) -> Vec<f64> {
     if is_whole { of_loads.concat() } else { Vec::new() }
 }
 
-/// Writes the arrays of the loads that were solved, with lengths in this unit.
+/// Writes the arrays of the loads that were solved, with numbers in these units.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(archive: &mut Archive, grid: &Grid, unit: &str, loads: &[Statistics]) -> Result<(), Failure> {
+pub fn write(archive: &mut Archive, grid: &Grid, units: &Units, loads: &[Statistics]) -> Result<(), Failure> {
     let Some(first) = loads.first() else { return Ok(()) };
+    let unit = &*units.name("length");
     let load = Dimension::index("load", loads.len(), "load step");
     let patches = joined(&STATISTICS[0], loads).len();
     for statistic in STATISTICS {
@@ -34,14 +36,15 @@ pub fn write(archive: &mut Archive, grid: &Grid, unit: &str, loads: &[Statistics
                 let bins = first.axis(along, grid).len();
                 Dimension::index("bin", bins, "bin between zero and the largest value of the load")
             }
-            Along::Ring => axis("wavenumber", "rad/length", "mean wavenumber of a ring"),
+            Along::Ring => axis("wavenumber", &format!("rad/{unit}"), "mean wavenumber of a ring"),
             Along::LagX => axis("lag_x", unit, "distance"),
             Along::LagY => axis("lag_y", unit, "distance"),
         };
         let both = [&load, &axis];
         let dimensions = if along == Along::Patch { &both[1..] } else { &both };
         if !values.is_empty() && !axis.is_empty() {
-            let variable = Variable { dimensions, units: own.unwrap_or(unit), long_name: meaning };
+            let units = units.name(own.unwrap_or("length"));
+            let variable = Variable { dimensions, units: &units, long_name: meaning };
             archive.write(path, &variable, &values)?;
         }
     }

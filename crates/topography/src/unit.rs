@@ -1,130 +1,7 @@
-//! Units of length and the factors between them.
+//! Units of length in the headers of files.
 
-use std::fmt;
-
-/// A unit of length: its spellings, the first of which is used in output, and its size in metres, count·10^power.
-struct Unit {
-    spellings: &'static [&'static str],
-    count: u32,
-    power: i32,
-}
-
-const fn metric(spellings: &'static [&'static str], power: i32) -> Unit {
-    Unit { spellings, count: 1, power }
-}
-
-/// The units of length. `um` with either letter mu, and `~m`, are spellings of instruments, as are those of Å.
-const UNITS: [Unit; 11] = [
-    metric(&["m", "meter", "metre", "meters", "metres"], 0),
-    metric(&["km"], 3),
-    metric(&["cm"], -2),
-    metric(&["mm", "millimeter", "millimetre"], -3),
-    metric(&["µm", "μm", "um", "~m", "micron", "microns", "micrometer", "micrometre"], -6),
-    metric(&["nm", "nanometer", "nanometre"], -9),
-    metric(&["Å", "\u{212b}", "Ang", "Angstrom", "angstrom", "Angstroem"], -10),
-    metric(&["pm"], -12),
-    metric(&["fm"], -15),
-    Unit { spellings: &["in", "inch"], count: 254, power: -4 },
-    Unit { spellings: &["mil"], count: 254, power: -7 },
-];
-
-fn find(name: &str) -> Option<&'static Unit> {
-    UNITS.iter().find(|unit| unit.spellings.contains(&name))
-}
-
-/// True if the name is that of a known unit of length.
-pub fn is_length(name: &str) -> bool {
-    find(name.trim()).is_some()
-}
-
-/// The name of a unit as it is written in output; a name that is not known stays as it is.
-pub(crate) fn canonical(name: &str) -> &str {
-    find(name.trim()).map_or(name, |unit| unit.spellings[0])
-}
-
-/// The factor between two units, a quotient of integers. One of them is 1 between metric units, so that a conversion has
-/// one rounding error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Conversion {
-    from: &'static str,
-    to: &'static str,
-    times: f64,
-    over: f64,
-}
-
-impl Conversion {
-    /// The conversion from one unit of length to another; `None` if they are the same unit.
-    ///
-    /// # Errors
-    /// A name that is not known.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "powers of ten that units have, and parts of u32"
-    )]
-    pub fn between(from: &str, to: &str) -> Result<Option<Self>, String> {
-        if canonical(from) == canonical(to) {
-            return Ok(None);
-        }
-        let unit = |name: &str| {
-            find(name.trim()).ok_or_else(|| {
-                let names: Vec<&str> = UNITS.iter().map(|unit| unit.spellings[0]).collect();
-                format!("the unit is {name:?}; it must be one of {}", names.join(", "))
-            })
-        };
-        let (from, to) = (unit(from)?, unit(to)?);
-        let power = from.power - to.power;
-        let (mut times, mut over) = if from.count == to.count { (1, 1) } else { (from.count, to.count) };
-        // Powers of ten and counts share factors: an inch of 254·10⁻⁴ m is 25400 µm, and 127/5000 m.
-        let ten = |power: i32| 10_f64.powi(power);
-        let (mut up, mut down) = if power >= 0 { (ten(power), 1.0) } else { (1.0, ten(-power)) };
-        if times > 1 && down > 1.0 {
-            let common = gcd(u64::from(times), down as u64);
-            (times, down) = ((u64::from(times) / common) as u32, down / common as f64);
-        }
-        if over > 1 && up > 1.0 {
-            let common = gcd(u64::from(over), up as u64);
-            (over, up) = ((u64::from(over) / common) as u32, up / common as f64);
-        }
-        let conversion = Self {
-            from: from.spellings[0],
-            to: to.spellings[0],
-            times: up * f64::from(times),
-            over: down * f64::from(over),
-        };
-        Ok(Some(conversion))
-    }
-
-    /// The value in the new unit.
-    pub fn apply(&self, value: f64) -> f64 {
-        if self.over == 1.0 {
-            value * self.times
-        } else if self.times == 1.0 {
-            value / self.over
-        } else {
-            value * self.times / self.over
-        }
-    }
-}
-
-impl fmt::Display for Conversion {
-    /// Writes the factor exactly: `from nm to µm, 1000 nm = 1 µm`.
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { from, to, times, over } = self;
-        write!(f, "from {from} to {to}, {over} {from} = {times} {to}")
-    }
-}
-
-/// Converts lengths from one unit to another.
-///
-/// # Errors
-/// A unit that is not known, unless both are the same.
-pub fn convert_lengths(values: &mut [f64], from: &str, to: &str) -> Result<(), String> {
-    if let Some(conversion) = Conversion::between(from, to)? {
-        values.iter_mut().for_each(|value| *value = conversion.apply(*value));
-    }
-    Ok(())
-}
+pub(crate) use gfmd_unit::canonical;
+pub use gfmd_unit::{Conversion, convert_lengths, is_length};
 
 /// A length along an axis, and its unit if the file has one.
 pub(crate) type Side = (f64, Option<String>);
@@ -168,10 +45,6 @@ pub(crate) fn alone(with: &str, unit: &str, without: &str) -> String {
     format!("the unit of {with} is {unit} but {without} has no unit; both or neither must have one")
 }
 
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,23 +67,5 @@ mod tests {
             assert!(sides(x, y).unwrap_err().starts_with(says), "{x} {y}");
         }
         assert_eq!(Sides::of(side(2.0, "m"), None).unwrap().lengths, [2.0, 1.0]);
-    }
-
-    #[test]
-    fn factors_are_exact_and_said_so() {
-        let says = |from: &str, to: &str| Conversion::between(from, to).unwrap().unwrap();
-        assert_eq!(says("nm", "um").to_string(), "from nm to µm, 1000 nm = 1 µm");
-        assert_eq!(says("mm", "\u{3bc}m").to_string(), "from mm to µm, 1 mm = 1000 µm");
-        assert_eq!(says("Å", "nm").to_string(), "from Å to nm, 10 Å = 1 nm");
-        assert_eq!(says("in", "µm").to_string(), "from in to µm, 1 in = 25400 µm");
-        assert_eq!(says("µm", "in").to_string(), "from µm to in, 25400 µm = 1 in");
-        assert_eq!(says("in", "m").to_string(), "from in to m, 5000 in = 127 m");
-        assert_eq!(says("mil", "in").to_string(), "from mil to in, 1000 mil = 1 in");
-        assert_eq!(says("km", "fm").to_string(), "from km to fm, 1 km = 1000000000000000000 fm");
-        assert_eq!(says("nm", "µm").apply(7.0), 0.007);
-        assert_eq!(says("in", "m").apply(1.0), 0.0254);
-        assert_eq!(Conversion::between("um", "~m").unwrap(), None);
-        assert!(Conversion::between("V", "V").unwrap().is_none());
-        assert!(Conversion::between("V", "m").unwrap_err().starts_with("the unit is \"V\"; it must be one of m, km"));
     }
 }

@@ -63,7 +63,7 @@ pub(crate) fn check(
         let (chosen, provenance) = (args.fields.clone().unwrap_or_default(), session.provenance(String::new()));
         let mut file = StateFile::of(Some(output), &provenance, &loads.prepared, asked, (chosen, session))?;
         if let (true, Some(archive)) = (facts.statistics, file.archive()) {
-            statistics::write(archive, &surface.grid, surface.unit(), &measured)?;
+            statistics::write(archive, &surface.grid, &surface.units(), &measured)?;
         }
         let path = file.finish(&records, asked, None)?;
         path.ok_or_else(|| Failure::Computation("the layout was not written".into()))

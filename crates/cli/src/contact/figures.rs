@@ -159,7 +159,10 @@ pub(super) fn measured(
     });
     let spectra: Vec<Series> = spectra.filter(|series| !series.points.is_empty()).collect();
     if !spectra.is_empty() {
-        let x = Axis::log(&format!("wavenumber *q* × {unit}"));
+        let x = match unit {
+            "length" => Axis::log("wavenumber *q* × length"),
+            _ => Axis::log(&format!("wavenumber *q* / (rad/{unit})")),
+        };
         files.extend(chart(x, Axis::log("spectrum of *p*/*E*\\*"), spectra).save(&named(prefix, "spectrum"))?);
     }
     Ok(files)

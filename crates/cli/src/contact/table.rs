@@ -6,20 +6,26 @@ use gfmd_record::{Table, lines, table_of};
 
 use super::Report;
 use crate::session::list_files;
+use gfmd_run::hardness::GivenHardness;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
         if let Some(hardness) = &self.head.hardness {
             let shares = self.loads.iter().map(|load| format!("{:.6}", load.number("plastic_fraction")));
+            let hardness = match hardness {
+                GivenHardness::Number(number) => self.head.read(*number, "stress", ""),
+                GivenHardness::Field(given) => given.to_string(),
+            };
             writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
-        for (index, line) in table_of(&self.loads, &[Table::State]).iter().enumerate() {
+        let units = self.head.units();
+        for (index, line) in table_of(&self.loads, &[Table::State], &units).iter().enumerate() {
             let converged = index == 0 || self.loads[index - 1].is("converged");
             writeln!(f, "{line}{}", if converged { "" } else { "  NOT CONVERGED" })?;
         }
         for (title, table) in [("lower face\n", Table::LowerFace), ("", Table::Patches), ("", Table::Flow)] {
-            let lines = table_of(&self.loads, &[table]);
+            let lines = table_of(&self.loads, &[table], &units);
             if !lines.is_empty() {
                 writeln!(f, "\n{title}{}", lines.join("\n"))?;
             }

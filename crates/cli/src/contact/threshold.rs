@@ -5,6 +5,7 @@ use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_measure::Patches;
 use gfmd_problem::{Facts, Posed, Rest};
 use gfmd_record::{At, COLUMNS, Column, Record};
+use gfmd_unit::Units;
 use serde::{Serialize, Serializer};
 
 use super::{Args, Loads};
@@ -157,7 +158,7 @@ impl Loads {
 /// A file that cannot be written.
 pub(super) fn write(
     archive: &mut Archive,
-    unit: &str,
+    units: &Units,
     facts: &Facts,
     found: &[Option<Threshold>; 2],
 ) -> Result<(), Failure> {
@@ -168,8 +169,8 @@ pub(super) fn write(
             .iter()
             .flat_map(|found| found.as_ref().map_or([f64::NAN; 2], |found| found.of(column.name)))
             .collect();
-        let units = if column.unit == "length" { unit } else { column.unit };
-        let variable = Variable { dimensions: &[&axis, &side], units, long_name: column.meaning(facts) };
+        let units = units.name(column.unit);
+        let variable = Variable { dimensions: &[&axis, &side], units: &units, long_name: column.meaning(facts) };
         archive.write(&format!("/flow_threshold/{}", column.name), &variable, &values)?;
     }
     Ok(())

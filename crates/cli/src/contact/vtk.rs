@@ -56,13 +56,12 @@ impl VtkFile {
         fields: &[Field],
         lateral: &[Array2<f64>],
     ) -> Result<PathBuf, Failure> {
-        let unit = surface.unit();
+        let (unit, known) = (surface.unit(), surface.units());
+        let named: Vec<String> = fields.iter().map(|field| known.name(field.units)).collect();
         let scalar = |name, units| PointArray { name, components: &[], units };
         let contact: Vec<f64> = shown.repulsion.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
-        let mut arrays: Vec<_> = (fields.iter())
-            .map(|Field { name, units, values }| {
-                (scalar(name, if *units == "length" { unit } else { units }), contiguous(values))
-            })
+        let mut arrays: Vec<_> = (fields.iter().zip(&named))
+            .map(|(Field { name, values, .. }, units)| (scalar(name, units), contiguous(values)))
             .collect();
         arrays.push((scalar("height", unit), contiguous(&surface.heights)));
         arrays.push((scalar("contact", "1"), contact.into()));

@@ -6,7 +6,7 @@ use gfmd_plot::{Axis, Chart, Panel, Series};
 use gfmd_record::Record;
 
 use super::Report;
-use gfmd_report::figures::{Scene, named};
+use gfmd_report::figures::{Scene, length, named};
 use gfmd_report::path::{in_time, legs};
 use gfmd_run::failure::Failure;
 
@@ -31,7 +31,9 @@ pub(super) fn draw(
         let points = |name: &str| report.steps.iter().map(|step| (step.number("time"), step.number(name))).collect();
         in_time(["area_fraction", "p_star", "displacement"].map(points), reduced, unit)
     } else if report.moves_sideways() {
-        let x = Axis::linear(&format!("lateral displacement / {unit}"));
+        let read = length(unit, report.steps.iter().map(|step| lateral(step).abs()).fold(0.0, f64::max));
+        let x = Axis::linear(&format!("lateral displacement / {}", read.name));
+        let lateral = |step: &Record| lateral(step) * read.factor;
         let share = |step: &Record| step.value("stick_fraction").unwrap_or_else(|| step.number("area_fraction"));
         let sticking = report.steps.iter().any(|step| step.value("stick_fraction").is_some());
         let area = if sticking { "sticking area" } else { "contact area" };
@@ -45,10 +47,11 @@ pub(super) fn draw(
             Panel { x, y: Axis::linear(area), series: legs(&|step| (lateral(step), share(step))), ..Panel::default() },
         ]
     } else {
+        let read = length(unit, report.steps.iter().map(|step| step.number("displacement").abs()).fold(0.0, f64::max));
         let approach = Panel {
-            x: Axis::linear(&format!("approach / {unit}")),
+            x: Axis::linear(&format!("approach / {}", read.name)),
             y: Axis::linear(reduced),
-            series: legs(&|step| (step.number("displacement"), step.number("p_star"))),
+            series: legs(&|step| (step.number("displacement") * read.factor, step.number("p_star"))),
             ..Panel::default()
         };
         let mut panels = vec![

@@ -5,10 +5,12 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gfmd_record::{Record, Table, lines, table_of, with_limit};
+use gfmd_unit::Shown;
 use serde::Serialize;
 
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
+use gfmd_run::hardness::GivenHardness;
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::series::Head;
 
@@ -92,11 +94,14 @@ impl Report {
         }
     }
 
-    /// A number as its error by the grid leaves it; without a limit, all digits.
-    fn shown(&self, name: &str, value: f64) -> String {
+    /// A number on an infinitely fine grid, with the digits that its error leaves; `None` without a limit.
+    fn on_fine_grid(&self, name: &str, kind: &str) -> Option<String> {
         let of = |end: &str| self.limits.get(&format!("{name}_{end}")).copied();
-        let told = of("limit").zip(of("limit_error"));
-        told.map_or_else(|| format!("{value:.6e}"), |(limit, error)| with_limit(value, limit, error))
+        let (limit, error) = of("limit").zip(of("limit_error"))?;
+        let read = self.head.units().shown(kind, limit.abs().max(error));
+        let (factor, unit) = read.map_or((1.0, String::new()), |Shown { factor, name }| (factor, format!(" {name}")));
+        let text = with_limit(limit * factor, limit * factor, error * factor);
+        Some(format!("{} {text}{unit}", name.replace('_', " ")))
     }
 
     /// The component of a vector along the lateral displacement.
@@ -140,10 +145,17 @@ const TABLE: [&str; 4] = ["displacement", "elastic_energy", "dissipated", "passe
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
+        let read = |value: f64, kind: &str| self.head.read(value, kind, "");
         if let Some(hardness) = &self.head.hardness {
+            let hardness = match hardness {
+                GivenHardness::Number(number) => read(*number, "stress"),
+                GivenHardness::Field(given) => given.to_string(),
+            };
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
         }
-        for (index, line) in table_of(&self.steps, &[Table::State, Table::Energy]).iter().enumerate() {
+        for (index, line) in
+            table_of(&self.steps, &[Table::State, Table::Energy], &self.head.units()).iter().enumerate()
+        {
             let Some(step) = index.checked_sub(1) else {
                 writeln!(f, "{:>5}{line}", "")?;
                 continue;
@@ -156,22 +168,38 @@ impl fmt::Display for Report {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }
         for leg in &self.sliding {
+            let stiffness = self.head.units().shown("stress/length", leg.tangential_stiffness);
             writeln!(
                 f,
-                "leg {}: tangential stiffness {:.4e} at first, friction coefficient up to {:.6}",
-                leg.leg, leg.tangential_stiffness, leg.friction_coefficient
+                "leg {}: tangential stiffness {} at first, friction coefficient up to {:.6}",
+                leg.leg,
+                stiffness.map_or_else(
+                    || format!("{:.4e}", leg.tangential_stiffness),
+                    |unit| unit.text(leg.tangential_stiffness)
+                ),
+                leg.friction_coefficient
             )?;
         }
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
-            (Some(lost), None) => write!(f, "\ndissipated {} per area", self.shown("dissipated", lost))?,
+            (Some(lost), None) => write!(f, "\ndissipated {} per area", read(lost, "stress*length"))?,
             (Some(lost), Some(error)) => {
-                let lost = self.shown("dissipated", lost);
-                write!(f, "\ndissipated {lost} +- {error:.1e} per area ({} extra solves)", self.extra_solves)?;
+                match self.head.units().shown("stress*length", lost.abs().max(error)) {
+                    Some(Shown { factor, name }) => {
+                        write!(f, "\ndissipated ({:.6} +- {:.2}) {name}", lost * factor, error * factor)?;
+                    }
+                    None => write!(f, "\ndissipated {lost:.6e} +- {error:.1e} per area")?,
+                }
+                let none = if error >= lost.abs() { "none within its error, " } else { "" };
+                write!(f, " ({none}{} extra solves)", self.extra_solves)?;
             }
         }
-        let lowest = self.shown("lowest_mean_pressure", self.lowest_mean_pressure);
-        writeln!(f, ", lowest mean pressure {lowest}")?;
+        writeln!(f, ", lowest mean pressure {}", read(self.lowest_mean_pressure, "stress"))?;
+        let fine = [("dissipated", "stress*length"), ("lowest_mean_pressure", "stress")];
+        let fine: Vec<String> = fine.into_iter().filter_map(|(name, kind)| self.on_fine_grid(name, kind)).collect();
+        if !fine.is_empty() {
+            writeln!(f, "on an infinitely fine grid: {}", fine.join(", "))?;
+        }
         for line in lines(&self.steps, ["step", "steps"], |column| TABLE.contains(&column)) {
             writeln!(f, "{line}")?;
         }

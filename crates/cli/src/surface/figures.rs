@@ -9,7 +9,7 @@ use gfmd_surface::RadialBin;
 use ndarray::Array2;
 
 use super::{Report, Window};
-use gfmd_report::figures::{named, short};
+use gfmd_report::figures::{length, named, short, sides};
 use gfmd_run::failure::Failure;
 
 /// The largest number of points that a line is drawn with; longer profiles are thinned to lowest and highest values.
@@ -30,9 +30,12 @@ pub(super) fn draw(
     let mut files = Vec::new();
     if !grid.is_line() {
         let values: Vec<f64> = heights.iter().copied().collect();
-        let mut map = Map::new(&values, grid.points(), grid.lengths(), &format!("height *h* / {unit}"));
-        map.x = format!("*x* / {unit}");
-        map.y = format!("*y* / {unit}");
+        let (side, height) = (sides(grid, unit), length(unit, values.iter().fold(0.0, |a: f64, b| a.max(b.abs()))));
+        let values: Vec<f64> = values.iter().map(|value| value * height.factor).collect();
+        let cell = grid.lengths().map(|length| length * side.factor);
+        let mut map = Map::new(&values, grid.points(), cell, &format!("height *h* / {}", height.name));
+        map.x = format!("*x* / {}", side.name);
+        map.y = format!("*y* / {}", side.name);
         map.range = without_outliers(&values);
         files.extend(map.save(&named(prefix, "map"))?);
     }
@@ -69,12 +72,16 @@ fn profile(heights: &Array2<f64>, grid: &Grid, unit: &str) -> Chart {
         both.dedup();
         both
     };
-    let points = line.chunks(step).flat_map(ends).map(|(i, height)| (i as f64 * spacing[0], height));
-    let title = if grid.is_line() { String::new() } else { format!("*y* = {} {unit}", short(row as f64 * spacing[1])) };
+    let side = sides(grid, unit);
+    let read = length(unit, column.iter().fold(0.0, |largest: f64, height| largest.max(height.abs())));
+    let points = line.chunks(step).flat_map(ends);
+    let points = points.map(|(i, height)| (i as f64 * spacing[0] * side.factor, height * read.factor));
+    let place = short(row as f64 * spacing[1] * side.factor);
+    let title = if grid.is_line() { String::new() } else { format!("*y* = {place} {}", side.name) };
     Chart::new(vec![Panel {
         title,
-        x: Axis::linear(&format!("*x* / {unit}")),
-        y: Axis::linear(&format!("height *h* / {unit}")),
+        x: Axis::linear(&format!("*x* / {}", side.name)),
+        y: Axis::linear(&format!("height *h* / {}", read.name)),
         series: vec![Series::line("", 0, points)],
         ..Panel::default()
     }])

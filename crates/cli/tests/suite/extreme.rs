@@ -631,7 +631,7 @@ fn texts_of_files_do_not_steer_the_terminal() {
     for line in [
         "surface --surface scan.txt",
         "surface --surface scan.txt --list",
-        "contact --surface scan.txt --p-star 0.05 --out c.h5",
+        "contact --surface scan.txt --e-star 1 --p-star 0.05 --out c.h5",
     ] {
         let (status, stdout, stderr) = run(line);
         assert_eq!(status, Some(0), "{stderr}");

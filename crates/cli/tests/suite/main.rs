@@ -32,3 +32,4 @@ mod squeezed;
 mod sweep;
 mod theory;
 mod trust;
+mod units;

@@ -84,11 +84,13 @@ fn what_was_done_stands_in_every_output() {
     for name in ["map", "profile", "spectrum"] {
         assert!(folder.path().join(format!("h-{name}.png")).exists());
     }
-    let contact = json(folder.path(), &words(&format!("contact {flags} --p-star 0.1 --out c.h5 --json")));
+    let contact = json(folder.path(), &words(&format!("contact {flags} --e-star 1 --p-star 0.1 --out c.h5 --json")));
     assert_eq!((&contact["surface"], &contact["scan"]), (&surface["source"], scan));
     let path = json(
         folder.path(),
-        &words(&format!("path {flags} --p-star 0.01,0.02 --steps 1 --friction 0.3 --lateral 0,1 --out p.h5 --json")),
+        &words(&format!(
+            "path {flags} --e-star 1 --p-star 0.01,0.02 --steps 1 --friction 0.3 --lateral 0,1 --out p.h5 --json"
+        )),
     );
     assert_eq!((&path["surface"], &path["scan"]), (&surface["source"], scan));
     for (file, attribute) in [("h.h5", "source"), ("c.h5", "description"), ("p.h5", "description")] {

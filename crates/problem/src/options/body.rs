@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use clap::Args;
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, GreenError, Height, Material};
+use gfmd_unit::is_length;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -18,9 +19,10 @@ use crate::{Facts, SIZES, Support, Unusable, check_size};
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BodyArgs {
-    /// Young's modulus, stress
-    #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true)]
-    pub young: f64,
+    /// Young's modulus, stress [default: 1; needed if the lengths have a unit]
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[serde(serialize_with = "or_one")]
+    pub young: Option<f64>,
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     pub poisson: f64,
@@ -71,6 +73,14 @@ pub struct Layer {
     young: f64,
     poisson: f64,
     height: Height,
+}
+
+/// Young's modulus of bodies for which none is given.
+const YOUNG: f64 = 1.0;
+
+/// Writes the modulus that is used.
+fn or_one<S: serde::Serializer>(young: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(young.unwrap_or(YOUNG))
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
@@ -179,9 +189,28 @@ impl BodyArgs {
                     Unusable::input(if of_modulus { "--e-star" } else { "--poisson" }, error)
                 })?
             }
-            None => self::material(["--young", "--poisson"], self.young, self.poisson)?,
+            None => self::material(["--young", "--poisson"], self.young(), self.poisson)?,
         };
         self.others.below(material, self.height)
+    }
+
+    /// Young's modulus, 1 if none is given.
+    pub fn young(&self) -> f64 {
+        self.young.unwrap_or(YOUNG)
+    }
+
+    /// Checks that a modulus is given for lengths in a `unit`: in units of a length, a modulus of 1 is that of no material.
+    ///
+    /// # Errors
+    /// Lengths with a known unit, and no modulus.
+    pub fn check_modulus(&self, unit: Option<&str>) -> Result<(), Unusable> {
+        match unit.filter(|unit| is_length(unit)) {
+            Some(unit) if self.young.is_none() && self.e_star.is_none() => Err(Unusable::of(format!(
+                "--young is missing; lengths are in {unit}, and pressures need a modulus, such as --young 70GPa, or --e-star 1 for \
+                 pressures over the contact modulus"
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// The facts of the body.
@@ -205,7 +234,7 @@ impl BodyArgs {
             Height::Finite(height) => format!("slab of height {height}"),
             Height::Infinite => "half-space".to_owned(),
         };
-        let modulus = self.e_star.map_or_else(|| format!("E = {}", self.young), |e_star| format!("E* = {e_star}"));
+        let modulus = self.e_star.map_or_else(|| format!("E = {}", self.young()), |e_star| format!("E* = {e_star}"));
         Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words(below)))
     }
 

@@ -84,7 +84,7 @@ impl PronyArgs {
     /// The options of the body with its long-term moduli, whichever `given` has.
     ///
     /// # Errors
-    /// As [`series`](Self::series); a contact modulus alone, if the shear modulus alone relaxes.
+    /// As [`series`](Self::series); a contact modulus alone, if the shear modulus alone relaxes; instantaneous moduli that are left out.
     pub fn long_term(&self, given: &BodyArgs) -> Result<BodyArgs, Unusable> {
         let Some(prony) = self.series()? else { return Ok(given.clone()) };
         if let (Relaxes::Shear, Some(modulus)) = (self.relaxes, given.e_star) {
@@ -97,13 +97,17 @@ impl PronyArgs {
         if self.moduli == Moduli::LongTerm {
             return Ok(given.clone());
         }
+        if given.young.is_none() && given.e_star.is_none() {
+            return Err(Unusable::value("--moduli", self.moduli, "left out without --young and --e-star"));
+        }
         let relaxed = |young: f64, poisson: f64| {
             let made = Material::from_young(young, poisson).and_then(|made| prony.long_term(&made, self.relaxes));
             // A modulus that is refused is told where the body is made.
             made.map_or((young, poisson), |made| (made.young(), made.poisson()))
         };
         let mut body = given.clone();
-        (body.young, body.poisson) = relaxed(given.young, given.poisson);
+        let (young, poisson) = relaxed(given.young(), given.poisson);
+        (body.young, body.poisson) = (given.young.map(|_| young), poisson);
         body.e_star = given.e_star.map(|modulus| modulus / prony.instantaneous());
         body.others = given.others.map_moduli(relaxed);
         Ok(body)
@@ -145,7 +149,7 @@ mod tests {
 
     #[test]
     fn moduli_are_those_of_the_long_term() {
-        let body = BodyArgs { young: 10.0, poisson: 0.3, ..BodyArgs::default() };
+        let body = BodyArgs { young: Some(10.0), poisson: 0.3, ..BodyArgs::default() };
         let long = given(&[(1.0, 0.75)]);
         let told = |args: &PronyArgs| args.told(&body).unwrap().unwrap();
         assert_eq!([told(&long).young_long_term, told(&long).young_instantaneous], [10.0, 40.0]);

@@ -9,9 +9,10 @@ use gfmd_files::contiguous;
 use gfmd_plot::{Axis, Below, Chart, Colours, Level, Mark, Panel, Scale, Series, Side};
 use ndarray::Array2;
 
-use super::{Drawn, MOST_POINTS, field, named, short};
+use super::{Drawn, MOST_POINTS, field, largest, length, named, short, sides};
 use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
+use gfmd_unit::{Shown as Readable, Units};
 
 /// The fields of a state that its figures show, row by row. Lengths and stresses are those of the input.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +82,8 @@ pub struct Scene<'a> {
     pub grid: &'a Grid,
     /// Unit of lengths.
     pub unit: &'a str,
+    /// Unit of stresses, if it is known.
+    pub stress: Option<&'a str>,
     /// E*, the unit of pressures.
     pub modulus: f64,
     /// The hardness, if the contact has one.
@@ -128,7 +131,8 @@ impl<'a> Scene<'a> {
     /// The upper face of a contact with this surface.
     pub fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
         let rigid = rough(surface.second.is_some());
-        Self { shown, grid: &surface.grid, unit: surface.unit(), modulus, hardness, rigid, face: Face::Upper }
+        let (unit, stress) = (surface.unit(), surface.stress());
+        Self { shown, grid: &surface.grid, unit, stress, modulus, hardness, rigid, face: Face::Upper }
     }
 }
 
@@ -149,18 +153,21 @@ impl Scene<'_> {
     pub fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
         let Shown { pressure, gap, level, .. } = self.shown;
         let is_line = self.grid.is_line();
-        let in_units = |p: &f64| p / self.modulus;
+        let Pressures { over, label, .. } = self.pressures();
+        let in_units = |p: &f64| p / over;
         {
             let values: Vec<f64> = pressure.iter().map(in_units).map(|p| p.max(0.0)).collect();
-            take(Kind::Pressure, &super::pressure(self.grid, &values, self.unit))?;
+            take(Kind::Pressure, &super::pressure(self.grid, &values, &label, self.unit))?;
         }
         if let (Some(end), false) = (largest_of_two_signs(pressure), is_line) {
             let values: Vec<f64> = pressure.iter().map(in_units).collect();
-            take(Kind::Traction, &self.traction(&values, in_units(&end)))?;
+            take(Kind::Traction, &self.traction(&values, in_units(&end), &label))?;
         }
         if !(gap.is_empty() || is_line) {
-            let values: Vec<f64> = self.distances().collect();
-            take(Kind::Gap, &self.gap(&values))?;
+            let mut values: Vec<f64> = self.distances().collect();
+            let read = length(self.unit, largest(&values));
+            values.iter_mut().for_each(|gap| *gap *= read.factor);
+            take(Kind::Gap, &self.gap(&values, &read.name))?;
         }
         if gap.is_empty() || level.is_empty() {
             return Ok(());
@@ -169,12 +176,25 @@ impl Scene<'_> {
     }
 
     /// The map of the pressure, repulsive in one colour and attractive in another, from −`end` to `end`.
-    fn traction<'v>(&self, values: &'v [f64], end: f64) -> Drawn<'v> {
-        let mut drawn = field(self.grid, values, "pressure *p*/*E*\\*, attraction negative", self.unit);
+    fn traction<'v>(&self, values: &'v [f64], end: f64, label: &str) -> Drawn<'v> {
+        let mut drawn = field(self.grid, values, &format!("{label}, attraction negative"), self.unit);
         if let Drawn::Map(map) = &mut drawn {
             (map.colours, map.range) = (Colours::Diverging, Some([-end, end]));
         }
         drawn
+    }
+
+    /// The unit of pressures: that in which people read them if it is known, else E*.
+    fn pressures(&self) -> Pressures {
+        let highest = largest(&self.shown.pressure);
+        match Units::new(Some(self.unit), self.stress).shown("stress", highest) {
+            Some(Readable { factor, name }) => Pressures {
+                over: 1.0 / factor,
+                label: format!("pressure *p* / {name}"),
+                short: format!("*p* / {name}"),
+            },
+            None => Pressures { over: self.modulus, label: "pressure *p*/*E*\\*".into(), short: "*p*/*E*\\*".into() },
+        }
     }
 
     /// The distance between the surfaces; zero in contact, and where the residuals of the contact leave it below.
@@ -184,8 +204,8 @@ impl Scene<'_> {
     }
 
     /// The map of the gap on a logarithmic scale, contact in a colour of its own.
-    fn gap<'v>(&self, distances: &'v [f64]) -> Drawn<'v> {
-        let mut drawn = field(self.grid, distances, &format!("gap / {}", self.unit), self.unit);
+    fn gap<'v>(&self, distances: &'v [f64], name: &str) -> Drawn<'v> {
+        let mut drawn = field(self.grid, distances, &format!("gap / {name}"), self.unit);
         if let Drawn::Map(map) = &mut drawn {
             map.scale = Scale::Log;
             map.below = Some(Below { hue: Some(CONTACT), ..Below::pale(0.0, "contact") });
@@ -214,18 +234,25 @@ impl Scene<'_> {
             filled("elastic body", 5, below, line(&level)),
         ];
         heights.extend(self.contacts(&points));
-        let axis = || Axis::linear(&format!("*x* / {unit}")).over([0.0, (nx - 1) as f64 * dx]);
-        let known = if *unit == "length" { String::new() } else { format!(" {unit}") };
-        let title = format!("row *y* = {}{known}, that of the largest pressure", short(row as f64 * dy));
+        let side = sides(grid, unit);
+        let extent = heights.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max);
+        let height = length(unit, extent);
+        let axis = || Axis::linear(&format!("*x* / {}", side.name)).over([0.0, (nx - 1) as f64 * dx * side.factor]);
+        let known = if *unit == "length" { String::new() } else { format!(" {}", side.name) };
+        let place = short(row as f64 * dy * side.factor);
+        let title = format!("row *y* = {place}{known}, that of the largest pressure");
         let upper = Panel {
             title: if grid.is_line() { String::new() } else { title },
             x: axis(),
-            y: Axis::linear(&format!("height *z* / {unit}")),
-            series: heights,
+            y: Axis::linear(&format!("height *z* / {}", height.name)),
+            series: scaled(heights, [side.factor, height.factor]),
             ..Panel::default()
         };
-        let pressures = line(&|point| shown.pressure[point] / self.modulus);
-        let lower = Panel { x: axis(), y: Axis::linear("*p*/*E*\\*"), ..self.signed(&pressures, &points) };
+        let Pressures { over, short, .. } = self.pressures();
+        let pressures = line(&|point| shown.pressure[point] / over);
+        let lower = self.signed(&pressures, &points, over);
+        let series = scaled(lower.series, [side.factor, 1.0]);
+        let lower = Panel { x: axis(), y: Axis::linear(&short), series, ..lower };
         Some(Chart::stacked(vec![upper, lower]))
     }
 
@@ -263,7 +290,7 @@ impl Scene<'_> {
     }
 
     /// The pressures along a row, repulsion and attraction each in a colour, with the hardness.
-    fn signed(&self, pressures: &[(f64, f64)], points: &[usize]) -> Panel {
+    fn signed(&self, pressures: &[(f64, f64)], points: &[usize], over: f64) -> Panel {
         let part = |label: &str, hue, keep: fn(f64) -> f64| {
             let pairs = pressures.iter().map(|(x, p)| (*x, keep(*p)));
             Series { mark: Mark::Filled(Side::Zero), ..Series::line(label, hue, pairs) }
@@ -276,10 +303,10 @@ impl Scene<'_> {
             panel.series.push(part("", 0, |p| p));
         }
         match self.hardness {
-            Some(Hardness::Uniform(hardness)) => panel.levels.push(Level::line(hardness / self.modulus, "hardness")),
+            Some(Hardness::Uniform(hardness)) => panel.levels.push(Level::line(hardness / over, "hardness")),
             Some(Hardness::Field(field)) => {
                 let ny = self.grid.points()[1];
-                let at = |point: usize| field[[point / ny, point % ny]] / self.modulus;
+                let at = |point: usize| field[[point / ny, point % ny]] / over;
                 let pairs = pressures.iter().zip(points).map(|((x, _), point)| (*x, at(*point)));
                 panel.series.push(Series { mark: Mark::Dashes, ..Series::line("hardness", 6, pairs) });
             }
@@ -287,6 +314,24 @@ impl Scene<'_> {
         }
         panel
     }
+}
+
+/// The way in which pressures are drawn.
+struct Pressures {
+    /// The pressure that is one on an axis.
+    over: f64,
+    /// The label of a map.
+    label: String,
+    /// The label of an axis.
+    short: String,
+}
+
+/// Series with both coordinates of their points times these factors.
+fn scaled(mut series: Vec<Series>, [x, y]: [f64; 2]) -> Vec<Series> {
+    for point in series.iter_mut().flat_map(|series| &mut series.points) {
+        (point.x, point.y) = (point.x * x, point.y * y);
+    }
+    series
 }
 
 /// The least attraction that is shown, over the largest repulsion; residuals of a wall alone are below.
@@ -320,7 +365,7 @@ mod tests {
     }
 
     fn scene<'a>(shown: &'a Shown, grid: &'a Grid, hardness: Option<&'a Hardness>) -> Scene<'a> {
-        Scene { shown, grid, unit: "mm", modulus: 2.0, hardness, rigid: rough(false), face: Face::Upper }
+        Scene { shown, grid, unit: "mm", stress: None, modulus: 2.0, hardness, rigid: rough(false), face: Face::Upper }
     }
 
     fn heights(series: &Series) -> Vec<f64> {

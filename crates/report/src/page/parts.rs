@@ -9,10 +9,10 @@ use gfmd_record::{Form, Head, Table as Kept, heads, with_limit};
 use maud::html;
 
 use super::about::body;
-use super::reading::{FaceFields, Stored, StoredSurface};
+use super::reading::{FaceFields, InUnit, Stored, StoredSurface};
 use super::write::{given, number, powers, text, whole};
 use super::{Fact, Page, Table};
-use crate::figures::{Face, Kind, Scene, field, rough};
+use crate::figures::{Face, Kind, Scene, heights, rough, sides};
 use gfmd_run::convergence::StoredFailure;
 
 /// True for a column with a number, that is not left out.
@@ -26,7 +26,9 @@ impl Page {
         match surface {
             Ok(surface) => {
                 let ([nx, ny], [lx, ly]) = (surface.grid.points(), surface.grid.lengths());
-                let unit = if surface.unit == "length" { "" } else { &surface.unit };
+                let read = sides(&surface.grid, &surface.unit);
+                let (lx, ly) = (lx * read.factor, ly * read.factor);
+                let unit = if surface.unit == "length" { "" } else { &read.name };
                 self.asked.push(Fact::new("surface", &surface.description));
                 self.asked.push(Fact(
                     html! { "grid" },
@@ -54,13 +56,10 @@ impl Page {
     ) {
         let (Ok(surface), Some(index)) = (surface, index) else { return };
         self.face(reader, surface, (index, modulus), hardness, &FaceFields::UPPER);
-        let label = format!("height / {}", surface.unit);
-        let drawn = field(&surface.grid, &surface.heights, &label, &surface.unit);
-        self.field(
-            &drawn,
-            "heights of the surface",
-            &html! { "Heights of the rough surface, peaks towards the body." },
-        );
+        let caption = html! { "Heights of the rough surface, peaks towards the body." };
+        heights(&surface.grid, &surface.heights, &surface.unit, |drawn| {
+            self.field(drawn, "heights of the surface", &caption);
+        });
     }
 
     /// Adds the figures of one face of the body in state `index`.
@@ -82,6 +81,7 @@ impl Page {
             shown: &shown,
             grid: &surface.grid,
             unit: &surface.unit,
+            stress: surface.units.stress(),
             modulus,
             hardness,
             rigid: rough(reader.text("/surface", "second_file").is_ok()),
@@ -120,22 +120,25 @@ impl Page {
             (Kept::Flow, ", flow through the gap"),
         ];
         for (table, part) in tables {
-            let columns = heads(table).map(|(column, head)| (column.name, head, stored.column(column.name)));
-            let shown: Vec<_> = columns.filter(|(_, head, values)| is_shown(head.form, &values[..rows])).collect();
+            let columns = heads(table).map(|(column, head)| (column.name, head, stored.read(column)));
+            let shown: Vec<_> = columns.filter(|(_, head, (values, _))| is_shown(head.form, &values[..rows])).collect();
             if !shown.iter().any(|(_, head, _)| head.table == table) {
                 continue;
             }
-            let cell = |(name, head, values): &(&str, Head, Vec<f64>), row: usize| match head.form {
+            let cell = |(name, head, (values, unit)): &(&str, Head, InUnit), row: usize| match head.form {
                 Form::Whole => whole(values[row]),
                 Form::Flag => html! { (if values[row] == 0.0 { "no" } else { "yes" }) },
                 _ if stored.has(&format!("{name}_limit")) => {
-                    let [limit, error] = ["limit", "limit_error"].map(|of| stored.column(&format!("{name}_{of}"))[row]);
+                    let factor = unit.as_ref().map_or(1.0, |unit| unit.factor);
+                    let [limit, error] =
+                        ["limit", "limit_error"].map(|of| factor * stored.column(&format!("{name}_{of}"))[row]);
                     powers(&with_limit(values[row], limit, error))
                 }
                 _ => number(values[row]),
             };
-            let head = |(name, head, _): &(&str, Head, Vec<f64>)| {
-                html! { span title=(stored.definition(name)) { (head.word) } br; small { (stored.unit(name)) } }
+            let head = |(name, head, (_, unit)): &(&str, Head, InUnit)| {
+                let unit = unit.as_ref().map_or_else(|| stored.unit(name), |unit| unit.name.clone());
+                html! { span title=(stored.definition(name)) { (head.word) } br; small { (unit) } }
             };
             self.tables.push(Table {
                 caption: html! { "The " (state) "s" (part) "." },

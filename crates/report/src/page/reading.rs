@@ -2,10 +2,16 @@
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
+use gfmd_record::Column;
+use gfmd_unit::{Shown as Readable, Units};
 
 use super::write::text;
 use crate::figures::{Face, Shown};
 use gfmd_run::failure::Failure;
+use gfmd_run::units::units_of_result;
+
+/// The values of a column, and the unit in which people read them; that of the file if it is not known.
+pub(crate) type InUnit = (Vec<f64>, Option<Readable>);
 
 /// The configuration of a file as a table; empty if it has none that can be read.
 pub(crate) fn config(reader: &Reader) -> toml::Table {
@@ -39,6 +45,23 @@ impl<'a> Stored<'a> {
     pub(crate) fn column(&self, name: &str) -> Vec<f64> {
         let values = self.reader.values(&format!("{}/{name}", self.group)).unwrap_or_default();
         if values.len() == self.length { values } else { vec![f64::NAN; self.length] }
+    }
+
+    /// A column in the unit in which people read it, if that of the file is known.
+    pub(crate) fn read(&self, column: &Column) -> InUnit {
+        let mut values = self.column(column.name);
+        let finite = values.iter().filter(|value| value.is_finite());
+        let highest = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let unit = self.units().shown(column.unit, highest);
+        if let Some(unit) = &unit {
+            values.iter_mut().for_each(|value| *value *= unit.factor);
+        }
+        (values, unit)
+    }
+
+    /// The units of the numbers, as far as they are known.
+    pub(crate) fn units(&self) -> Units {
+        units_of_result(self.reader).unwrap_or_default()
     }
 
     /// True if the file has the column.
@@ -101,6 +124,8 @@ pub(crate) struct StoredSurface {
     pub(crate) heights: Vec<f64>,
     /// Unit of lengths.
     pub(crate) unit: String,
+    /// The units of the numbers.
+    pub(crate) units: Units,
     pub(crate) rms_gradient: f64,
     pub(crate) description: String,
 }
@@ -122,6 +147,7 @@ impl StoredSurface {
             grid: grid.map_err(|error| error.to_string())?,
             heights,
             unit: text(&reader.text(path, "units").unwrap_or_else(|_| "length".into())),
+            units: units_of_result(reader).unwrap_or_default(),
             rms_gradient: reader.number("/surface", "rms_gradient").unwrap_or(f64::NAN),
             description: text(&reader.text("/surface", "description").unwrap_or_default()),
         })

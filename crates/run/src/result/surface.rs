@@ -41,7 +41,8 @@ pub fn stored_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Conf
         let is_line = reader.shape("/surface/height")?.get(1) == Some(&1);
         stored.insert("length".into(), if is_line { vec![x] } else { vec![x, y] }.into());
     }
-    let replaced: Vec<String> = keys::<SourceArgs>().into_iter().chain(BESIDE.map(Into::into)).collect();
+    let of_source = keys::<SourceArgs>().into_iter().filter(|key| key != "stress_unit");
+    let replaced: Vec<String> = of_source.chain(BESIDE.map(Into::into)).collect();
     config.problem(&replaced, stored)
 }
 

@@ -10,6 +10,7 @@ use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
 use gfmd_problem::{Facts, Rest};
 use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
+use gfmd_unit::Units;
 
 use ndarray::{Array2, CowArray, Ix2};
 use serde::de::Error as _;
@@ -34,6 +35,7 @@ pub struct StateFile<'a> {
     share: Share,
     facts: Facts,
     chosen: Chosen,
+    units: Units,
 }
 
 /// The fields of each state that go into a file.
@@ -169,8 +171,8 @@ impl<'a> StateFile<'a> {
         };
         let (name, meaning) = Parts::of(facts.task).stored;
         let state = Dimension::index(name, states, meaning);
-        let unit = surface.unit();
-        let [x, y] = axes(&surface.grid, unit);
+        let units = surface.units();
+        let [x, y] = axes(&surface.grid, surface.unit());
         if surface.share.is_whole() {
             archive.as_mut().map_or(Ok(()), |archive| surface.write(archive, [&x, &y]))?;
         } else {
@@ -180,12 +182,13 @@ impl<'a> StateFile<'a> {
         failed?;
         if let Some(archive) = &mut archive {
             for array in chosen.of(&facts) {
-                let units = if array.unit == "length" { unit } else { array.unit };
-                let variable = Variable { dimensions: &[&state, &x, &y], units, long_name: array.meaning(&facts) };
+                let units = units.name(array.unit);
+                let variable =
+                    Variable { dimensions: &[&state, &x, &y], units: &units, long_name: array.meaning(&facts) };
                 archive.define(&path_of(array), &variable)?;
             }
         }
-        Ok(Self { archive, share: surface.share.clone(), facts, chosen })
+        Ok(Self { archive, share: surface.share.clone(), facts, chosen, units })
     }
 
     /// As [`create`](Self::create), with all fields that the input of a series has.
@@ -203,7 +206,7 @@ impl<'a> StateFile<'a> {
         let mut file = session.agree(Self::create(output, provenance, surface, states, *facts, chosen))?;
         let [x, y] = axes(&surface.grid, surface.unit());
         if let Some(base) = base {
-            session.agree(base.write(file.archive.as_mut(), &file.share, [&x, &y], surface.unit()))?;
+            session.agree(base.write(file.archive.as_mut(), &file.share, [&x, &y], &file.units))?;
         }
         lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower))?;
         session.agree(file.write_hardness(hardness.as_ref(), surface))?;
@@ -225,7 +228,7 @@ impl<'a> StateFile<'a> {
     /// A file that cannot be written.
     pub fn write_hardness(&mut self, hardness: Option<&Hardness>, surface: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&surface.grid, surface.unit());
-        hardness::write(hardness, self.archive.as_mut(), &self.share, [&x, &y])
+        hardness::write(hardness, self.archive.as_mut(), &self.share, [&x, &y], &self.units)
     }
 
     /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
@@ -257,7 +260,7 @@ impl<'a> StateFile<'a> {
         index: usize,
         fields: impl IntoIterator<Item = CowArray<'b, f64, Ix2>>,
     ) -> Result<(), Failure> {
-        let Self { archive, share, facts, chosen } = self;
+        let Self { archive, share, facts, chosen, .. } = self;
         let mut outcome = Ok(());
         for (array, field) in chosen.of(facts).zip(fields) {
             let path = &*path_of(array);
@@ -289,7 +292,8 @@ impl<'a> StateFile<'a> {
         let Some(mut archive) = self.archive else { return Ok(None) };
         let parts = Parts::of(self.facts.task);
         let rows = Dimension::index(parts.name, count, parts.meaning);
-        write_columns(&mut archive, (parts.group, &rows, [parts.name, parts.plural]), &self.facts, records, count)?;
+        let names = [parts.name, parts.plural];
+        write_columns(&mut archive, (parts.group, &rows, names), (&self.facts, &self.units), records, count)?;
         not_converged.map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         Ok(Some(archive.finish()?))
     }

@@ -7,6 +7,7 @@ use gfmd_contact::{Boundary, RigidSurface};
 use gfmd_law::Limit;
 use gfmd_problem::{Facts, GridError, Task, Unknown};
 use gfmd_record::{Record, columns};
+use gfmd_unit::Units;
 use serde::Serialize;
 
 use super::Slopes;
@@ -29,6 +30,8 @@ pub struct Head {
     pub length: [f64; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_unit: Option<String>,
     pub surface: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<Scan>,
@@ -125,6 +128,7 @@ impl Head {
             n: grid.points(),
             length: grid.lengths(),
             unit: given.unit.clone(),
+            stress_unit: given.stress_unit.clone(),
             surface: given.description.clone(),
             scan: given.scan.clone(),
             second: given.second.clone(),
@@ -151,6 +155,19 @@ impl Head {
         }
     }
 
+    /// The units of the numbers.
+    pub fn units(&self) -> Units {
+        Units::new(self.unit.as_deref(), self.stress_unit.as_deref())
+    }
+
+    /// A number of a kind in a unit that people read, or as it is with the word for a unit that is not known.
+    pub fn read(&self, value: f64, kind: &str, unknown: &str) -> String {
+        match self.units().shown(kind, value) {
+            Some(unit) => unit.text(value),
+            None => format!("{value:.6e}{unknown}"),
+        }
+    }
+
     /// Warns of slopes and strains that are not small.
     pub fn warn_of_slopes(&self, records: &[Record], facts: &Facts, session: &Session) {
         let Self { rms_gradient, max_slope: Some(max_slope), e_star, .. } = self else { return };
@@ -162,13 +179,17 @@ impl Head {
 
 impl fmt::Display for Head {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { n: [nx, ny], length, rms_gradient, rms_height, e_star, .. } = self;
+        let Self { n: [nx, ny], length: [lx, ly], rms_gradient, rms_height, e_star, .. } = self;
         let unit = self.unit.as_deref().unwrap_or("length units");
+        let length = |value: f64| self.read(value, "length", &format!(" {unit}"));
         writeln!(f, "{}", self.surface)?;
         if let Some(scan) = &self.scan {
             write!(f, "{scan}")?;
         }
-        writeln!(f, "{nx} x {ny} points, cell {:.6e} x {:.6e} {unit}", length[0], length[1])?;
+        match self.units().shown("length", lx.max(*ly)) {
+            Some(unit) => writeln!(f, "{nx} x {ny} points, cell {} x {}", unit.text(*lx), unit.text(*ly))?,
+            None => writeln!(f, "{nx} x {ny} points, cell {lx:.6e} x {ly:.6e} {unit}")?,
+        }
         let (kind, free) = if self.boundary == Some(Boundary::Free.name()) {
             ("differences", "; free boundaries: a patch on an unbounded body")
         } else {
@@ -177,7 +198,9 @@ impl fmt::Display for Head {
         let law = self.law.as_ref().map_or_else(String::new, |law| format!(", law {law}"));
         writeln!(
             f,
-            "rms gradient {rms_gradient:.6} ({kind}), rms height {rms_height:.6e} {unit}, E* = {e_star:.6e}{law}{free}{}\n",
+            "rms gradient {rms_gradient:.6} ({kind}), rms height {}, E* = {}{law}{free}{}\n",
+            length(*rms_height),
+            self.read(*e_star, "stress", ""),
             match self.components {
                 Unknown::Normal => "",
                 Unknown::All => "; u_x, u_y and u_z unknown, no lateral traction",
@@ -202,8 +225,9 @@ impl fmt::Display for Head {
             writeln!(f, "lower surface: {}", lower.surface)?;
             writeln!(
                 f,
-                "rms gradient {:.6} (spectral), rms height {:.6e} {unit}\n",
-                lower.rms_gradient, lower.rms_height
+                "rms gradient {:.6} (spectral), rms height {}\n",
+                lower.rms_gradient,
+                length(lower.rms_height)
             )?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness, Refusal, Solver};
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness, Load, Refusal, Solver};
 use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
@@ -96,6 +96,7 @@ impl Prepared {
         let limit = limit.transpose()?;
         let law = asked.law.build()?.into_shared();
         let surface = asked.source.bounded(asked.boundary, session)?;
+        session.agree(asked.body.check_modulus(surface.unit.as_deref()).map_err(Failure::from))?;
         let facts = facts(surface.grid.is_line());
         facts.check()?;
         let lower = asked.lower.read(asked.source, &surface, session)?;
@@ -207,6 +208,7 @@ impl Prepared {
             return Err(Refusal::Solver { found, allowed }.into());
         }
         let adhesion = self.adhesion(asked.law);
+        self.doubts(adhesion.as_ref()).into_iter().for_each(|doubt| session.warn(UNITS, doubt));
         if let Some(adhesion) = adhesion {
             adhesion.check(asked.law.coarse)?;
             tracing::info!("{adhesion}");
@@ -217,6 +219,47 @@ impl Prepared {
             session.warn("process-zone", unresolved);
         }
         Ok(contact)
+    }
+
+    /// The numbers of the problem that no material has, in words: signs that units are mixed up.
+    pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<String> {
+        let units = self.surface.units();
+        let (modulus, length) = (self.body.contact_modulus(), units.length().unwrap_or("length"));
+        let Some(metres) = units.metres() else { return Vec::new() };
+        let mut doubts = Vec::new();
+        // Without a unit of stress a large modulus can only be one in Pa.
+        let pascals = units.pascals().or_else(|| (modulus >= SOFTEST).then_some(1.0));
+        if let Some(pascals) = pascals
+            && modulus * pascals < SOFTEST
+        {
+            doubts.push(format!(
+                "the contact modulus is {:.3e} Pa, softer than any gel: lengths are in {length}, stresses in {}; --young 70GPa gives a \
+                 modulus with its unit",
+                modulus * pascals,
+                units.stress().unwrap_or_default()
+            ));
+        }
+        if let (Some(pascals), Some(adhesion)) = (pascals, adhesion) {
+            let work = adhesion.work * pascals * metres;
+            if work < WEAKEST {
+                doubts.push(format!(
+                    "the work of adhesion is {work:.1e} J/m^2, weaker than any attraction of solids (0.001 to 10): lengths are in \
+                     {length}, and so is the length in an energy per area; --param gamma=0.05J/m^2 gives it with its unit"
+                ));
+            }
+        }
+        doubts
+    }
+
+    /// Warns of drives far beyond full contact, which `flag` gives: units are mixed up.
+    pub fn warn_of_drives(&self, drives: &[Drive], flag: &str, session: &Session) {
+        let reduced = drives.iter().filter_map(|drive| match drive.load {
+            Load::MeanPressure(pressure) => Some(pressure / self.unit_pressure()),
+            Load::Approach(_) => None,
+        });
+        if let Some(doubt) = doubt_of_load(reduced.fold(0.0, f64::max), flag) {
+            session.warn(UNITS, doubt);
+        }
     }
 
     /// Checks that a contact can be solved under each of the drives, which `flag` gives.
@@ -240,6 +283,28 @@ impl Prepared {
             + &lower
             + &hardness::identity(self.hardness.as_ref())
     }
+}
+
+/// The code of warnings of units that are mixed up.
+const UNITS: &str = "units";
+
+/// The least contact modulus of a material, Pa: gels have some 10 kPa.
+const SOFTEST: f64 = 1e4;
+
+/// The least work of adhesion, J/m²: a hundredth of that of the weakest attraction between solids.
+const WEAKEST: f64 = 1e-5;
+
+/// The reduced pressure beyond which a load is no load of a rough contact: at 2 nearly all of the surface is in contact.
+const HIGHEST: f64 = 10.0;
+
+/// The words about a largest reduced pressure far beyond full contact, which `name` gives.
+pub fn doubt_of_load(p_star: f64, name: &str) -> Option<String> {
+    (p_star > HIGHEST).then(|| {
+        format!(
+            "{name} is {p_star:.3e} times E* g, far beyond full contact (some 2): pressure and modulus may be in different units; \
+             --pressure 1MPa and --young 70GPa give them with theirs"
+        )
+    })
 }
 
 /// Checks that a contact can be solved under a drive, which `name` gives.

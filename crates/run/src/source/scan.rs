@@ -8,6 +8,7 @@ use gfmd_field::Grid;
 use gfmd_files::legible::line;
 use gfmd_files::{Archive, Topography};
 use gfmd_surface::{Fill, Periodisation, Trend, fill, periodise, remove_from_defined};
+use gfmd_unit::{Conversion, Units};
 use ndarray::Array2;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -103,7 +104,18 @@ impl SourceArgs {
         let [nx, ny] = heights.dim().into();
         memory::fits(memory::SURFACE, file, [nx, ny])?;
         let mut notes = topography.notes;
-        let lengths = match (&self.length[..], topography.lengths.or(cell)) {
+        let mut size = topography.lengths;
+        let conversion = match (&topography.unit, &self.unit) {
+            (Some(from), Some(to)) => Conversion::between(from, to),
+            _ => Ok(None),
+        };
+        if let Some(conversion) = conversion.map_err(|error| Failure::input("--unit", format!("{file}: {error}")))? {
+            heights.mapv_inplace(|height| conversion.apply(height));
+            size = size.map(|lengths| lengths.map(|length| conversion.apply(length)));
+            notes.push(format!("heights and size converted {conversion}"));
+        }
+        let unit = self.unit.clone().or(topography.unit);
+        let lengths = match (&self.length[..], size.or(cell)) {
             ([], Some(lengths)) => lengths,
             ([], None) => {
                 notes.push("the file has no size; the cell is taken to be 1 long (--length gives it)".into());
@@ -113,10 +125,10 @@ impl SourceArgs {
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };
-        if let (false, Some([x, y])) = (self.length.is_empty(), topography.lengths) {
+        if let (false, Some([x, y])) = (self.length.is_empty(), size) {
             notes.push(format!("--length replaces the size in the file, {x:?} by {y:?}"));
         }
-        if topography.unit.is_none() {
+        if unit.is_none() {
             notes.push("the file has no unit".into());
         }
         let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--length", error))?;
@@ -156,7 +168,7 @@ impl SourceArgs {
             channel: topography.channel,
             n: [nx, ny],
             length: grid.lengths(),
-            unit: topography.unit,
+            unit,
             resolves: resolved(&grid),
             undefined,
             fill: used.map(Fill::name),
@@ -243,7 +255,18 @@ impl fmt::Display for Scan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([nx, ny], [longest, shortest]) = (self.n, self.resolves);
         let unit = self.unit.as_deref().unwrap_or("length");
-        writeln!(f, "format: {}; it resolves wavelengths from {longest:.4e} to {shortest:.4e} {unit}", self.format)?;
+        let known = Units::new(Some(unit), None);
+        let read = |value: f64| known.shown("length", value).map(|shown| shown.text(value));
+        match (read(longest), read(shortest)) {
+            (Some(longest), Some(shortest)) => {
+                writeln!(f, "format: {}; it resolves wavelengths from {longest} to {shortest}", self.format)?;
+            }
+            _ => writeln!(
+                f,
+                "format: {}; it resolves wavelengths from {longest:.4e} to {shortest:.4e} {unit}",
+                self.format
+            )?,
+        }
         match (self.undefined, self.fill) {
             (0, _) => {}
             (count, fill) => writeln!(

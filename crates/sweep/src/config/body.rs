@@ -33,7 +33,7 @@ impl BodyConfig {
         }
         let layer = layers.iter().filter_map(|layer| Layer::of(layer)).collect();
         let others = OtherArgs { base, base_young, base_poisson, layer, second_body: second };
-        let options = BodyArgs { young, poisson, height, others, ..BodyArgs::default() };
+        let options = BodyArgs { young: Some(young), poisson, height, others, ..BodyArgs::default() };
         let body = options.body().and_then(|body| options.others.check_heights(height, &[1.0]).map(|()| body));
         body.map_err(|unusable| SweepError::Body(in_fields(&unusable)))
     }

@@ -1,0 +1,226 @@
+//! Quantities with units, from end to end.
+
+use std::path::Path;
+
+use crate::common::{gfmd, json, numbers};
+use gfmd_files::Reader;
+use ndarray::Array2;
+use serde_json::Value;
+
+fn words(flags: &str) -> Vec<&str> {
+    flags.split_whitespace().map(|word| word.trim_matches('\'')).collect()
+}
+
+fn refused(folder: &Path, flags: &str) -> String {
+    let output = gfmd(folder, &words(flags));
+    assert_eq!(output.status.code(), Some(2), "{flags}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+fn warned(report: &Value) -> Vec<&str> {
+    let all = report["warnings"].as_array().unwrap().iter();
+    all.filter(|warning| warning["code"] == "units").map(|warning| warning["text"].as_str().unwrap()).collect()
+}
+
+/// A folder with a map of 24 x 24 points without a unit.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 24.0).cos();
+    let heights = Array2::from_shape_fn((24, 24), |(i, j)| 0.01 * (wave(i) * wave(j) + 0.3 * wave(3 * i + j)));
+    ndarray_npy::write_npy(folder.path().join("h.npy"), &heights).unwrap();
+    ndarray_npy::write_npy(folder.path().join("hard.npy"), &Array2::from_elem((24, 24), 2e9)).unwrap();
+    folder
+}
+
+/// Runs a command with bare numbers and one with units, whose files must have the same numbers; returns both reports.
+fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
+    let reports = [(bare, "bare.h5"), (with_units, "units.h5")]
+        .map(|(flags, out)| json(folder, &words(&format!("{flags} --json -q --out {out}"))));
+    let [bare, with_units] = ["bare.h5", "units.h5"].map(|name| numbers(&folder.join(name)));
+    assert_eq!(bare, with_units);
+    reports
+}
+
+#[test]
+fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
+    let folder = folder();
+    let surface = "contact --surface h.npy --length 10 --unit um --poisson 0.33";
+    same(
+        folder.path(),
+        &format!("{surface} --young 70e9 --pressure 1e6:1e9:3"),
+        &format!("{surface} --young=70GPa --pressure 1MPa:1GPa:3"),
+    );
+    same(
+        folder.path(),
+        &format!(
+            "{surface} --young 3e9 --height 2 --layer 1e9,0.3,5 --base half-space --base-young 2e8 --base-poisson 0.4 --displacement 0.003"
+        ),
+        &format!(
+            "{surface} --young 3GPa --height 2um --layer 1GPa,0.3,5e3nm --base half-space --base-young 0.2GPa --base-poisson 0.4 --displacement 3nm"
+        ),
+    );
+    same(
+        folder.path(),
+        &format!("{surface} --young 3e9 --boundary free --hardness 4e8 --pressure 2e7"),
+        &format!("{surface} --young 3GPa --boundary free --hardness 400N/mm^2 --pressure 200bar"),
+    );
+    // An energy per area is a stress times a length: 0.05 J/m² are 5e4 Pa µm.
+    let law = |law: &str| format!("{surface} --e-star 1e8 --law exponential --param {law} --coarse");
+    same(
+        folder.path(),
+        &format!("{} --displacement 0.001", law("gamma=5e4,range=0.5")),
+        &format!("{} --displacement 1nm", law("gamma=50mJ/m^2,range=500nm")),
+    );
+    // Lengths of another unit than those of the file, and stresses of another than Pa.
+    same(
+        folder.path(),
+        "contact --surface h.npy --length 10 --unit um --young 70 --stress-unit GPa --pressure 0.01",
+        "contact --surface h.npy --length 1e4nm --unit um --young 70GPa --stress-unit GPa --pressure 10MPa",
+    );
+}
+
+#[test]
+fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
+    let folder = folder();
+    let surface = "path --surface h.npy --length 10 --unit um --steps 3";
+    same(
+        folder.path(),
+        &format!("{surface} --young 1e9 --friction 0.3 --pressure 1e7 --lateral 0,0.002"),
+        &format!("{surface} --young 1GPa --friction 0.3 --pressure 10MPa --lateral 0,2nm"),
+    );
+    same(
+        folder.path(),
+        &format!("{surface} --young 1e9 --shear-strength 2e6 --pressure 1e7 --lateral 0,0.002,-0.001"),
+        &format!("{surface} --young 1GPa --shear-strength 2MPa --pressure 10MPa --lateral 0,2nm,-1nm"),
+    );
+    let run = format!(
+        "{surface} --young 1GPa --law morse --param gamma=0.05J/m^2 --param range=0.4um --displacement=-100nm,20nm,-50nm"
+    );
+    let whole = json(folder.path(), &words(&format!("{run} --json -q --out loop.h5")));
+    assert_eq!((&whole["unit"], &whole["stress_unit"]), (&"µm".into(), &"Pa".into()));
+    let file = Reader::open(folder.path().join("loop.h5")).unwrap();
+    let config = file.text("/", "config").unwrap();
+    for line in ["young = 1000000000.0", "stress_unit = \"Pa\"", "unit = \"µm\"", "displacement = [-0.1, 0.02, -0.05]"]
+    {
+        assert!(config.contains(line), "{line}: {config}");
+    }
+    for (variable, unit) in [
+        ("/fields/pressure", "Pa"),
+        ("/fields/gap", "µm"),
+        ("/path/mean_pressure", "Pa"),
+        ("/path/dissipated", "Pa*µm"),
+        ("/path/area_fraction", "1"),
+    ] {
+        assert_eq!(file.text(variable, "units").unwrap(), unit);
+    }
+    for flags in ["check loop.h5 --json", "check loop.h5 --rerun --json"] {
+        assert_eq!(json(folder.path(), &words(flags))["differences"], serde_json::json!([]), "{flags}");
+    }
+    // The words of a run that goes on may have other units for the same numbers.
+    let again = run.replace("gamma=0.05J/m^2", "gamma=5e4").replace("--young 1GPa", "--young 1e9 --stress-unit Pa");
+    let resumed = json(folder.path(), &words(&format!("{again} --json -q --out loop.h5 --resume")));
+    assert_eq!(whole["steps"][4]["mean_pressure"], resumed["steps"][4]["mean_pressure"]);
+}
+
+#[test]
+fn a_contact_with_units_is_checked_and_its_body_read() {
+    let folder = folder();
+    let run = "contact --surface h.npy --length 10um --unit um --young 2GPa --poisson 0.4 --height 30um --pressure 5MPa,20MPa \
+               --statistics --flow --conductor-height 1mm --hardness hard.npy --grid-error none --out c.h5 --json";
+    json(folder.path(), &words(run));
+    for flags in ["check c.h5 --json", "check c.h5 --rerun --json"] {
+        assert_eq!(json(folder.path(), &words(flags))["differences"], serde_json::json!([]), "{flags}");
+    }
+    let [bare, with_units] = ["0.5,2", "500nm,2um"]
+        .map(|depths| json(folder.path(), &words(&format!("body --surface c.h5 --depths {depths} --json"))));
+    assert_eq!(bare["levels"], with_units["levels"]);
+    let page = gfmd(folder.path(), &words("report c.h5 --out c.html"));
+    assert!(page.status.success(), "{}", String::from_utf8_lossy(&page.stderr));
+    let page = std::fs::read_to_string(folder.path().join("c.html")).unwrap();
+    assert!(page.contains("MPa") && page.contains("nm"), "units of the page");
+}
+
+#[test]
+fn a_file_of_another_unit_is_converted_and_one_without_gets_its_unit() {
+    let folder = folder();
+    json(folder.path(), &words("surface --surface h.npy --length 10 --unit um --out h.x3p --json"));
+    let run = |flags: &str| json(folder.path(), &words(&format!("contact {flags} --young 70GPa --p-star 0.05 --json")));
+    let [metres, nanometres] = ["--surface h.x3p", "--surface h.x3p --unit nm"].map(run);
+    assert_eq!((&metres["unit"], &nanometres["unit"]), (&"m".into(), &"nm".into()));
+    let number = |report: &Value, key: &str| report[key].as_f64().unwrap();
+    let ratio = number(&nanometres, "rms_height") / number(&metres, "rms_height");
+    assert!((ratio / 1e9 - 1.0).abs() < 1e-12, "{ratio}");
+    assert_eq!(nanometres["length"][0], 1e4);
+    let notes = nanometres["scan"]["notes"].to_string();
+    assert!(notes.contains("converted from m to nm, 1 m = 1000000000 nm"), "{notes}");
+    // Two files of different units meet in that which is asked for.
+    let pair = "--surface h.x3p --second-surface h.npy --unit um --length 10";
+    assert_eq!(run(pair)["unit"], "µm");
+    let generated = run("--n 32 --unit mm --length 2cm");
+    assert_eq!((&generated["unit"], &generated["length"][0]), (&"mm".into(), &20.0.into()));
+}
+
+#[test]
+fn refusals_name_the_flag_and_what_to_do() {
+    let folder = folder();
+    for (flags, parts) in [
+        ("contact --n 16 --young 70GPa --p-star 0.1", ["--young: \"70GPa\"", "--unit gives them one"]),
+        ("contact --surface h.npy --pressure 1MPa", ["--pressure: \"1MPa\"", "--unit gives them one"]),
+        ("contact --n 16 --unit um --young 70nm --p-star 0.1", ["--young: \"70nm\"", "it must be a stress"]),
+        ("contact --n 16 --unit um --young 70Gpa --p-star 0.1", ["--young: \"70Gpa\"", "is no unit"]),
+        ("contact --n 16 --unit um --young 1GPa --p-star 1MPa", ["--p-star", "1MPa"]),
+        ("contact --n 16 --unit V --p-star 0.1", ["--unit", "a unit of length"]),
+        ("contact --n 16 --unit um --stress-unit um --p-star 0.1", ["--stress-unit", "a unit of stress"]),
+        ("contact --n 16 --unit um --p-star 0.1", ["--young is missing; lengths are in µm", "--e-star 1"]),
+        ("theory --n 16 --unit um --p-star 0.1", ["--young is missing", "--e-star 1"]),
+        ("path --n 16 --unit um --p-star 0.1,0.2", ["--young is missing", "--e-star 1"]),
+        ("punch --young 70GPa", ["--young is 70GPa", "the lengths of punch have none"]),
+        ("damping --height 1um", ["--height is 1um", "the lengths of damping have none"]),
+        ("law --law morse --param gamma=1J/m^2 --param range=1 --normal 0", ["--param is gamma=1J/m^2", "have none"]),
+    ] {
+        let error = refused(folder.path(), flags);
+        assert!(parts.iter().all(|part| error.contains(part)) && error.lines().count() == 1, "{flags}: {error}");
+    }
+    // What needs no unit has none: reduced quantities of a surface with a unit.
+    json(folder.path(), &words("contact --n 16 --unit um --e-star 1 --p-star 0.1 --json"));
+}
+
+#[test]
+fn units_that_are_mixed_up_are_told() {
+    let folder = folder();
+    let run =
+        |flags: &str| json(folder.path(), &words(&format!("contact --surface h.npy --length 10 {flags} --json -q")));
+    let says = |flags: &str, expected: &[&str]| {
+        let report = run(flags);
+        let found = warned(&report);
+        assert_eq!(found.len(), expected.len(), "{flags}: {found:?}");
+        found.iter().zip(expected).for_each(|(text, part)| assert!(text.contains(part), "{flags}: {text}"));
+    };
+    says("--unit m --young 70 --p-star 0.1", &["the contact modulus is 7.000e1 Pa"]);
+    says("--unit m --young 70e9 --pressure 1e8", &[]);
+    says("--unit um --young 70 --pressure 1MPa", &["the contact modulus", "--pressure is"]);
+    says("--young 70 --pressure 1e6", &["far beyond full contact"]);
+    says("--unit um --young 70 --pressure 0.1", &[]);
+    says("--young 1 --pressure 0.01", &[]);
+    let law = |gamma: &str| {
+        format!("--unit um --young 1e8 --law exponential --param gamma={gamma},range=0.3 --p-star 0.1 --coarse")
+    };
+    says(&law("0.05"), &["the work of adhesion is 5.0e-8 J/m^2"]);
+    says(&law("0.05J/m^2"), &[]);
+}
+
+#[test]
+fn people_read_prefixes_and_programs_consistent_units() {
+    let folder = folder();
+    let flags = "contact --surface h.npy --length 10 --unit um --young 70GPa --pressure 5MPa,200MPa";
+    let output = gfmd(folder.path(), &words(flags));
+    let text = String::from_utf8(output.stdout).unwrap();
+    for part in ["cell 10 µm x 10 µm", "E* = 70 GPa", "pressure / MPa", "mean gap / nm", "stiffness / (GPa/µm)"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let report = json(folder.path(), &words(&format!("{flags} --json")));
+    assert_eq!((&report["e_star"], &report["loads"][0]["mean_pressure"]), (&70e9.into(), &5e6.into()));
+    // Without a unit nothing is scaled.
+    let output = gfmd(folder.path(), &words("contact --surface h.npy --length 10 --young 70e9 --pressure 5e6"));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("  5.0000e6"));
+}

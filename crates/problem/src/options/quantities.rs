@@ -1,0 +1,248 @@
+//! Options whose numbers may have a unit, and the texts of their values with bare numbers in place of these.
+//!
+//! Numbers with a unit become numbers of the problem before anything else reads them: what is parsed, recorded and computed with is
+//! a plain number in the units of the surface.
+
+use gfmd_law::Kind;
+use gfmd_unit::{Quantity, Units};
+use toml::Value;
+
+use crate::Unusable;
+
+/// The kinds of the numbers of options, by their keys: those of a list in turn.
+const KINDS: &[(&str, &[&str])] = &[
+    ("young", &["stress"]),
+    ("e_star", &["stress"]),
+    ("base_young", &["stress"]),
+    ("layer", &["stress", "1", "length"]),
+    ("second_body", &["stress", "1", "length"]),
+    ("height", &["length"]),
+    ("pressure", &["stress"]),
+    ("displacement", &["length"]),
+    ("lateral", &["length"]),
+    ("shear_strength", &["stress"]),
+    ("hardness", &["stress"]),
+    ("param", &["1"]),
+    ("length", &["length"]),
+    ("shift", &["length"]),
+    ("rms_height", &["length"]),
+    ("roll_off", &["length"]),
+    ("conductor_height", &["length"]),
+    ("history_point", &["length", "length", "1"]),
+    ("wavelength", &["length"]),
+    ("fit_range", &["length"]),
+    ("mean_traction", &["stress"]),
+    ("wave", &["1", "1", "1", "length"]),
+    ("depths", &["length"]),
+    ("deepest", &["length"]),
+    ("slice", &["length"]),
+    ("depth", &["length"]),
+    ("normal", &["length"]),
+    ("tangential", &["length"]),
+    ("z", &["length"]),
+    ("qx", &["1/length"]),
+    ("qy", &["1/length"]),
+];
+
+/// True if the numbers of an option may have a unit.
+pub fn takes_units(key: &str) -> bool {
+    kinds(key).is_some()
+}
+
+/// The keys of the options whose numbers may have a unit.
+pub fn keys_with_units() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|(key, _)| *key)
+}
+
+fn kinds(key: &str) -> Option<&'static [&'static str]> {
+    KINDS.iter().find(|(other, _)| *other == key).map(|(_, kinds)| *kinds)
+}
+
+/// The kind of a parameter of a law; that of a number without a unit if no law has it.
+fn kind_of_parameter(name: &str) -> &'static str {
+    let parameters = Kind::ALL.into_iter().flat_map(|kind| kind.parameters());
+    parameters.into_iter().find(|parameter| parameter.name == name).map_or("1", |parameter| parameter.units)
+}
+
+/// Takes the quantities of options one by one, and gives the numbers that stand in their place.
+pub trait Take {
+    /// The number in place of a quantity of an option, whose kind must be this one.
+    ///
+    /// # Errors
+    /// A quantity of another kind, or without a value.
+    fn take(&mut self, flag: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable>;
+}
+
+/// Finds out whether there is a quantity with a unit, and whether one of them has a part of stress.
+#[derive(Debug, Default)]
+pub struct Sought {
+    /// True if there is a quantity with a unit.
+    pub any: bool,
+    /// True if one has stress in it.
+    pub stress: bool,
+}
+
+impl Take for Sought {
+    fn take(&mut self, _: &str, quantity: &Quantity, _: &str) -> Result<f64, Unusable> {
+        self.any = true;
+        self.stress |= quantity.dimension().stress != 0;
+        Ok(1.0)
+    }
+}
+
+impl Take for &Units {
+    fn take(&mut self, flag: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
+        self.value(quantity, kind).map_err(|error| Unusable::input(flag, format!("{:?}: {error}", quantity.text())))
+    }
+}
+
+/// The name of the flag of a key.
+fn flag(key: &str) -> String {
+    format!("--{}", key.replace('_', "-"))
+}
+
+/// One number, or text that is none; `None` if it stays.
+fn number(key: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
+    // The hardness may be the name of a file.
+    if key == "hardness" && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
+        return Ok(None);
+    }
+    let flag = flag(key);
+    match Quantity::parse(text) {
+        Ok(Some(quantity)) => take.take(&flag, &quantity, kind).map(Some),
+        Ok(None) => Ok(None),
+        Err(error) => Err(Unusable::input(&flag, format!("{text:?}: {error}"))),
+    }
+}
+
+/// The text of the value of an option with bare numbers; `None` if it has no unit, or the option takes none.
+///
+/// # Errors
+/// A text that is no unit; a quantity that cannot be used.
+pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Option<String>, Unusable> {
+    let Some(kinds) = kinds(key) else { return Ok(None) };
+    let mut changed = false;
+    let mut entries = Vec::new();
+    for (index, entry) in text.split(',').enumerate() {
+        let (name, values) = entry.split_once('=').map_or((None, entry), |(name, value)| (Some(name), value));
+        let kind = if key == "param" {
+            kind_of_parameter(name.unwrap_or_default().trim())
+        } else {
+            kinds[index % kinds.len()]
+        };
+        let mut parts = Vec::new();
+        for part in values.split(':') {
+            let found = number(key, part, kind, take)?;
+            changed |= found.is_some();
+            parts.push(found.map_or_else(|| part.to_owned(), |number| format!("{number:e}")));
+        }
+        let parts = parts.join(":");
+        entries.push(name.map_or_else(|| parts.clone(), |name| format!("{name}={parts}")));
+    }
+    Ok(changed.then(|| entries.join(",")))
+}
+
+/// Puts bare numbers in place of the texts with a unit in the value of an option in a table.
+///
+/// # Errors
+/// As [`text_in_units`].
+pub fn value_in_units(key: &str, value: &mut Value, take: &mut impl Take) -> Result<(), Unusable> {
+    let Some(kinds) = kinds(key) else { return Ok(()) };
+    in_list(key, value, kinds[0], take)
+}
+
+fn in_list(key: &str, value: &mut Value, kind: &str, take: &mut impl Take) -> Result<(), Unusable> {
+    match value {
+        Value::String(text) => {
+            // A slice and a wave are texts, a list in one text has its commas.
+            if let Some(number) = number_alone(key, text, kind, take)? {
+                *value = Value::Float(number);
+            } else if let Some(text) = text_in_units(key, text, take)? {
+                *value = Value::String(text);
+            }
+        }
+        Value::Array(entries) => {
+            let all = kinds(key).unwrap_or_default();
+            // A parameter of a law is its name and its value.
+            let named = entries.first().and_then(Value::as_str).filter(|_| key == "param" && entries.len() == 2);
+            let named = named.map(kind_of_parameter);
+            for (index, entry) in entries.iter_mut().enumerate() {
+                in_list(key, entry, named.unwrap_or(all[index % all.len()]), take)?;
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+fn number_alone(key: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
+    if text.contains([',', '=', ':']) { Ok(None) } else { number(key, text, kind, take) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(key: &str, text: &str) -> Result<Option<String>, String> {
+        let units = Units::new(Some("nm"), None);
+        text_in_units(key, text, &mut &units).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn texts_have_bare_numbers_in_place_of_quantities() {
+        for (key, text, found) in [
+            ("young", "70GPa", Some("7e10")),
+            ("young", "70e9", None),
+            ("p_star", "0.1", None),
+            ("pressure", "1kPa:1MPa:4,2 MPa,5", Some("1e3:1e6:4,2e6,5")),
+            ("pressure", "1e3:1e6:4", None),
+            ("layer", "3 GPa,0.3,2 µm", Some("3e9,0.3,2e3")),
+            ("second_body", "3GPa,0.3", Some("3e9,0.3")),
+            ("param", "gamma=0.05J/m^2,range=2 nm", Some("gamma=5e7,range=2e0")),
+            ("param", "curvature=1e15 Pa/m", Some("curvature=1e6")),
+            ("height", "inf", None),
+            ("slice", "y=2um", Some("y=2e3")),
+            ("wave", "1,1,z,5nm", Some("1,1,z,5e0")),
+            ("hardness", "2GPa", Some("2e9")),
+            ("hardness", "2um.npy", None),
+            ("lateral", "0,-2nm", Some("0,-2e0")),
+        ] {
+            assert_eq!(texts(key, text), Ok(found.map(str::to_owned)), "{key} {text}");
+        }
+    }
+
+    #[test]
+    fn wrong_quantities_are_named_with_their_flag() {
+        for (key, text, words) in [
+            ("young", "70GPaa", "--young: \"70GPaa\": \"GPaa\" is no unit"),
+            ("base_young", "3nm", "--base-young: \"3nm\": it is a length"),
+            ("param", "gamma=1 Pa", "--param: \"1 Pa\": it is a stress (such as MPa); it must be an energy per area"),
+            ("param", "r=1 Pa", "it must be a number without a unit"),
+            ("layer", "1GPa,0.3Pa,1nm", "it must be a number without a unit"),
+        ] {
+            let error = texts(key, text).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+        let error = text_in_units("young", "1Pa", &mut &Units::default()).unwrap_err().to_string();
+        assert!(error.contains("--unit gives them one"), "{error}");
+    }
+
+    #[test]
+    fn tables_have_bare_numbers_in_place_of_texts() {
+        let units = Units::new(Some("µm"), Some("MPa"));
+        let mut table: toml::Table = toml::from_str(
+            "young = '70GPa'\nlayer = [['2GPa', 0.3, '3mm'], [1.0, 0.2, 0.5]]\nheight = 'inf'\npressure = ['1kPa', 2.0]\n\
+             param = [['gamma', '0.05J/m^2'], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1mm'\nlaw = 'morse'",
+        )
+        .unwrap();
+        for (key, value) in &mut table {
+            value_in_units(key, value, &mut &units).unwrap();
+        }
+        let wanted: toml::Table = toml::from_str(
+            "young = 70000.0\nlayer = [[2000.0, 0.3, 3000.0], [1.0, 0.2, 0.5]]\nheight = 'inf'\npressure = [0.001, 2.0]\n\
+             param = [['gamma', 0.05], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1e3'\nlaw = 'morse'",
+        )
+        .unwrap();
+        assert_eq!(table, wanted);
+    }
+}

@@ -1,0 +1,173 @@
+//! Quantities with units among words and tables: bare numbers in the units of their surface in their place, before they are parsed.
+
+use std::ffi::OsString;
+
+use clap::Command;
+use gfmd_files::{Reader, Topography, split_dataset};
+use gfmd_problem::options::given::{Arrays, Given};
+use gfmd_problem::options::quantities::{Sought, takes_units, text_in_units, value_in_units};
+use gfmd_unit::Units;
+use toml::{Table, Value};
+
+use crate::failure::Failure;
+
+/// The key and the flag of the unit of lengths.
+const UNIT: &str = "unit";
+
+/// The key of the unit of stresses.
+const STRESS_UNIT: &str = "stress_unit";
+
+/// The command whose units are those of a result.
+const BODY: &str = "body";
+
+/// True if the lengths of a command have no unit.
+fn without_units(command: &str) -> bool {
+    !matches!(command, "contact" | "path" | "surface" | "theory" | BODY)
+}
+
+/// The refusal of a quantity with a unit by a command without units.
+fn refused(command: &str, key: &str, text: &str) -> Failure {
+    let allowed = format!("a number without a unit, since the lengths of {command} have none");
+    Failure::value(&format!("--{}", key.replace('_', "-")), text, allowed)
+}
+
+/// The source of the units of a problem.
+#[derive(Default)]
+struct Source {
+    unit: Option<String>,
+    stress_unit: Option<String>,
+    surface: Option<String>,
+    channel: Option<String>,
+}
+
+impl Source {
+    /// The units of the problem: those that are given, of a result those that it has, or the unit in the file of the surface.
+    fn units(&self) -> Result<Units, Failure> {
+        let stress = self.stress_unit.as_deref();
+        let surface = match (&self.unit, &self.surface) {
+            (None, Some(surface)) => surface,
+            (unit, _) => return Ok(Units::new(unit.as_deref(), stress)),
+        };
+        let (file, _) = split_dataset(surface).unwrap_or((surface, ""));
+        if let Some(units) = Reader::open(file).ok().and_then(|reader| units_of_result(&reader)) {
+            return Ok(Units::new(units.length(), stress.or(units.stress())));
+        }
+        let topography = Topography::read(surface, self.channel.as_deref());
+        let topography = topography.map_err(|error| Failure::Input(error.to_string()))?;
+        Ok(Units::new(topography.unit.as_deref(), stress))
+    }
+}
+
+/// The units of a result; `None` of a file that is none.
+pub fn units_of_result(reader: &Reader) -> Option<Units> {
+    let config: Table = reader.text("/", "config").ok()?.parse().ok()?;
+    let stress = config.get(STRESS_UNIT).and_then(Value::as_str);
+    let length = crate::result::stored_unit(reader, "/surface");
+    Some(Units::new(length.as_deref(), stress))
+}
+
+/// The words of a command line, of which the first is the program, with bare numbers in place of quantities with a unit.
+///
+/// # Errors
+/// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit.
+pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
+    let Some(sub) = words.iter().find_map(|word| command.find_subcommand(word)) else { return Ok(words) };
+    // The place of each value, the key of its option, and what stands before it in its word.
+    let mut values: Vec<(usize, String, String, String)> = Vec::new();
+    let mut open: Option<(String, usize)> = None;
+    for (index, word) in words.iter().enumerate() {
+        let Some(text) = word.to_str() else { continue };
+        if let Some(name) = text.strip_prefix("--") {
+            let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
+            let found = sub.get_arguments().find(|argument| argument.get_long() == Some(name));
+            let key = found.map(|argument| argument.get_id().to_string());
+            let most =
+                found.map_or(0, |argument| match (argument.get_action().takes_values(), argument.get_num_args()) {
+                    (true, Some(range)) => range.max_values(),
+                    (takes, None) => usize::from(takes),
+                    (false, _) => 0,
+                });
+            open = None;
+            match (key, value) {
+                (Some(key), Some(value)) => values.push((index, key, format!("--{name}="), value.into())),
+                (Some(key), None) if most > 0 => open = Some((key, most)),
+                _ => {}
+            }
+        } else if let Some((key, left)) = open.take() {
+            values.push((index, key.clone(), String::new(), text.into()));
+            open = (left > 1).then_some((key, left - 1));
+        }
+    }
+    let mut sought = Sought::default();
+    for (_, key, _, text) in &values {
+        text_in_units(key, text, &mut sought)?;
+    }
+    if !sought.any {
+        return Ok(words);
+    }
+    let value_of = |name: &str| values.iter().find(|(_, key, ..)| key == name).map(|(.., text)| text.clone());
+    let has_unit = |(_, key, _, text): &&(_, String, _, String)| {
+        matches!(text_in_units(key, text, &mut Sought::default()), Ok(Some(_)))
+    };
+    if without_units(sub.get_name())
+        && let Some((_, key, _, text)) = values.iter().find(has_unit)
+    {
+        return Err(refused(sub.get_name(), key, text));
+    }
+    let source = Source {
+        unit: value_of(UNIT),
+        stress_unit: value_of(STRESS_UNIT),
+        surface: value_of("surface"),
+        channel: value_of("channel"),
+    };
+    let units = source.units()?;
+    let mut words = words;
+    for (index, key, before, text) in &values {
+        if let Some(text) = text_in_units(key, text, &mut &units)? {
+            words[*index] = format!("{before}{text}").into();
+        }
+    }
+    // Where a stress has a unit, that of those without one is Pa: it is recorded.
+    if sub.get_name() != BODY && sought.stress && units.stress().is_none() {
+        words.extend(["--stress-unit".into(), Units::PASCAL.into()]);
+    }
+    Ok(words)
+}
+
+/// As [`of_words`], of a table of options and the arrays beside it.
+///
+/// # Errors
+/// As `of_words`.
+pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays) -> Result<(), Failure> {
+    let mut sought = Sought::default();
+    for (key, value) in table.iter().filter(|(key, _)| takes_units(key)) {
+        value_in_units(key, &mut value.clone(), &mut sought)?;
+    }
+    if !sought.any {
+        return Ok(());
+    }
+    if without_units(command)
+        && let Some(found) = table.iter().find(|(key, value)| {
+            let mut sought = Sought::default();
+            value_in_units(key, &mut (*value).clone(), &mut sought).is_ok() && sought.any
+        })
+    {
+        return Err(refused(command, found.0, &found.1.to_string()));
+    }
+    let text = |key: &str| table.get(key).and_then(Value::as_str).map(str::to_owned);
+    let mut source =
+        Source { unit: text(UNIT), stress_unit: text(STRESS_UNIT), surface: text("surface"), channel: text("channel") };
+    if let Some(Given::Load(load)) = arrays.get("surface") {
+        let recorded = |key: &str| load.config.get(key).and_then(Value::as_str).map(str::to_owned);
+        source.unit = source.unit.or_else(|| recorded(UNIT));
+        source.stress_unit = source.stress_unit.or_else(|| recorded(STRESS_UNIT));
+    }
+    let units = source.units()?;
+    for (key, value) in table.iter_mut() {
+        value_in_units(key, value, &mut &units)?;
+    }
+    if command != BODY && sought.stress && units.stress().is_none() {
+        table.insert(STRESS_UNIT.into(), Units::PASCAL.into());
+    }
+    Ok(())
+}

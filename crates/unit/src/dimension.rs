@@ -1,0 +1,99 @@
+//! Powers of stress, length and time.
+
+use std::fmt;
+
+/// The dimension of a number: its powers of stress, length and time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dimension {
+    /// The power of stress.
+    pub stress: i32,
+    /// The power of length.
+    pub length: i32,
+    /// The power of time.
+    pub time: i32,
+}
+
+impl Dimension {
+    /// A number without a dimension.
+    pub const NONE: Self = Self { stress: 0, length: 0, time: 0 };
+
+    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`; `None` for words that
+    /// are no such kind.
+    pub fn of(kind: &str) -> Option<Self> {
+        let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));
+        let mut found = Self::NONE;
+        let factors = over.split('*').map(|factor| (factor, 1)).chain(under.into_iter().map(|factor| (factor, -1)));
+        for (factor, sign) in factors {
+            let (name, power) = factor.split_once('^').map_or((factor, "1"), |parts| parts);
+            let power = sign * power.parse::<i32>().ok()?;
+            match name {
+                "1" => {}
+                "stress" => found.stress += power,
+                "length" => found.length += power,
+                "time" => found.time += power,
+                _ => return None,
+            }
+        }
+        Some(found)
+    }
+
+    /// The dimension of a number to this power, times that of another one.
+    pub(crate) fn times(self, other: Self, power: i32) -> Self {
+        Self {
+            stress: self.stress + power * other.stress,
+            length: self.length + power * other.length,
+            time: self.time + power * other.time,
+        }
+    }
+
+    /// The kind in words, and a unit of it as an example.
+    fn words(self) -> (&'static str, &'static str) {
+        match (self.stress, self.length, self.time) {
+            (0, 0, 0) => ("a number without a unit", "1"),
+            (1, 0, 0) => ("a stress", "MPa"),
+            (0, 1, 0) => ("a length", "µm"),
+            (0, 2, 0) => ("an area", "µm^2"),
+            (1, 1, 0) => ("an energy per area", "J/m^2"),
+            (1, 2, 0) => ("a force", "N"),
+            (1, 3, 0) => ("an energy", "J"),
+            (1, -1, 0) => ("a stress per length", "Pa/m"),
+            (0, 0, 1) => ("a time", "s"),
+            (1, 0, 1) => ("a viscosity", "Pa*s"),
+            _ => ("another quantity", ""),
+        }
+    }
+}
+
+impl fmt::Display for Dimension {
+    /// Writes the kind of quantity in words: `a stress (such as MPa)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (words, example) = self.words();
+        f.write_str(words)?;
+        if matches!(example, "" | "1") { Ok(()) } else { write!(f, " (such as {example})") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_of_results_have_dimensions() {
+        let of = |kind: &str| Dimension::of(kind).map(|found| (found.stress, found.length, found.time));
+        for (kind, powers) in [
+            ("1", (0, 0, 0)),
+            ("stress", (1, 0, 0)),
+            ("stress*length", (1, 1, 0)),
+            ("stress*length^2", (1, 2, 0)),
+            ("stress/length", (1, -1, 0)),
+            ("1/length", (0, -1, 0)),
+            ("1/length^2", (0, -2, 0)),
+            ("stress^2*length^2", (2, 2, 0)),
+            ("1/time^2", (0, 0, -2)),
+        ] {
+            assert_eq!(of(kind), Some(powers), "{kind}");
+        }
+        assert_eq!(of("force on the patch"), None);
+        assert_eq!(of("stress^x"), None);
+    }
+}

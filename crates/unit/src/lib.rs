@@ -1,0 +1,30 @@
+//! Units: the text `70 GPa` as a number in the units of a problem, and numbers of a problem in units that people read.
+//!
+//! A problem has a unit of length and a unit of stress, independent of each other: an energy per area is a stress times a length,
+//! whatever the two are ([`Units`]). A [`Dimension`] says which powers of the two a number has; it is written as in the tables of
+//! results, `stress*length`. Numbers without a unit are not touched.
+//!
+//! ```
+//! use gfmd_unit::{Quantity, Units};
+//!
+//! let units = Units::new(Some("nm"), Some("Pa"));
+//! let value = |text: &str, kind: &str| units.value(&Quantity::parse(text).unwrap().unwrap(), kind).unwrap();
+//! assert_eq!(value("70 GPa", "stress"), 70e9);
+//! assert_eq!(value("0.05 J/m^2", "stress*length"), 0.05e9);
+//! assert_eq!(Quantity::parse("70e9"), Ok(None));
+//! assert_eq!(units.shown("stress", 7.1e8).unwrap().to_string(), "MPa");
+//! ```
+//!
+//! Not here: units of files (`topography` reads them), flags (`problem`).
+
+mod dimension;
+mod length;
+mod quantity;
+mod shown;
+mod units;
+
+pub use dimension::Dimension;
+pub use length::{Conversion, canonical, convert_lengths, is_length};
+pub use quantity::{Quantity, UnknownUnit};
+pub use shown::Shown;
+pub use units::{Units, Unusable};

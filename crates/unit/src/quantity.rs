@@ -1,0 +1,233 @@
+//! Numbers with a unit, from text.
+
+use crate::Dimension;
+use crate::length;
+
+/// A number with a unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// The text.
+    text: String,
+    /// The decimal digits of the number, without its power of ten.
+    digits: String,
+    /// The unit.
+    unit: Unit,
+}
+
+/// A unit: a product of powers of units, count·10^power in Pa, m and s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Unit {
+    pub(crate) dimension: Dimension,
+    pub(crate) power: i32,
+    pub(crate) count: f64,
+}
+
+/// A text that is no unit.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, s, with prefixes, as in GPa, \
+         J/m^2, N/mm^2, Pa*s"
+)]
+pub struct UnknownUnit(String);
+
+/// Units with a prefix of SI, and their sizes.
+const PREFIXED: [(&str, Dimension, i32); 5] = [
+    ("Pa", Dimension { stress: 1, length: 0, time: 0 }, 0),
+    ("bar", Dimension { stress: 1, length: 0, time: 0 }, 5),
+    ("N", Dimension { stress: 1, length: 2, time: 0 }, 0),
+    ("J", Dimension { stress: 1, length: 3, time: 0 }, 0),
+    ("s", Dimension { stress: 0, length: 0, time: 1 }, 0),
+];
+
+/// The prefixes of SI that are in use, `u` and both letters mu for micro.
+const PREFIXES: [(&str, i32); 14] = [
+    ("", 0),
+    ("T", 12),
+    ("G", 9),
+    ("M", 6),
+    ("k", 3),
+    ("h", 2),
+    ("c", -2),
+    ("m", -3),
+    ("µ", -6),
+    ("μ", -6),
+    ("u", -6),
+    ("n", -9),
+    ("p", -12),
+    ("f", -15),
+];
+
+impl Quantity {
+    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. `None` for a number without a unit, and for
+    /// text that does not begin with a number.
+    ///
+    /// # Errors
+    /// A number with words that are no unit.
+    pub fn parse(text: &str) -> Result<Option<Self>, UnknownUnit> {
+        let trimmed = text.trim();
+        let begins = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.');
+        if !trimmed.starts_with(begins) {
+            return Ok(None);
+        }
+        let is_number = |end: &usize| trimmed.get(..*end).is_some_and(|start| start.parse::<f64>().is_ok());
+        // `2E` of `2EPa` is no number, and `2e3` of `2e3Pa` is one.
+        let mut ends = trimmed.char_indices().map(|(index, _)| index).chain([trimmed.len()]);
+        let Some(end) = ends.rfind(is_number) else { return Ok(None) };
+        let (number, rest) = trimmed.split_at(end);
+        let name = rest.trim();
+        if name.is_empty() || name.starts_with(begins) {
+            return Ok(None);
+        }
+        let unit = Unit::parse(name).ok_or_else(|| UnknownUnit(name.into()))?;
+        let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+        let exponent: i32 = exponent.parse().map_err(|_| UnknownUnit(name.into()))?;
+        let unit = Unit { power: unit.power.saturating_add(exponent), ..unit };
+        Ok(Some(Self { text: trimmed.into(), digits: digits.into(), unit }))
+    }
+
+    /// The text as it was given.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The dimension.
+    pub fn dimension(&self) -> Dimension {
+        self.unit.dimension
+    }
+
+    /// The number in a unit of the same dimension, correctly rounded if both are powers of ten of Pa, m and s.
+    pub(crate) fn over(&self, unit: &Unit) -> f64 {
+        let power = self.unit.power.saturating_sub(unit.power);
+        let times_ten = |digits: &str| format!("{digits}e{power}").parse().unwrap_or(f64::NAN);
+        match self.digits.parse::<f64>() {
+            Ok(number) if self.unit.count != unit.count => {
+                times_ten(&(number * self.unit.count / unit.count).to_string())
+            }
+            _ => times_ten(&self.digits),
+        }
+    }
+}
+
+impl Unit {
+    pub(crate) const ONE: Self = Self { dimension: Dimension::NONE, power: 0, count: 1.0 };
+
+    /// Parses a product of powers of units; a slash divides by what follows it alone.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let mut found = Self::ONE;
+        let mut rest = text.trim();
+        let mut sign = 1;
+        // `1/m`, whose number is the one.
+        if let Some(under) = rest.strip_prefix('/') {
+            (sign, rest) = (-1, under.trim_start());
+        }
+        loop {
+            let end = rest.find(|c: char| matches!(c, '*' | '·' | '/') || c.is_whitespace()).unwrap_or(rest.len());
+            let (factor, behind) = rest.split_at(end);
+            found = found.times(Self::factor(factor)?, sign)?;
+            let behind = behind.trim_start();
+            let Some(next) = behind.chars().next() else { return Some(found) };
+            (sign, rest) = match next {
+                '/' => (-1, behind[1..].trim_start()),
+                '*' | '·' => (1, behind[next.len_utf8()..].trim_start()),
+                _ => (1, behind),
+            };
+        }
+    }
+
+    /// One unit to a power: `m`, `mm^2`, `µm²`, `s^-1`.
+    fn factor(text: &str) -> Option<Self> {
+        const RAISED: [(char, char); 4] = [('²', '2'), ('³', '3'), ('¹', '1'), ('⁻', '-')];
+        let is_power =
+            |c: char| c == '^' || c == '-' || c.is_ascii_digit() || RAISED.iter().any(|(raised, _)| *raised == c);
+        let (name, power) = text.split_at(text.find(is_power).unwrap_or(text.len()));
+        let plain = |c: char| RAISED.iter().find(|(raised, _)| *raised == c).map_or(c, |(_, plain)| *plain);
+        let digits: String = power.strip_prefix('^').unwrap_or(power).chars().map(plain).collect();
+        let power = if power.is_empty() { 1 } else { digits.parse().ok().filter(|power: &i32| power.abs() < 10)? };
+        Self::ONE.times(Self::named(name)?, power)
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        if let Some(unit) = length::find(name) {
+            let dimension = Dimension { length: 1, ..Dimension::NONE };
+            return Some(Self { dimension, power: unit.power, count: f64::from(unit.count) });
+        }
+        PREFIXED.iter().find_map(|(symbol, dimension, power)| {
+            let prefix = name.strip_suffix(symbol)?;
+            let (_, tens) = PREFIXES.iter().find(|(known, _)| *known == prefix)?;
+            Some(Self { dimension: *dimension, power: power + tens, count: 1.0 })
+        })
+    }
+
+    /// This unit times another one to a power.
+    pub(crate) fn times(self, other: Self, power: i32) -> Option<Self> {
+        Some(Self {
+            dimension: self.dimension.times(other.dimension, power),
+            power: self.power.checked_add(other.power.checked_mul(power)?)?,
+            count: self.count * other.count.powi(power),
+        })
+    }
+
+    /// The size in Pa, m and s.
+    pub(crate) fn size(&self) -> f64 {
+        self.count * 10_f64.powi(self.power)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn in_si(text: &str) -> (f64, (i32, i32, i32)) {
+        let found = Quantity::parse(text).unwrap().unwrap_or_else(|| panic!("{text}"));
+        let Dimension { stress, length, time } = found.dimension();
+        (found.over(&Unit { dimension: found.dimension(), ..Unit::ONE }), (stress, length, time))
+    }
+
+    #[test]
+    fn quantities_are_rounded_once() {
+        for (text, value, powers) in [
+            ("70GPa", 70e9, (1, 0, 0)),
+            (" 70 GPa ", 70e9, (1, 0, 0)),
+            ("-2.1 nm", -2.1e-9, (0, 1, 0)),
+            ("2.3um", 2.3e-6, (0, 1, 0)),
+            ("2.3 μm", 2.3e-6, (0, 1, 0)),
+            ("0.05 J/m^2", 0.05, (1, 1, 0)),
+            ("50mJ/m²", 0.05, (1, 1, 0)),
+            ("50 mN/m", 0.05, (1, 1, 0)),
+            ("1e3 N/mm^2", 1e9, (1, 0, 0)),
+            ("1E3N mm^-2", 1e9, (1, 0, 0)),
+            ("0.1 J m-2", 0.1, (1, 1, 0)),
+            ("2 mbar", 200.0, (1, 0, 0)),
+            ("1.5 hPa", 150.0, (1, 0, 0)),
+            ("1 mPa*s", 1e-3, (1, 0, 1)),
+            ("2 mPa·s", 2e-3, (1, 0, 1)),
+            ("4 N", 4.0, (1, 2, 0)),
+            ("5 µJ", 5e-6, (1, 3, 0)),
+            ("3 N/m/s", 3.0, (1, 1, -1)),
+            ("+.5e-3mm", 0.5e-6, (0, 1, 0)),
+            ("1 in", 0.0254, (0, 1, 0)),
+            ("3 ms", 3e-3, (0, 0, 1)),
+            ("3 m*s", 3.0, (0, 1, 1)),
+            ("1/µm", 1e6, (0, -1, 0)),
+        ] {
+            assert_eq!(in_si(text), (value, powers), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_without_a_unit_are_none() {
+        for text in ["70e9", "1", "-0.5", "1e-3:1:4", "inf", "nan", "", "x.npy", "-", "1e", "1,2", "0.2 0.3", "1-2"] {
+            assert!(matches!(Quantity::parse(text), Ok(None) | Err(_)), "{text}");
+        }
+        assert_eq!(Quantity::parse("70e9"), Ok(None));
+        assert_eq!(Quantity::parse("scan.npy"), Ok(None));
+    }
+
+    #[test]
+    fn words_that_are_no_unit_are_named() {
+        for text in ["70 GPaa", "1 V", "2 gpa", "3 m^", "3 J//m", "5 m^99", "1 Pa*", "3px", "1 e", "2 EPa"] {
+            let error = Quantity::parse(text).expect_err(text).to_string();
+            assert!(error.contains("is no unit; it must be made of m, mm"), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Units in which people read numbers: with a prefix of SI that leaves one to three digits before the point.
+
+use std::fmt;
+
+use crate::Dimension;
+
+/// A unit in which people read numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// A number of the problem times this is one of the unit.
+    pub factor: f64,
+    /// The name of the unit.
+    pub name: String,
+}
+
+impl Shown {
+    /// A number of the problem in this unit, with up to six significant digits: `12.5 µm`.
+    pub fn text(&self, value: f64) -> String {
+        format!("{} {}", digits(value * self.factor), self.name)
+    }
+
+    /// The name behind the slash of `length / µm`, in brackets if it is a quotient itself.
+    pub fn divisor(&self) -> String {
+        if self.name.contains('/') { format!("({})", self.name) } else { self.name.clone() }
+    }
+}
+
+/// Up to six significant digits of a number that is not much larger than 1000.
+pub(crate) fn digits(value: f64) -> String {
+    let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    match decade {
+        -4.0..=5.0 => {
+            let text = format!("{value:.*}", (5.0 - decade) as usize);
+            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+        }
+        _ => format!("{value:.5e}"),
+    }
+}
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)
+    }
+}
+
+/// The prefixes that people read, in powers of a thousand from 10^-15.
+const PREFIXES: [&str; 10] = ["f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
+
+/// The power of ten of the first of them.
+const FIRST: i32 = -15;
+
+/// The unit for numbers of a dimension up to the `largest`, whose unit has this `size` in Pa, m and s; `None` of a dimension for which
+/// none is known.
+pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown> {
+    // The symbol that takes the prefix, its power, what stands behind it, and the size of that in SI.
+    let (symbol, power, behind, over) = match (dimension.stress, dimension.length, dimension.time) {
+        (0, power, 0) if power != 0 => ("m", power, "", 1.0),
+        (power @ 1..=2, 0, 0) => ("Pa", power, "", 1.0),
+        (1, 1, 0) => ("J", 1, "/m²", 1.0),
+        (1, 2, 0) => ("N", 1, "", 1.0),
+        (1, 3, 0) => ("J", 1, "", 1.0),
+        // A stress per length is that of micrometres: few things are read per metre.
+        (1, -1, 0) => ("Pa", 1, "/µm", 1e6),
+        _ => return None,
+    };
+    let value = largest.abs() * size / over;
+    // The largest power of a thousand below the number, of its root for a power of the unit.
+    let root = value.log10() / f64::from(power) / 3.0;
+    let thousands = match value.is_normal() {
+        true if power > 0 => (root + 1e-9).floor() as i32,
+        // An inverse length of at least one: 1/µm for 10^6 to 10^9 per metre.
+        true => (root - 1e-9).ceil() as i32,
+        false => 0,
+    };
+    let index = (thousands - FIRST / 3).clamp(0, PREFIXES.len() as i32 - 1);
+    let prefix = PREFIXES[index as usize];
+    let tens = FIRST + 3 * index;
+    let raised = match power.abs() {
+        1 => "",
+        2 => "²",
+        3 => "³",
+        _ => return None,
+    };
+    let name =
+        if power < 0 { format!("1/{prefix}{symbol}{raised}") } else { format!("{prefix}{symbol}{raised}{behind}") };
+    Some(Shown { factor: size / over * 10_f64.powi(-tens * power), name })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Units;
+
+    #[test]
+    fn numbers_have_one_to_three_digits_before_the_point() {
+        let shown = |units: [&str; 2], kind: &str, largest: f64| {
+            let found = Units::new(Some(units[0]), Some(units[1])).shown(kind, largest).unwrap();
+            (format!("{:.6}", largest * found.factor), found.name)
+        };
+        let si = ["m", "Pa"];
+        for (units, kind, largest, text, name) in [
+            (si, "stress", 7.1294e8, "712.940000", "MPa"),
+            (si, "stress", 1e9, "1.000000", "GPa"),
+            (si, "stress", 0.0, "0.000000", "Pa"),
+            (si, "length", 3.2e-7, "320.000000", "nm"),
+            (si, "length", 1e-6, "1.000000", "µm"),
+            (["nm", "Pa"], "length", 3200.0, "3.200000", "µm"),
+            (["nm", "Pa"], "stress*length", 0.05e9, "50.000000", "mJ/m²"),
+            (["µm", "GPa"], "stress", 0.07, "70.000000", "MPa"),
+            (si, "stress*length^2", 0.02, "20.000000", "mN"),
+            (si, "stress/length", 3e14, "300.000000", "MPa/µm"),
+            (si, "length^2", 4e-11, "40.000000", "µm²"),
+            (si, "1/length", 2e6, "2.000000", "1/µm"),
+            (si, "stress^2", 4e14, "400.000000", "MPa²"),
+        ] {
+            assert_eq!(shown(units, kind, largest), (text.into(), name.into()), "{kind} {largest}");
+        }
+        let found = Units::new(Some("m"), None);
+        assert_eq!(found.shown("length", 1e-5).unwrap().text(1e-5), "10 µm");
+        assert_eq!(found.shown("stress", 78.554_595_4e9).unwrap().text(78.554_595_4e9), "78.5546 GPa");
+        assert_eq!(found.shown("stress/length", 1e15).unwrap().divisor(), "(GPa/µm)");
+        assert!(Units::new(Some("nm"), None).shown("stress", 1.0).is_none());
+        assert!(Units::new(Some("nm"), None).shown("length", 1.0).is_some());
+        assert!(Units::default().shown("length", 1.0).is_none());
+        assert!(Units::new(Some("m"), None).shown("1", 1.0).is_none());
+    }
+}

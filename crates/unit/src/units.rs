@@ -1,0 +1,166 @@
+//! The units of a problem.
+
+use crate::quantity::Unit;
+use crate::shown::{self, Shown};
+use crate::{Dimension, Quantity};
+
+/// The unit of length and the unit of stress of a problem, as far as they are known. All its numbers are in these, an energy per area in
+/// their product.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Units {
+    length: Option<String>,
+    stress: Option<String>,
+}
+
+/// A quantity that has no value in the units of a problem.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unusable {
+    /// A quantity of another kind.
+    #[error("it is {found}; it must be {allowed}")]
+    Kind {
+        /// The kind of the quantity.
+        found: Dimension,
+        /// The kind that it must have.
+        allowed: Dimension,
+    },
+    /// The problem has no unit of length.
+    #[error(
+        "it has a unit, and the lengths have none; --unit gives them one, as in --unit um, or leave the unit out: a number is then in \
+             the units of the other numbers"
+    )]
+    NoLength,
+    /// The unit of the lengths is not known.
+    #[error("it has a unit, and that of the lengths, {0}, is not known; --unit names one, as in --unit um")]
+    Length(String),
+}
+
+impl Units {
+    /// The unit of stress where a stress has a unit and none is named.
+    pub const PASCAL: &str = "Pa";
+
+    /// The units of a problem by their names.
+    pub fn new(length: Option<&str>, stress: Option<&str>) -> Self {
+        Self { length: length.map(str::to_owned), stress: stress.map(str::to_owned) }
+    }
+
+    /// The name of the unit of length.
+    pub fn length(&self) -> Option<&str> {
+        self.length.as_deref()
+    }
+
+    /// The name of the unit of stress, that of SI where lengths are in metres.
+    pub fn stress(&self) -> Option<&str> {
+        self.stress.as_deref().or_else(|| (self.length() == Some("m")).then_some(Self::PASCAL))
+    }
+
+    /// True if a number of this unit is a stress.
+    pub fn is_stress(name: &str) -> bool {
+        Unit::parse(name).is_some_and(|unit| unit.dimension == Dimension { stress: 1, ..Dimension::NONE })
+    }
+
+    /// The unit of stress in Pa; `None` if it is not known.
+    pub fn pascals(&self) -> Option<f64> {
+        Some(self.stress_unit()?.size())
+    }
+
+    /// The unit of length in m; `None` if it is not known.
+    pub fn metres(&self) -> Option<f64> {
+        Some(Unit::parse(self.length()?)?.size())
+    }
+
+    fn stress_unit(&self) -> Option<Unit> {
+        Unit::parse(self.stress()?)
+    }
+
+    /// The value of a quantity whose kind must be this one, in the units of the problem; stresses are in Pa unless another unit is named.
+    ///
+    /// # Errors
+    /// Another kind of quantity; lengths without a unit, or with one that is not known.
+    pub fn value(&self, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
+        let allowed = Dimension::of(kind).unwrap_or_default();
+        let found = quantity.dimension();
+        if found != allowed {
+            return Err(Unusable::Kind { found, allowed });
+        }
+        // A problem without a unit of length has none of stress either: its numbers are those of any units.
+        let name = self.length().ok_or(Unusable::NoLength)?;
+        let length = Unit::parse(name).ok_or_else(|| Unusable::Length(name.into()))?;
+        let stress = self.stress_unit().or_else(|| Unit::parse(Self::PASCAL)).unwrap_or(Unit::ONE);
+        let unit = Unit::ONE.times(stress, allowed.stress).and_then(|unit| unit.times(length, allowed.length));
+        Ok(quantity.over(&unit.unwrap_or(Unit::ONE)))
+    }
+
+    /// The name of the unit of a kind of quantity, as files have it: `Pa*µm` for `stress*length`. The kind itself where a unit is not known.
+    pub fn name(&self, kind: &str) -> String {
+        let Some(dimension) = Dimension::of(kind).filter(|found| *found != Dimension::NONE) else { return kind.into() };
+        let (stress, length) = (self.stress(), self.length());
+        if (dimension.stress != 0 && stress.is_none()) || (dimension.length != 0 && length.is_none()) {
+            return kind.into();
+        }
+        let whole = |name: &str| if name.contains(['/', '*', ' ', '·']) { format!("({name})") } else { name.into() };
+        kind.replace("stress", &whole(stress.unwrap_or_default())).replace("length", &whole(length.unwrap_or_default()))
+    }
+
+    /// The unit in which people read numbers of a kind up to the `largest`; `None` if the units are not known.
+    pub fn shown(&self, kind: &str, largest: f64) -> Option<Shown> {
+        let dimension = Dimension::of(kind)?;
+        let mut size = Unit::ONE;
+        if dimension.stress != 0 {
+            size = size.times(self.stress_unit()?, dimension.stress)?;
+        }
+        if dimension.length != 0 {
+            size = size.times(Unit::parse(self.length()?)?, dimension.length)?;
+        }
+        shown::of(dimension, size.size(), largest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(units: &Units, text: &str, kind: &str) -> Result<f64, String> {
+        units.value(&Quantity::parse(text).unwrap().unwrap(), kind).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn quantities_become_numbers_of_the_problem() {
+        let si = Units::new(Some("m"), None);
+        let nano = Units::new(Some("nm"), None);
+        let giga = Units::new(Some("µm"), Some("GPa"));
+        assert_eq!(value(&si, "70GPa", "stress"), Ok(70e9));
+        assert_eq!(value(&nano, "70GPa", "stress"), Ok(70e9));
+        assert_eq!(value(&giga, "70GPa", "stress"), Ok(70.0));
+        assert_eq!(value(&si, "0.05J/m^2", "stress*length"), Ok(0.05));
+        assert_eq!(value(&nano, "0.05J/m^2", "stress*length"), Ok(0.05e9));
+        assert_eq!(value(&giga, "0.05J/m^2", "stress*length"), Ok(0.05e-3));
+        assert_eq!(value(&giga, "2 nm", "length"), Ok(2e-3));
+        assert_eq!(value(&Units::new(Some("in"), None), "2.54cm", "length"), Ok(1.0));
+    }
+
+    #[test]
+    fn refusals_say_what_to_do() {
+        let says = |units: &Units, text: &str, kind: &str, words: &str| {
+            let error = value(units, text, kind).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        };
+        let known = Units::new(Some("nm"), None);
+        says(&known, "2 nm", "stress", "it is a length (such as µm); it must be a stress (such as MPa)");
+        says(&known, "2 N", "1", "it is a force (such as N); it must be a number without a unit");
+        says(&Units::default(), "1MPa", "stress", "--unit gives them one");
+        says(&Units::new(Some("sigma"), None), "1MPa", "stress", "sigma, is not known");
+    }
+
+    #[test]
+    fn names_of_units_are_those_of_the_problem() {
+        let known = Units::new(Some("µm"), Some("Pa"));
+        assert_eq!(known.name("stress*length"), "Pa*µm");
+        assert_eq!(known.name("1/length"), "1/µm");
+        assert_eq!(known.name("1"), "1");
+        assert_eq!(Units::new(Some("µm"), Some("N/mm^2")).name("stress/length"), "(N/mm^2)/µm");
+        let half = Units::new(Some("nm"), None);
+        assert_eq!((half.name("length").as_str(), half.name("stress*length").as_str()), ("nm", "stress*length"));
+        assert_eq!(Units::default().name("stress"), "stress");
+        assert_eq!(Units::new(Some("m"), None).name("stress"), "Pa");
+    }
+}
