@@ -1,5 +1,5 @@
-"""The coefficients BAND and EDGE of crates/measure/src/self_affine.rs, from the points of composed.json and low.json, and the
-error of the formula on those and on the other surfaces of seeds.json. Needs numpy and scipy.
+"""The coefficients of crates/measure/src/self_affine.rs: COEFFICIENTS and COVARIANCE from the limits of ladders.json, BAND and
+EDGE from its points, and the error of the formula on those and on the other surfaces of ladders-2.json. Needs numpy, scipy.
 
     python3 data/results/formula.py
 """
@@ -11,29 +11,46 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import erf
 
-LIMIT = [0.43659, 0.64579, 8.06942, 5.40178, 15.36096]
 LIGHTEST = 0.01
 
 
+def report(name):
+    return json.loads((Path(__file__).parent / f"{name}.json").read_text())
+
+
+def limits(name):
+    """H, p*, kappa, relative error: the statistical one and 0.1 % for the form."""
+    fits = [fit for fit in report(name)["fits"] if fit["area"] == "raw"]
+    rows = [[f["hurst"], f["p_star"], f["kappa_tfc"], f["kappa_tfc_standard_error"] / f["kappa_tfc"]] for f in fits]
+    h, p, kappa, error = np.array(rows).T
+    return h, p, kappa, np.hypot(error, 1e-3)
+
+
 def points(name):
-    """H, eps_f, eps_c, p*, kappa without its edge, standard error, counted kappa, edge."""
+    """H, eps_f, eps_c, p*, kappa without its edge, relative standard error, counted kappa, edge."""
     rows = []
-    for point in json.loads((Path(__file__).parent / f"{name}.json").read_text())["points"]:
+    for point in report(name)["points"]:
         if point["p_star"] < LIGHTEST:
             continue
-        edge, eps_c = point["kappa"] - point["kappa_corrected"], 1 / point["eps_c_inv"]
-        kappa = point["kappa"] - (0.82 + 0.3 * eps_c) * edge
-        error = max(point["kappa_corrected_sem"], 1e-4)
-        rows.append([point["hurst"], 1 / point["eps_f_inv"], eps_c, point["p_star"], kappa, error, point["kappa"], edge])
+        edge, counted = point["edge"], point["kappa"]
+        error = max(point["kappa_corrected_sem"], 1e-4) / (counted - edge)
+        eps = [1 / point["eps_f_inv"], 1 / point["eps_c_inv"]]
+        rows.append([point["hurst"], *eps, point["p_star"], counted - edge, error, counted, edge])
     return np.array(rows).T
 
 
-def kappa_of_band(b, h, eps_f, p):
-    c, rest = LIMIT, 1 - h
-    band = eps_f ** (b[1] + b[2] * rest)
-    first = c[0] * rest ** c[1] + b[0] * band
-    falls = c[2] * rest * p + (c[3] + c[4] * h) * p**2 + b[3] * (1 + b[5] * rest) * band * p ** b[4]
+def kappa(c, band, h, p, w=0.0, b=None):
+    rest = 1 - h
+    first = c[0] * rest ** c[1] + band
+    falls = c[2] * rest * p + (c[3] + c[4] * h) * p**2
+    if b is not None:
+        falls = falls + b[3] * (1 + b[5] * rest) * w * p ** b[4]
     return erf(np.sqrt(2) * (1 + 1 / (1 / first + falls)) * p) / p
+
+
+def kappa_of_band(c, b, h, eps_f, p):
+    w = eps_f ** (b[1] + b[2] * (1 - h))
+    return kappa(c, b[0] * w, h, p, w, b)
 
 
 def edge_of(e, h, eps_f, eps_c, p, area):
@@ -41,21 +58,37 @@ def edge_of(e, h, eps_f, eps_c, p, area):
     return np.exp(log + e[6] * np.log(np.clip(1 - area, 1e-3, 1)) + e[7] * np.log(p))
 
 
+def shown(name, errors):
+    print(f"{name}: {100 * np.sqrt((errors**2).mean()):.2f} % rms, at most {100 * abs(errors).max():.2f} %")
+
+
 def main():
-    fitted, others = np.hstack([points("composed"), points("low")]), points("seeds")
-    h, eps_f, eps_c, p, kappa, error, counted, edge = fitted
+    h, p, wanted, error = limits("ladders")
+    found = least_squares(lambda c: (kappa(c, 0.0, h, p) / wanted - 1) / error, [0.44, 0.65, 8, 5, 15], x_scale="jac")
+    c = found.x
+    stretch = max(1.0, 2 * found.cost / (len(h) - len(c)))
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * stretch
+    print("COEFFICIENTS", np.round(c, 5).tolist())
+    print("COVARIANCE", [[float(f"{value:.4e}") for value in row] for row in covariance])
+    print("standard errors", np.sqrt(np.diag(covariance)).tolist())
+    shown("limits", kappa(c, 0.0, h, p) / wanted - 1)
+    h, p, wanted, _ = limits("ladders-2")
+    shown("limits of others", kappa(c, 0.0, h, p) / wanted - 1)
+
+    h, eps_f, eps_c, p, wanted, error, counted, edge = points("ladders")
     starts = [1, 0.3, 0.3, 5, 0.5, 0], [0.5, 0.2, 0.5, 2, 0.7, 0], [2, 0.5, 0, 10, 1, 0]
-    misfit = lambda b: (kappa_of_band(b, h, eps_f, p) / kappa - 1) / np.hypot(error / kappa, 0.004)
-    band = min((least_squares(misfit, start, max_nfev=4000) for start in starts), key=lambda found: found.cost).x
-    misfit = lambda e: (edge_of(e, h, eps_f, eps_c, p, kappa * p) - edge) / (0.01 * counted)
+    misfit = lambda b: (kappa_of_band(c, b, h, eps_f, p) / wanted - 1) / np.hypot(error, 0.004)
+    band = min((least_squares(misfit, start, max_nfev=4000) for start in starts), key=lambda one: one.cost).x
+    misfit = lambda e: (edge_of(e, h, eps_f, eps_c, p, wanted * p) - edge) / (0.01 * counted)
     rim = least_squares(misfit, [1, 0, 0, 1, 0, 0, 0.5, 0], max_nfev=5000).x
-    print("BAND", band.tolist())
-    print("EDGE", rim.tolist())
-    for name, (h, eps_f, eps_c, p, kappa, _, counted, _) in (("fitted", fitted), ("others", others)):
-        model = kappa_of_band(band, h, eps_f, p)
-        whole = model + (0.82 + 0.3 * eps_c) * edge_of(rim, h, eps_f, eps_c, p, model * p)
-        for what, errors in (("area", model / kappa - 1), ("counted area", whole / counted - 1)):
-            print(f"{name}, {what}: {100 * np.sqrt((errors**2).mean()):.2f} % rms, at most {100 * abs(errors).max():.1f} %")
+    print("BAND", np.round(band, 6).tolist())
+    print("EDGE", np.round(rim, 6).tolist())
+    for name in ("ladders", "ladders-2"):
+        h, eps_f, eps_c, p, wanted, _, counted, _ = points(name)
+        model = kappa_of_band(c, band, h, eps_f, p)
+        whole = model + edge_of(rim, h, eps_f, eps_c, p, model * p)
+        shown(f"{name}, area", model / wanted - 1)
+        shown(f"{name}, counted area", whole / counted - 1)
 
 
 if __name__ == "__main__":

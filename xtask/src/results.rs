@@ -1,9 +1,11 @@
-//! `results`: draws the figures and writes the tables of docs/results.md and docs/accuracy.md from the summaries in data/results.
+//! `results`: writes data/results/limits.json, the tables of docs/results.md and its pages, docs/theory.md, docs/accuracy.md and
+//! README.md, and the figures, from the summaries in data/results.
 //!
 //! A table stands between `<!-- results: NAME -->` and `<!-- end -->`; the text around it is written by hand.
 
 mod accuracy;
 mod axes;
+mod kappa;
 mod limits;
 mod loads;
 mod source;
@@ -27,7 +29,7 @@ pub struct Args {
     /// Read the summaries of sweeps from this folder
     #[arg(long, default_value = "data/results", value_name = "FOLDER")]
     data: PathBuf,
-    /// Write results.md, accuracy.md and their figures in this folder
+    /// Write the pages and their figures in this folder, README.md in the one above
     #[arg(long, default_value = "docs", value_name = "FOLDER")]
     docs: PathBuf,
     /// Write nothing; fail if a page or a figure is not what the summaries make
@@ -51,20 +53,27 @@ type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failu
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 12] = [
+const TABLES: [Table; 16] = [
     ("accuracy", "accuracy", accuracy::table),
-    ("results", "table 5.1", limits::table),
-    ("results", "budget", loads::budget),
-    ("results", "light", loads::light),
-    ("results", "edge", loads::edge),
-    ("results", "nayak", loads::nayak_table),
-    ("results", "one", loads::one),
-    ("results", "table 5.2", source::table),
-    ("results", "cells", source::cells),
-    ("results", "slabs", axes::slabs),
-    ("results", "surfaces", axes::surfaces),
-    ("results", "lines", axes::lines),
+    ("../README", "kappa", kappa::sentence),
+    ("results", "kappa", kappa::table),
+    ("results", "loads", kappa::loads),
+    ("results", "seeds", kappa::seeds),
+    ("results", "budget", kappa::budget),
+    ("theory", "ladders", kappa::ladders),
+    ("results/methods", "edge", loads::edge),
+    ("results/methods", "nayak", loads::nayak_table),
+    ("results/methods", "one", loads::one),
+    ("results/methods", "slabs", axes::slabs),
+    ("results/methods", "surfaces", axes::surfaces),
+    ("results/others", "table 5.1", limits::table),
+    ("results/others", "table 5.2", source::table),
+    ("results/others", "cells", source::cells),
+    ("results/others", "lines", axes::lines),
 ];
+
+/// The pages with tables, in the folder of the documents.
+const PAGES: [&str; 6] = ["accuracy", "../README", "results", "theory", "results/methods", "results/others"];
 
 const FIGURES: [Figure; 5] = [
     ("accuracy", accuracy::figure),
@@ -81,7 +90,7 @@ const FIGURES: [Figure; 5] = [
 pub fn run(args: &Args) -> Result<Report, Failure> {
     let summaries = Summaries::new(&args.data);
     let mut files = Vec::new();
-    for page in ["results", "accuracy"] {
+    for page in PAGES {
         let path = args.docs.join(format!("{page}.md"));
         let mut text =
             std::fs::read_to_string(&path).map_err(|error| Failure::input(&path.display().to_string(), error))?;
@@ -93,6 +102,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     for (name, figure) in FIGURES {
         files.push((args.docs.join("images").join(format!("{name}.svg")), figure(&summaries)?));
     }
+    files.push((args.data.join("limits.json"), kappa::file(&summaries)?));
     let changed = files.into_iter().filter(|(path, text)| std::fs::read_to_string(path).ok().as_ref() != Some(text));
     let changed: Vec<(PathBuf, String)> = changed.collect();
     let written: Vec<PathBuf> = changed.iter().map(|(path, _)| path.clone()).collect();

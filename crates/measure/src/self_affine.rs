@@ -13,15 +13,15 @@ use crate::theory::PERSSON_KAPPA;
 /// ```
 ///
 /// At first touch a_r = κ₀ p* with κ₀ = √(8/π) [1 + c₀ (1 − H)^c₁]; towards full contact, and for H → 1, it is Persson's area.
-/// The five coefficients are fitted to computed limits at H = 0, 0.3, 0.5, 0.8 and p* = 0.02 to 1.2; outside of this range the
-/// formula extrapolates.
+/// The five coefficients are fitted to computed limits at H = 0, 0.3, 0.5, 0.8 and p* = 0.002 to 1.2
+/// (data/results/formula.py); outside of this range the formula extrapolates.
 ///
 /// ```
 /// use gfmd_measure::SelfAffineArea;
 ///
 /// let area = SelfAffineArea::new(0.8).unwrap();
 /// let kappa = area.at(0.02) / 0.02;
-/// assert!((kappa - 1.84).abs() < 0.02, "{kappa}");
+/// assert!((kappa - 1.85).abs() < 0.02, "{kappa}");
 /// assert!(area.standard_error(0.02) < 0.01 * area.at(0.02));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,22 +31,22 @@ pub struct SelfAffineArea {
 
 impl SelfAffineArea {
     /// c₀ to c₄.
-    pub const COEFFICIENTS: [f64; 5] = [0.43659, 0.64579, 8.06942, 5.40178, 15.36096];
+    pub const COEFFICIENTS: [f64; 5] = [0.46592, 0.66579, 9.88979, 1.59633, 21.66919];
 
     /// b₀ to b₅ of [`SelfAffineArea::of_band`] (data/results/formula.py).
-    const BAND: [f64; 6] = [1.814_576, 0.426_332, 0.768_554, 30.820_966, 0.563_482, 0.082_374];
+    const BAND: [f64; 6] = [2.002_727, 0.375_777, 1.077_63, 20.793_547, 0.461_203, 0.492_32];
 
     /// The edge of [`SelfAffineArea::counted`]: the logarithm of its part of κ is linear in these.
-    const EDGE: [f64; 8] = [0.416_387, 0.292_703, -0.626_884, 1.008_923, 0.023_284, 0.274_241, 1.151_978, -0.140_591];
+    const EDGE: [f64; 8] = [0.372_021, -0.045_556, -0.615_826, 1.051_205, -0.087_107, 0.241_923, 1.173_192, -0.148_613];
 
     /// The covariance of the coefficients, from the statistical errors of the data and 0.1 % of each for the form, stretched
     /// by the misfit.
     pub const COVARIANCE: [[f64; 5]; 5] = [
-        [4.3696e-05, 6.5907e-05, 2.5908e-03, -4.2059e-03, 4.2755e-03],
-        [6.5907e-05, 1.2739e-04, 3.5743e-03, -5.3989e-03, 3.6612e-03],
-        [2.5908e-03, 3.5743e-03, 2.5589e-01, -4.8544e-01, 5.0169e-01],
-        [-4.2059e-03, -5.3989e-03, -4.8544e-01, 1.1307e+00, -1.3456e+00],
-        [4.2755e-03, 3.6612e-03, 5.0169e-01, -1.3456e+00, 2.4390e+00],
+        [9.2717e-06, 1.8706e-05, 6.4931e-04, -1.3100e-03, 1.1058e-03],
+        [1.8706e-05, 7.3018e-05, 9.8936e-04, -1.5841e-03, -1.2187e-03],
+        [6.4931e-04, 9.8936e-04, 1.1922e-01, -3.0849e-01, 3.1615e-01],
+        [-1.3100e-03, -1.5841e-03, -3.0849e-01, 1.1681e+00, -1.6053e+00],
+        [1.1058e-03, -1.2187e-03, 3.1615e-01, -1.6053e+00, 4.2587e+00],
     ];
 
     /// For surfaces of Hurst exponent `hurst`, from 0 to 1; `None` otherwise.
@@ -66,15 +66,15 @@ impl SelfAffineArea {
     /// q = 1 + 1/[1/(c₀ (1 − H)^c₁ + b₀ w) + c₂ (1 − H) p* + (c₃ + c₄ H) p*² + b₃ (1 + b₅ (1 − H)) w p*^b₄],   w = ε_f^(b₁ + b₂ (1 − H))
     /// ```
     ///
-    /// Fitted to surfaces of 1/ε_f = 16 to 128 at p* = 0.01 to 1.2, with an error of 0.7 % rms and at most 4 % there; it tends to
-    /// [`SelfAffineArea::at`] for ε_f → 0. Whether the cell is one or four times the longest wavelength changes less.
+    /// Fitted to surfaces of 1/ε_f = 16 to 512 at p* = 0.01 to 1.2, with an error of 0.9 % rms and at most 5 % there; it tends to
+    /// [`SelfAffineArea::at`] for ε_f → 0. Whether the cell is one or two times the longest wavelength changes less.
     pub fn of_band(&self, eps_f: f64, p_star: f64) -> f64 {
         self.with_band(&Self::COEFFICIENTS, eps_f, p_star)
     }
 
     /// The contact area fraction of such surfaces if points in contact are counted on a grid; `eps_c` is the spacing over the
-    /// shortest wavelength. The excess over [`SelfAffineArea::of_band`] is (0.82 + 0.3 ε_c) times the part of the area that the
-    /// perimeter of the pixels makes, fitted to 1/ε_c = 4 to 16; together 0.8 % rms and at most 6 %.
+    /// shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to what the grid adds to each contact
+    /// (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; together 0.9 % rms and at most 6 %.
     pub fn counted(&self, eps_f: f64, eps_c: f64, p_star: f64) -> f64 {
         let area = self.of_band(eps_f, p_star);
         let [e0, e1, e2, e3, e4, e5, e6, e7] = Self::EDGE;
@@ -85,7 +85,7 @@ impl SelfAffineArea {
             + e5 * h * eps_f.ln()
             + e6 * (1.0 - area).max(1e-3).ln()
             + e7 * p_star.ln();
-        area + (0.82 + 0.3 * eps_c) * logarithm.exp() * p_star
+        area + logarithm.exp() * p_star
     }
 
     /// κ at first touch, √(8/π) q(0).
@@ -95,7 +95,7 @@ impl SelfAffineArea {
     }
 
     /// The standard error of the area at `p_star` from the covariance of the coefficients; the misfit of the form adds up to
-    /// 0.6 % of the area (results.md).
+    /// 0.8 % of the area (results.md).
     pub fn standard_error(&self, p_star: f64) -> f64 {
         let slopes: [f64; 5] = std::array::from_fn(|k| {
             let step = 1e-5 * Self::COEFFICIENTS[k];
@@ -176,13 +176,16 @@ mod tests {
         }
     }
 
-    /// Counted areas of surfaces that the formula was not fitted to: 0.8 % rms, at most 3.1 %.
+    /// Counted areas of surfaces that the formula was not fitted to: 0.9 % rms, at most 6 %.
     #[test]
     fn the_formula_predicts_the_counted_areas_of_other_surfaces() {
-        let report: serde_json::Value = serde_json::from_str(include_str!("../../../data/results/seeds.json")).unwrap();
+        let report: serde_json::Value =
+            serde_json::from_str(include_str!("../../../data/results/ladders-2.json")).unwrap();
         let points = report["points"].as_array().unwrap();
         let (mut sum, mut most) = (0.0, 0.0_f64);
-        for point in points {
+        let fitted = |point: &&serde_json::Value| point["p_star"].as_f64().unwrap() >= 0.01;
+        let points: Vec<_> = points.iter().filter(fitted).collect();
+        for point in &points {
             let [hurst, eps_f, eps_c, p_star, kappa] =
                 ["hurst", "eps_f_inv", "eps_c_inv", "p_star", "kappa"].map(|name| point[name].as_f64().unwrap());
             let area = SelfAffineArea::new(hurst).unwrap().counted(1.0 / eps_f, 1.0 / eps_c, p_star);
@@ -191,7 +194,7 @@ mod tests {
             most = most.max(error.abs());
         }
         let rms = (sum / points.len() as f64).sqrt();
-        assert!(points.len() > 200 && rms < 0.009 && most < 0.035, "{} {rms} {most}", points.len());
+        assert!(points.len() > 200 && rms < 0.011 && most < 0.06, "{} {rms} {most}", points.len());
     }
 
     #[test]
@@ -199,13 +202,13 @@ mod tests {
         assert!([-0.1, 1.1, f64::NAN].iter().all(|hurst| SelfAffineArea::new(*hurst).is_none()));
     }
 
-    /// The formula against the limits that it is fitted to (composed.json), and against those of other surfaces (seeds.json):
+    /// The formula against the limits that it is fitted to (ladders.json), and against those of other surfaces (ladders-2.json):
     /// κ within
-    /// 0.8 % and, with the scatter of half as many surfaces, 1.2 %.
+    /// 0.8 % and, with the scatter of half as many surfaces, 1.5 %.
     #[test]
     fn the_formula_describes_the_data_that_it_was_fitted_to_and_those_that_it_was_not() {
         for text in
-            [include_str!("../../../data/results/composed.json"), include_str!("../../../data/results/seeds.json")]
+            [include_str!("../../../data/results/ladders.json"), include_str!("../../../data/results/ladders-2.json")]
         {
             let report: serde_json::Value = serde_json::from_str(text).unwrap();
             let fits = report["fits"].as_array().unwrap().iter().filter(|fit| fit["area"] == "raw");
@@ -216,7 +219,7 @@ mod tests {
                 assert!((found / kappa - 1.0).abs() < 0.01, "{hurst} {p_star}: {found} {kappa}");
                 count += 1;
             }
-            assert_eq!(count, 28);
+            assert_eq!(count, 40);
         }
     }
 }

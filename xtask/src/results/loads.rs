@@ -1,79 +1,13 @@
-//! kappa at light loads, against Nayak's parameter, and of surfaces with H = 1.
+//! kappa against Nayak's parameter, of surfaces with H = 1, and the area on finer grids.
 
+use std::f64::consts::{LN_2, PI};
 use std::fmt::Write;
 
-use gfmd_measure::SelfAffineArea;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point as Dot, Series};
 use gfmd_run::failure::Failure;
 
-use super::summary::{Fit, Point, Summaries, Summary};
-
-const HURSTS: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
-
-/// The loads below those of the main sweep, and the two that they have in common.
-const LIGHT: [f64; 5] = [0.002, 0.005, 0.01, 0.02, 0.05];
-
-/// kappa_TFC at light loads, with half of the interval of statistical and systematic error together, and the formula.
-pub(super) fn light(summaries: &Summaries) -> Result<String, Failure> {
-    let low = summaries.read("low")?;
-    let head = HURSTS.map(|hurst| format!("H = {hurst} | formula")).join(" | ");
-    let mut text = format!("| p\\* | {head} |\n|---|{}\n", "---|".repeat(2 * HURSTS.len()));
-    for p_star in LIGHT {
-        let mut cells = Vec::new();
-        for hurst in HURSTS {
-            let wanted = low.fits.iter().find(|fit| fit.hurst == hurst && fit.p_star == p_star && fit.area == "raw");
-            let missing = || Failure::Input(format!("low.json has no fit for H = {hurst} at p* = {p_star}"));
-            let fit = wanted.ok_or_else(missing)?;
-            let half = fit.total_ci95.map_or_else(String::new, |[low, high]| format!(" ± {:.3}", 0.5 * (high - low)));
-            let formula = SelfAffineArea::new(hurst).map_or(f64::NAN, |area| area.at(p_star) / p_star);
-            cells.push(format!("{:.3}{half} | {formula:.3}", fit.kappa_tfc));
-        }
-        let _ = writeln!(text, "| {p_star} | {} |", cells.join(" | "));
-    }
-    Ok(text)
-}
-
-/// The errors of kappa_TFC of the main sweep at its first load, one by one.
-pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
-    const FORMS: [(&str, &str); 5] = [
-        ("alpha-f-free", "α_f fitted"),
-        ("leading-alpha-f", "α_f = 1 − H"),
-        ("without-coarsest-eps-f", "without the largest ε_f"),
-        ("without-coarsest-eps-t", "without the largest ε_t"),
-        ("corrected-area", "area: perimeter correction in place of the edge"),
-    ];
-    const MAIN: f64 = 0.02;
-    let [main, loose, tight] =
-        [summaries.read("composed")?, summaries.read("tolerance-6")?, summaries.read("tolerance-10")?];
-    let of = |sweep: &Summary, hurst: f64| -> Result<usize, Failure> {
-        let wanted = |fit: &Fit| fit.hurst == hurst && fit.p_star == MAIN && fit.area == "raw";
-        let missing = || Failure::Input(format!("a summary has no fit for H = {hurst} at p* = {MAIN}"));
-        sweep.fits.iter().position(wanted).ok_or_else(missing)
-    };
-    let head = HURSTS.map(|hurst| format!("H = {hurst}")).join(" | ");
-    let mut text = format!("| error | {head} |\n|---|{}\n", "---|".repeat(HURSTS.len()));
-    let mut row = |name: &str, value: &dyn Fn(f64) -> Result<String, Failure>| -> Result<(), Failure> {
-        let cells = HURSTS.into_iter().map(value).collect::<Result<Vec<_>, _>>()?;
-        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
-        Ok(())
-    };
-    row("statistical, 95 %", &|hurst| {
-        let fit = &main.fits[of(&main, hurst)?];
-        Ok(fit.ci95.map_or_else(|| "–".into(), |[low, high]| format!("± {:.4}", 0.5 * (high - low))))
-    })?;
-    for (form, name) in FORMS {
-        row(name, &|hurst| {
-            let fit = &main.fits[of(&main, hurst)?];
-            let found = fit.alternatives.iter().find(|other| other.form == form);
-            Ok(found.map_or_else(|| "–".into(), |other| format!("{:+.4}", other.kappa_tfc - fit.kappa_tfc)))
-        })?;
-    }
-    row("residuals of 1e-6 in place of 1e-10", &|hurst| {
-        let [one, other] = [&loose.fits[of(&loose, hurst)?], &tight.fits[of(&tight, hurst)?]];
-        Ok(format!("{:+.4}", one.kappa_tfc - other.kappa_tfc))
-    })?;
-    Ok(text)
-}
+use super::kappa::HURSTS;
+use super::summary::{Point, Summaries};
 
 /// Nayak's parameter of an isotropic surface whose spectrum falls like q^(-2(1+H)) over a ratio `band` of wavelengths.
 fn nayak(hurst: f64, band: f64) -> f64 {
@@ -146,11 +80,14 @@ pub(super) fn edge(summaries: &Summaries) -> Result<String, Failure> {
     let mut cells: Vec<&Point> = sweep.points.iter().collect();
     cells.sort_by(|one, other| one.eps_c_inv.total_cmp(&other.eps_c_inv));
     let mut text =
-        String::from("| n | 1/ε_c | counted | corrected | with the edge of the fit |\n|---|---|---|---|---|\n");
+        String::from("| n | 1/ε_c | counted | corrected | limit, from each contact |\n|---|---|---|---|---|\n");
     for cell in cells {
         let counted = cell.kappa * cell.p_star;
         let corrected = cell.kappa_corrected.unwrap_or(f64::NAN) * cell.p_star;
-        let fitted = counted - (0.82 + 0.3 / cell.eps_c_inv) * (counted - corrected);
+        // The perimeter correction is (π − 1 + ln 2)/24 of a pixel for each boundary link.
+        let strip = counted - corrected;
+        let narrow = strip / counted * 24.0 / (PI - 1.0 + LN_2);
+        let fitted = counted - (0.858 + 0.021 * narrow.min(3.0).powi(2)) * strip;
         let _ = writeln!(text, "| {} | {} | {counted:.4} | {corrected:.4} | {fitted:.4} |", cell.n, cell.eps_c_inv);
     }
     Ok(text)

@@ -35,6 +35,9 @@ pub(super) struct Point {
     pub(super) kappa_sem: Option<f64>,
     pub(super) kappa_corrected: Option<f64>,
     pub(super) kappa_corrected_sem: Option<f64>,
+    pub(super) edge: Option<f64>,
+    pub(super) kappa_composed: Option<f64>,
+    pub(super) kappa_composed_sem: Option<f64>,
 }
 
 /// A joint fit.
@@ -44,11 +47,23 @@ pub(super) struct Fit {
     pub(super) p_star: f64,
     pub(super) area: String,
     pub(super) kappa_tfc: f64,
+    pub(super) kappa_tfc_standard_error: Option<f64>,
     pub(super) ci95: Option<[f64; 2]>,
+    pub(super) systematic: f64,
     pub(super) total_ci95: Option<[f64; 2]>,
     #[serde(default)]
     pub(super) alternatives: Vec<Alternative>,
     pub(super) terms: Vec<Term>,
+    pub(super) edge: Option<Edge>,
+    pub(super) chi_squared: f64,
+    pub(super) degrees_of_freedom: usize,
+}
+
+/// The edge of the grid in a fit.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct Edge {
+    pub(super) factor: f64,
+    pub(super) share: Option<f64>,
 }
 
 /// kappa_TFC of another form of the fit.
@@ -61,7 +76,6 @@ pub(super) struct Alternative {
 #[derive(Debug, Deserialize)]
 pub(super) struct Term {
     pub(super) axis: String,
-    pub(super) coefficient: f64,
     pub(super) exponent: f64,
 }
 

@@ -1,0 +1,244 @@
+//! The limits of kappa: data/results/limits.json, and the tables and the sentence that are made from it.
+
+use std::fmt::Write;
+
+use gfmd_measure::SelfAffineArea;
+use gfmd_measure::theory::persson_area;
+use gfmd_run::failure::Failure;
+use serde::Serialize;
+
+use super::summary::{Fit, Summaries, Summary};
+
+pub(super) const HURSTS: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
+
+/// The load of the result.
+pub(super) const P_STAR: f64 = 0.02;
+
+/// kappa in the limit, with its interval and the parts of its error, each half of a 95 % interval.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Limit {
+    pub(super) hurst: f64,
+    pub(super) p_star: f64,
+    pub(super) kappa: f64,
+    /// All errors together.
+    pub(super) ci95: [f64; 2],
+    statistical: f64,
+    form: f64,
+    edge: f64,
+}
+
+/// The file of the limits.
+#[derive(Debug, Serialize)]
+struct Limits {
+    limits: Vec<Limit>,
+}
+
+/// A number with the digits of the file.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+impl Limit {
+    fn of(fit: &Fit) -> Option<Self> {
+        let (Some([low, high]), Some([least, most])) = (fit.ci95, fit.total_ci95) else { return None };
+        let half = 0.5 * (high - low);
+        let part = fit.edge.and_then(|edge| edge.share).zip(fit.kappa_tfc_standard_error);
+        let edge = half * part.map_or(0.0, |(share, whole)| (share / whole).min(1.0));
+        Some(Self {
+            hurst: fit.hurst,
+            p_star: fit.p_star,
+            kappa: rounded(fit.kappa_tfc),
+            ci95: [rounded(least), rounded(most)],
+            statistical: rounded((half * half - edge * edge).max(0.0).sqrt()),
+            form: rounded(fit.systematic),
+            edge: rounded(edge),
+        })
+    }
+
+    /// Half of the interval.
+    pub(super) fn half(&self) -> f64 {
+        0.5 * (self.ci95[1] - self.ci95[0])
+    }
+}
+
+/// The limits of a sweep from counted areas, load by load and H by H.
+pub(super) fn limits(sweep: &Summary) -> Vec<Limit> {
+    let mut found: Vec<Limit> = sweep.fits.iter().filter(|fit| fit.area == "raw").filter_map(Limit::of).collect();
+    found.sort_by(|one, other| one.p_star.total_cmp(&other.p_star).then(one.hurst.total_cmp(&other.hurst)));
+    found
+}
+
+/// The limit at one H and load.
+pub(super) fn at(limits: &[Limit], hurst: f64, p_star: f64) -> Result<Limit, Failure> {
+    let found = limits.iter().find(|limit| limit.hurst == hurst && limit.p_star == p_star);
+    found.copied().ok_or_else(|| Failure::Input(format!("there is no limit for H = {hurst} at p* = {p_star}")))
+}
+
+/// The text of data/results/limits.json, one limit a line.
+pub(super) fn file(summaries: &Summaries) -> Result<String, Failure> {
+    let all = Limits { limits: limits(&summaries.read("ladders")?) };
+    let text = serde_json::to_string(&all).map_err(|error| Failure::input("limits.json", &error))?;
+    Ok(text.replace("[{", "[\n{").replace("},{", "},\n{").replace("}]}", "}\n]}\n"))
+}
+
+/// The result.
+pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
+    let limits = limits(&summaries.read("ladders")?);
+    let mut text = String::from(
+        "| H | κ | 95 %, everything included | statistical | form | edge of the grid |\n|---|---|---|---|---|---|\n",
+    );
+    for hurst in HURSTS {
+        let limit = at(&limits, hurst, P_STAR)?;
+        let Limit { kappa, ci95: [low, high], statistical, form, edge, .. } = limit;
+        let part = 100.0 * limit.half() / kappa;
+        let _ = writeln!(
+            text,
+            "| {hurst} | **{kappa:.3}** | [{low:.3}, {high:.3}] (± {part:.2} %) | ± {statistical:.4} | ± {form:.4} | ± {edge:.4} |"
+        );
+    }
+    let cited = at(&limits, 0.8, P_STAR)?;
+    let _ = writeln!(
+        text,
+        "\n**To cite**: \"κ = {:.3} ± {:.3} for H = 0.8 at p\\* = {P_STAR} (95 %, all errors)\", with the program.",
+        cited.kappa,
+        cited.half()
+    );
+    Ok(text)
+}
+
+/// The sentence of the README.
+pub(super) fn sentence(summaries: &Summaries) -> Result<String, Failure> {
+    let limits = limits(&summaries.read("ladders")?);
+    let one = |hurst: f64| -> Result<String, Failure> {
+        let limit = at(&limits, hurst, P_STAR)?;
+        Ok(format!("{:.3} ± {:.3} for H = {hurst}", limit.kappa, limit.half()))
+    };
+    let all = HURSTS.into_iter().map(one).collect::<Result<Vec<_>, _>>()?.join(", ");
+    Ok(format!("**κ** at p\\* = {P_STAR} in the limit: {all} (95 %, everything included).\n"))
+}
+
+/// The limits at all loads, with half of the interval, and the formula.
+pub(super) fn loads(summaries: &Summaries) -> Result<String, Failure> {
+    let limits = limits(&summaries.read("ladders")?);
+    let mut loads: Vec<f64> = limits.iter().map(|limit| limit.p_star).collect();
+    loads.dedup();
+    let head = HURSTS.map(|hurst| format!("H = {hurst} | formula")).join(" | ");
+    let mut text = format!("| p\\* | {head} | Persson |\n|---|{}---|\n", "---|".repeat(2 * HURSTS.len()));
+    for p_star in loads {
+        let mut cells = Vec::new();
+        for hurst in HURSTS {
+            let limit = at(&limits, hurst, p_star)?;
+            let formula = SelfAffineArea::new(hurst).map_or(f64::NAN, |area| area.at(p_star) / p_star);
+            cells.push(format!("{:.3} ± {:.3} | {formula:.3}", limit.kappa, limit.half()));
+        }
+        let _ = writeln!(text, "| {p_star} | {} | {:.3} |", cells.join(" | "), persson_area(p_star) / p_star);
+    }
+    Ok(text)
+}
+
+/// The fit of counted areas at one H and load.
+pub(super) fn fit(sweep: &Summary, hurst: f64, p_star: f64) -> Result<&Fit, Failure> {
+    let wanted = |fit: &&Fit| fit.hurst == hurst && fit.p_star == p_star && fit.area == "raw";
+    let missing = || Failure::Input(format!("a summary has no fit for H = {hurst} at p* = {p_star}"));
+    sweep.fits.iter().find(wanted).ok_or_else(missing)
+}
+
+/// Both sets of surfaces, and chi² of their differences.
+pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
+    const LOADS: [f64; 3] = [0.002, 0.02, 0.2];
+    let [main, other] = [summaries.read("ladders")?, summaries.read("ladders-2")?];
+    let mut text = String::from("| p\\* | H | first set | second set | difference |\n|---|---|---|---|---|\n");
+    let mut sums = Vec::new();
+    for p_star in LOADS {
+        let mut sum = 0.0;
+        for hurst in HURSTS {
+            let [one, two] = [fit(&main, hurst, p_star)?, fit(&other, hurst, p_star)?];
+            let errors = [one, two].map(|fit| fit.kappa_tfc_standard_error.unwrap_or(f64::NAN));
+            let [difference, error] = [one.kappa_tfc - two.kappa_tfc, errors[0].hypot(errors[1])];
+            sum += (difference / error).powi(2);
+            let _ = writeln!(
+                text,
+                "| {p_star} | {hurst} | {:.4} ± {:.4} | {:.4} ± {:.4} | {difference:+.4} ({:+.1} σ) |",
+                one.kappa_tfc,
+                errors[0],
+                two.kappa_tfc,
+                errors[1],
+                difference / error
+            );
+        }
+        sums.push(format!("{sum:.1} at p\\* = {p_star}"));
+    }
+    let _ = writeln!(text, "\nχ² of the differences over the four H: {}.", sums.join(", "));
+    Ok(text)
+}
+
+/// kappa composed by the first closure, less the edge, ladder by ladder.
+pub(super) fn ladders(summaries: &Summaries) -> Result<String, Failure> {
+    let sweep = summaries.read("ladders")?;
+    let bands = [16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
+    let head = bands.map(|band| format!("{band}")).join(" | ");
+    let mut text = format!("| H | 1/ε_t | κ | 1/ε_f = {head} |\n|---|---|---|{}\n", "---|".repeat(bands.len()));
+    for hurst in HURSTS {
+        for cell in [1.0, 2.0] {
+            let points = |band: f64| {
+                sweep.points.iter().find(|at| {
+                    [at.hurst, at.eps_t_inv, at.eps_f_inv, at.eps_c_inv, at.p_star] == [hurst, cell, band, 4.0, P_STAR]
+                })
+            };
+            let row = |of: &dyn Fn(&super::summary::Point) -> String| {
+                bands.map(|band| points(band).map_or_else(|| "–".into(), of)).join(" | ")
+            };
+            let own = row(&|at| format!("{:.3}", at.kappa - at.edge.unwrap_or(0.0)));
+            let composed = row(&|at| match (at.kappa_composed, at.kappa_composed_sem) {
+                (Some(kappa), Some(error)) => format!("{kappa:.4} ± {error:.4}"),
+                _ => "–".into(),
+            });
+            let _ = writeln!(text, "| {hurst} | {cell} | as computed | {own} |\n| | | composed | {composed} |");
+        }
+    }
+    Ok(text)
+}
+
+/// The parts of the error of the form at the load of the result, and the exponent and the edge of the fit.
+pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
+    const FORMS: [(&str, &str); 5] = [
+        ("least-alpha-f", "least α from 1 − H that χ² allows"),
+        ("largest-alpha-f", "largest α to min(1, 2 − 2H) that χ² allows"),
+        ("without-coarsest-eps-f", "without the largest ε_f"),
+        ("second-closure", "second closure"),
+        ("between-closures", "half of the difference of both closures at the smallest ε_f"),
+    ];
+    let [main, loose, tight] =
+        [summaries.read("ladders")?, summaries.read("tolerance-6")?, summaries.read("tolerance-10")?];
+    let head = HURSTS.map(|hurst| format!("H = {hurst}")).join(" | ");
+    let mut text = format!("| | {head} |\n|---|{}\n", "---|".repeat(HURSTS.len()));
+    let mut row = |name: &str, value: &dyn Fn(f64) -> Result<String, Failure>| -> Result<(), Failure> {
+        let cells = HURSTS.into_iter().map(value).collect::<Result<Vec<_>, _>>()?;
+        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
+        Ok(())
+    };
+    let of = |hurst: f64| fit(&main, hurst, P_STAR);
+    row("exponent α of the difference of both closures", &|hurst| {
+        let term = of(hurst)?.terms.iter().find(|term| term.axis == "f");
+        Ok(term.map_or_else(|| "–".into(), |term| format!("{:.2}", term.exponent)))
+    })?;
+    row("χ²/degrees of freedom", &|hurst| {
+        let found = of(hurst)?;
+        Ok(format!("{:.1}/{}", found.chi_squared, found.degrees_of_freedom))
+    })?;
+    row("factor of the edge", &|hurst| {
+        Ok(of(hurst)?.edge.map_or_else(|| "–".into(), |edge| format!("{:.3}", edge.factor)))
+    })?;
+    for (form, name) in FORMS {
+        row(name, &|hurst| {
+            let found = of(hurst)?;
+            let other = found.alternatives.iter().find(|other| other.form == form);
+            Ok(other.map_or_else(|| "–".into(), |other| format!("{:+.4}", other.kappa_tfc - found.kappa_tfc)))
+        })?;
+    }
+    row("residuals of 1e-6 in place of 1e-10", &|hurst| {
+        let [one, other] = [fit(&loose, hurst, P_STAR)?, fit(&tight, hurst, P_STAR)?];
+        Ok(format!("{:+.4}", one.kappa_tfc - other.kappa_tfc))
+    })?;
+    Ok(text)
+}
