@@ -51,6 +51,7 @@ pub(crate) use check::{again, check};
 use conductance::Conducting;
 pub use report::Report;
 use report::{Accurate, GridUsed};
+pub use statistics::measure;
 use statistics::{Findings, Gathered, measured};
 pub use stored::{configuration, records};
 use vtk::VtkFile;

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
+use clap::{CommandFactory as _, Parser};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_files::Memory;
 use gfmd_problem::options::given::{Arrays, Given, Load};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::session::Session;
+use gfmd_run::units::of_words;
 use ndarray::ArrayD;
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -132,6 +134,27 @@ fn entry(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         Ok(number) => Ok(number.into()),
         Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(key, &value?)).collect::<PyResult<_>>()?)),
     }
+}
+
+/// The command with these words, run in this process without a terminal: its report as JSON.
+#[pyfunction]
+pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> {
+    #[derive(Parser)]
+    #[command(no_binary_name = true)]
+    struct Line {
+        #[command(subcommand)]
+        command: Command,
+    }
+    let words = words.into_iter().map(Into::into).collect();
+    let words = of_words(&Line::command(), words).map_err(|failure| refused(py, &failure))?;
+    let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
+    let done = worker::quick(py, || {
+        let session = Session::guest();
+        let Outcome { report, failure } = line.command.outcome(&session)?;
+        failure.map_or(Ok(()), Err)?;
+        report.json(&session)
+    })?;
+    done.map_err(|failure| failed(py, &failure))
 }
 
 /// The exit status of the program `gfmd` with these words, of which the first is its name.

@@ -4,21 +4,23 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use gfmd_cli::contact::stiffness;
+use gfmd_cli::contact::{Args, measure, stiffness};
 use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors, Drive, Load, Progress, Refusal};
 use gfmd_green::Height;
 use gfmd_interface::Kept;
 use gfmd_law::Kind;
 use gfmd_problem::options::BodyArgs;
-use gfmd_problem::options::flags::{keys, of_keys};
+use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::{Facts, Posed, Rest};
-use gfmd_record::{At, NOT_SOLVED, Record};
+use gfmd_record::{At, NOT_SOLVED, Record, STATISTICS};
 use gfmd_run::accuracy::{self, Accuracy};
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
-use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
+use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, doubt_of_load, fields};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
+use gfmd_run::units::of_table;
+use gfmd_unit::Quantity;
 use ndarray::{Array2, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -53,7 +55,9 @@ pub(crate) fn described(
     problem: &Bound<'_, PyDict>,
     values: &Bound<'_, PyDict>,
 ) -> PyResult<ContactArgs> {
-    of_keys(table(problem)?, arrays(values)?).map_err(|unusable| refused(py, &unusable))
+    let (mut table, arrays) = (table(problem)?, arrays(values)?);
+    of_table("contact", &mut table, &arrays).map_err(|failure| refused(py, &failure))?;
+    of_keys(table, arrays).map_err(|unusable| refused(py, &unusable))
 }
 
 /// The parts of a contact that was posed before, when all was told of them that is doubtful.
@@ -116,6 +120,16 @@ pub(crate) struct State {
     lift: Option<Array2<f64>>,
     /// The numbers of a state that was solved.
     record: Option<Record>,
+}
+
+/// An array of a measured state.
+#[derive(IntoPyObject)]
+pub(crate) struct Measured {
+    path: &'static str,
+    kind: &'static str,
+    meaning: &'static str,
+    values: Vec<f64>,
+    axis: Vec<f64>,
 }
 
 /// State, scalars as JSON; the kind and the text of a failure; an exception of a signal's handler.
@@ -198,12 +212,70 @@ impl Problem {
         Ok((self.state(rest, Some(record)), text, failure.map(told), raised))
     }
 
+    /// The number of a quantity with a unit, of this kind, in the units of the problem.
+    fn value(&self, py: Python<'_>, name: &str, text: &str, kind: &str) -> PyResult<f64> {
+        let refuse = |error: &dyn std::fmt::Display| refused(py, &format!("{name} is {text:?}: {error}"));
+        let quantity = Quantity::parse(text).map_err(|error| refuse(&error))?;
+        let quantity = quantity.ok_or_else(|| refuse(&"it must be a number, or a quantity with a unit"))?;
+        self.prepared.surface.units().value(&quantity, kind).map_err(|error| refuse(&error))
+    }
+
+    /// The unit of stresses, if it is known.
+    #[getter]
+    fn stress_unit(&self) -> Option<String> {
+        self.prepared.surface.stress().map(str::to_owned)
+    }
+
+    /// The warnings of units that are mixed up, of loads up to this one with the key `control`.
+    fn doubts(&self, control: &str, largest: f64) -> Vec<String> {
+        let mut doubts = self.prepared.doubts(self.prepared.adhesion(&self.args.law).as_ref());
+        let p_star = match control {
+            "pressure" => largest / self.prepared.unit_pressure(),
+            "p_star" => largest,
+            _ => 0.0,
+        };
+        doubts.extend(doubt_of_load(p_star, &format!("--{}", control.replace('_', "-"))));
+        doubts
+    }
+
+    /// The numbers that the statistics and the flow of a state add, as JSON, and its patches, distributions and spectra: their path, axis,
+    /// kind, meaning, values and the points of the axis. `options` have the keys of `gfmd contact`.
+    fn measure<'py>(
+        &self,
+        py: Python<'py>,
+        state: &State,
+        options: &Bound<'py, PyDict>,
+    ) -> PyResult<(String, Vec<Measured>)> {
+        let mut table = Table::try_from(&self.args).map_err(|error| refused(py, &error))?;
+        // The error of the grid, and the load, are those of the state.
+        table.remove("grid_error");
+        table.insert("pressure".into(), vec![1.0].into());
+        table.extend(crate::command::table(options)?);
+        let args: Args = flags::of_table(table).map_err(|error| refused(py, &error))?;
+        let (measured, raised) = run(py, 0, None, |_| {
+            measure(&args, &self.prepared, &self.contact, &state.rest, |text| tracing::warn!("{text}"))
+        })?;
+        raised.map_or(Ok(()), Err)?;
+        let (record, arrays) = measured.map_err(|failure| failed(py, &failure))?;
+        let grid = &self.prepared.surface.grid;
+        let arrays = arrays.iter().flat_map(|found| {
+            STATISTICS.iter().map(move |statistic| Measured {
+                path: statistic.path,
+                kind: statistic.unit.unwrap_or("length"),
+                meaning: statistic.meaning,
+                values: (statistic.values)(found, 0),
+                axis: found.axis(statistic.along, grid),
+            })
+        });
+        Ok((json::to_string(&record).map_err(|error| refused(py, &error))?, arrays.collect()))
+    }
+
     /// The options with their defaults, as JSON, but those of the surface beside its size.
     #[getter]
     fn description(&self, py: Python<'_>) -> PyResult<String> {
         let of_surface = keys::<SourceArgs>();
         let mut table = Table::try_from(&self.args).map_err(|error| refused(py, &error))?;
-        table.retain(|key, _| key == "length" || !of_surface.iter().any(|of| of == key));
+        table.retain(|key, _| matches!(key, "length" | "stress_unit") || !of_surface.iter().any(|of| of == key));
         json::to_string(&table).map_err(|error| refused(py, &error))
     }
 

@@ -8,19 +8,22 @@ mod contact;
 mod failure;
 mod files;
 mod surface;
+mod unit;
 mod worker;
 
 /// The native module.
 #[pymodule]
 mod _gfmd {
     #[pymodule_export]
-    use crate::command::{program, solve};
+    use crate::command::{program, report_of, solve};
     #[pymodule_export]
     use crate::contact::{Problem, State, adhesion, check_law, conductance, options};
     #[pymodule_export]
     use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]
-    use crate::surface::{composite, detrend, fill, finer, periodise, read, self_affine, statistics};
+    use crate::surface::{composite, detrend, fill, finer, periodise, psd, read, self_affine, statistics};
+    #[pymodule_export]
+    use crate::unit::{canonical, converted, in_units, kinds, law_kinds, readable, unit_name};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use crate::failure::{failed, refused};
 use crate::worker::quick;
 
-type Array<'py> = Bound<'py, PyArray2<f64>>;
+pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 
 /// Heights, lengths of the cell, description. Arguments as the flags of `gfmd surface`.
 #[pyfunction]
@@ -202,6 +202,24 @@ pub(crate) fn statistics(
     })?;
     let report = found.map_err(|error| refused(py, &error))?;
     json::to_string(&report).map_err(|error| refused(py, &error))
+}
+
+/// Wavenumbers and radially averaged power spectral density of the heights, under a Hann window if that is asked for.
+#[pyfunction]
+pub(crate) fn psd(
+    py: Python<'_>,
+    heights: PyReadonlyArray2<'_, f64>,
+    lengths: [f64; 2],
+    window: &str,
+) -> PyResult<(Vec<f64>, Vec<f64>)> {
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let found = quick(py, || match window {
+        "hann" => gfmd_surface::window(&heights, 1.0).and_then(|heights| PowerSpectrum::of(&heights, &grid)),
+        _ => PowerSpectrum::of(&heights, &grid),
+    })?;
+    let spectrum = found.map_err(|error| refused(py, &error))?;
+    Ok(spectrum.radial().into_iter().map(|bin| (bin.wavenumber, bin.density)).unzip())
 }
 
 /// The grid of an array in a cell.

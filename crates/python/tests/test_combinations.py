@@ -158,7 +158,7 @@ def compare_contacts(found, report, file, folder):
         for name, values in made["fields"].items():
             if values.ndim == 3:
                 equal(getattr(found, name), values[...], name)
-                equal(table[name].values, values[...], f"{name} of xarray")
+                equal(table[name].transpose("load", "x", "y").values, values[...], f"{name} of xarray")
         for key in set(loads[0]) - set(BESIDE):
             if not isinstance(loads[0][key], (dict, list)):
                 equal(table[key].values, [math.nan if load[key] is None else load[key] for load in loads], f"{key} of xarray")

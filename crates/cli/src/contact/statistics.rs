@@ -1,13 +1,16 @@
 //! The parts of a load that `--statistics` and `--flow` add: patches, distributions, spectra, flow through the gap.
 
+use gfmd_contact::Fields as _;
 use gfmd_flow::{Flow, FlowError, flow};
 use gfmd_green::Height;
 use gfmd_measure::Patches;
-use gfmd_record::{At, Statistics};
+use gfmd_problem::{Posed, Rest};
+use gfmd_record::{At, Record, Statistics};
 use ndarray::{Array2, ArrayView2, Zip};
 
-use super::{Args, Conducting};
+use super::{Args, Conducting, stiffness};
 use gfmd_run::failure::Failure;
+use gfmd_run::series::Prepared;
 use gfmd_run::source::Surface;
 
 /// The results of the loads of one contact beside their scalars.
@@ -49,6 +52,30 @@ fn through(
         *cube = if *p > 0.0 || *gap <= 0.0 { 0.0 } else { (gap / scale).powi(3) };
     });
     flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
+}
+
+/// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions and spectra; `warn`
+/// takes the words of numbers that are less exact than they should be.
+///
+/// # Errors
+/// Measurements that the contact does not have; those that cannot be computed.
+pub fn measure(
+    args: &Args,
+    prepared: &Prepared,
+    contact: &Posed,
+    state: &Rest,
+    mut warn: impl FnMut(String),
+) -> Result<(Record, Option<Statistics>), Failure> {
+    let facts = args.facts(prepared.surface.grid.is_line());
+    facts.check()?;
+    let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
+    let stiffness = stiffness(contact, state, &mut warn).map_err(Into::into);
+    let at = At { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tol) };
+    let fields = [state.repulsion(), state.gap().into()];
+    let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
+    let findings = Findings::of(args, (&prepared.surface, &conducting), [repulsion, gap], &at, |_, text| warn(text))?;
+    let record = Record::of(&At { measured: findings.borrowed(), ..at });
+    Ok((record, findings.arrays))
 }
 
 /// All that is measured of one load if it is asked for.

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, array, flag, integer, number, numbers, shown, texts, word
+from ._check import Array, Quantity, array, flag, integer, number, numbers, quantity, shown, texts, word
+from ._check import quantities as lengths
 from ._contact import Contact
 from ._errors import InputError
 from ._files import config
@@ -273,10 +274,10 @@ def _history(values: dict[str, Any]) -> dict[str, Any]:
 
 def interior(
     source: Union[Contact, Punch],
-    depths: Optional[Sequence[float]] = None,
+    depths: Optional[Sequence[Quantity]] = None,
     *,
     levels: Optional[int] = None,
-    deepest: Optional[float] = None,
+    deepest: Optional[Quantity] = None,
     quantities: Sequence[str] = _QUANTITIES,
     along: Optional[str] = None,
     threads: Optional[int] = None,
@@ -285,7 +286,7 @@ def interior(
 
     Args:
         source: a contact (the lateral displacement of a surface without friction is added) or a punch.
-        depths: depths below the surface, length; or
+        depths: depths below the surface, length, or texts with a unit; or
         levels: number of depths at equal distances, from the surface to the base or to the `deepest`.
         deepest: depth of the lowest level, length.
         quantities: of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
@@ -306,9 +307,9 @@ def interior(
     if depths is not None and deepest is not None:
         raise InputError("depths and deepest are both given; deepest goes with levels")
     problem: dict[str, Any] = dict(
-        depths=None if depths is None else numbers("depths", depths),
+        depths=None if depths is None else lengths("depths", depths, "length"),
         levels=None if levels is None else integer("levels", levels, 1),
-        deepest=None if deepest is None else number("deepest", deepest),
+        deepest=None if deepest is None else quantity("deepest", deepest, "length"),
         quantities=texts("quantities", quantities),
         slice=None if along is None else word("along", along),
     )
@@ -320,9 +321,12 @@ def interior(
     return _command.ended(FieldsBelow({**{name: _command.records(value) for name, value in values.items()}, **found}), failure)
 
 
-def _elastic(values: Any, layers: Sequence[Sequence[float]]) -> dict[str, Any]:
+def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
     """The keys of the body of a record, and of the layers below its top one."""
-    elastic = {"young": values.young, "poisson": values.poisson, "height": _command.height_key(values.height)}
+    given = getattr(values, "_given", (None, 0.0, None, None))
+    # A quantity with a unit is refused by its name: the lengths have none.
+    young = next((modulus for modulus in (given[0], given[2]) if isinstance(modulus, str)), values.young)
+    elastic = {"young": young, "poisson": values.poisson, "height": _command.height_key(values.height)}
     return {**elastic, **_command.other_keys(values, layers)}
 
 
@@ -330,7 +334,8 @@ def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
     """The keys of the body and the cell, and the displacement of the surface."""
     if isinstance(source, Contact):
         shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", source.get("mean_shear", ()))}
-        return {"length": list(source.surface.size)}, (config([source]), {**source._fields, **shear})
+        units = {"unit": source.surface.unit} if source.surface.unit else {}
+        return {"length": list(source.surface.size)}, ({**config([source]), **units}, {**source._fields, **shear})
     if isinstance(source, Punch):
         # Summed in the order of the program.
         columns = source.traction.reshape(-1, source.traction.shape[-1]).T

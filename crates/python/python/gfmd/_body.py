@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Optional
+from typing import Any, Literal, Optional
 
 from . import _gfmd
-from ._check import number, optional, shown, word
+from ._check import Quantity, in_units, number, quantity, shown, word
 from ._errors import InputError
 from ._record import Record
 
@@ -18,7 +18,8 @@ class Body(Record):
     """An elastic body: a half-space, or a slab or a stack of layers on a base; with `second_body` a pair of bodies.
 
     Args:
-        young: Young's modulus E, stress; 1 by default.
+        young: Young's modulus E, stress, or a text with a unit, such as "70GPa", as all stresses and lengths here; 1 by default, and needed
+            for a surface with a unit.
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
         height: height of the slab, or of the top layer, length; None or infinity for a half-space.
@@ -52,47 +53,46 @@ class Body(Record):
     young: float
     poisson: float
     e_star: float
-    height: Optional[float]
+    height: Optional[Quantity]
     base: str
-    layers: tuple[tuple[float, float, float], ...]
-    second_body: Optional[tuple[float, ...]]
+    layers: tuple[tuple[Quantity, ...], ...]
+    second_body: Optional[tuple[Quantity, ...]]
     prony: tuple[tuple[float, float], ...]
     moduli: str
     relaxes: str
-    _given: tuple[float, float, Optional[float], Optional[float]]
+    _given: tuple[Optional[Quantity], float, Optional[Quantity], Optional[Quantity]]
 
     def __init__(
         self,
-        young: Optional[float] = None,
+        young: Optional[Quantity] = None,
         poisson: float = 0.0,
         *,
-        e_star: Optional[float] = None,
-        height: Optional[float] = None,
-        base: str = "bonded",
-        base_young: Optional[float] = None,
+        e_star: Optional[Quantity] = None,
+        height: Optional[Quantity] = None,
+        base: Literal["bonded", "sliding", "free", "half-space"] | str = "bonded",
+        base_young: Optional[Quantity] = None,
         base_poisson: Optional[float] = None,
-        layers: Sequence[Sequence[float]] = (),
-        second_body: Optional[Sequence[float]] = None,
+        layers: Sequence[Sequence[Quantity]] = (),
+        second_body: Optional[Sequence[Quantity]] = None,
         prony: Sequence[Sequence[float]] = (),
-        moduli: str = "long-term",
-        relaxes: str = "both",
+        moduli: Literal["long-term", "instantaneous"] | str = "long-term",
+        relaxes: Literal["both", "shear"] | str = "both",
     ) -> None:
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
         nu = _ratio("poisson", poisson)
         modulus, contact = _modulus("young", young), _modulus("e_star", e_star)
-        thickness = optional("height", height)
-        if thickness is not None and not thickness > 0.0:
+        thickness = None if height is None else quantity("height", height, "length")
+        if thickness is not None and not in_units("height", thickness, "length") > 0.0:
             raise InputError(f"height is {thickness}; it must be positive, or None for a half-space")
         thickness = None if thickness == math.inf else thickness
         if contact is None:
-            modulus = 1.0 if modulus is None else modulus
-            contact_modulus = modulus / ((1.0 - nu) * (1.0 + nu))
+            contact_modulus = (1.0 if modulus is None else modulus) / ((1.0 - nu) * (1.0 + nu))
         else:
             contact_modulus = contact
         second = None if second_body is None else _sheet("second_body", second_body, "(young, poisson) or (young, poisson, height)", (2, 3))
         values = {
-            "young": contact_modulus * (1.0 - nu * nu) if modulus is None else modulus,
+            "young": modulus if modulus is not None else 1.0 if contact is None else contact_modulus * (1.0 - nu * nu),
             "poisson": nu,
             "e_star": contact_modulus if second is None else _composite(contact_modulus, second),
             "height": thickness,
@@ -102,7 +102,9 @@ class Body(Record):
             **_relaxation(prony, word("moduli", moduli), word("relaxes", relaxes)),
         }
         super().__init__({**values, **_below(base, thickness, base_young, base_poisson)})
-        object.__setattr__(self, "_given", (modulus or 1.0, nu, contact, thickness))
+        given = (found if not isinstance(asked, str) else asked for asked, found in ((young, modulus), (e_star, contact)))
+        first, second_given = given
+        object.__setattr__(self, "_given", (first, nu, second_given, thickness))
 
     def __reduce__(self) -> tuple[Any, ...]:
         modulus, nu, contact, thickness = self._given
@@ -112,14 +114,19 @@ class Body(Record):
         return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Body) and other.__reduce__()[1] == self.__reduce__()[1]
+        return isinstance(other, Body) and other._same() == self._same()
 
     def __hash__(self) -> int:
-        return hash(self.__reduce__()[1])
+        return hash(self._same())
+
+    def _same(self) -> tuple[Any, ...]:
+        """The arguments, with the modulus that is used where none is given."""
+        young, *others = self.__reduce__()[1]
+        return 1.0 if young is None and self._given[2] is None else young, *others
 
 
 def _modulus(name: str, value: object) -> Optional[float]:
-    found = optional(name, value)
+    found = None if value is None else in_units(name, value, "stress")
     if found is not None and not 0.0 < found < math.inf:
         raise InputError(f"{name} is {found}; it must be positive and finite")
     return found
@@ -132,19 +139,19 @@ def _ratio(name: str, value: object) -> float:
     return found
 
 
-def _sheet(name: str, value: object, form: str, lengths: tuple[int, ...]) -> tuple[float, ...]:
+def _sheet(name: str, value: object, form: str, lengths: tuple[int, ...]) -> tuple[Quantity, ...]:
     """Young's modulus, Poisson's ratio, and perhaps the height of a layer or a slab."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Sequence) or len(value) not in lengths:
         raise InputError(f"{name} is {shown(value)}; it must be {form}")
-    found = [number(name, entry) for entry in value]
+    found = [quantity(name, entry, kind) for entry, kind in zip(value, ("stress", "1", "length"))]
     _modulus(f"young of {name}", found[0])
     _ratio(f"poisson of {name}", found[1])
-    if len(found) == 3 and not 0.0 < found[2] < math.inf:
+    if len(found) == 3 and not 0.0 < in_units(name, found[2], "length") < math.inf:
         raise InputError(f"height of {name} is {found[2]}; it must be positive and finite")
     return tuple(found)
 
 
-def _layers(value: object, height: Optional[float]) -> tuple[tuple[float, ...], ...]:
+def _layers(value: object, height: Optional[Quantity]) -> tuple[tuple[Quantity, ...], ...]:
     form = "a list of (young, poisson, height)"
     if isinstance(value, (str, bytes)) or not isinstance(value, Sequence):
         raise InputError(f"layers is {shown(value)}; it must be {form}")
@@ -180,13 +187,14 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
     return {"prony": tuple(branches), "moduli": moduli, "relaxes": relaxes}
 
 
-def _composite(first: float, second: tuple[float, ...]) -> float:
+def _composite(first: float, other: tuple[Quantity, ...]) -> float:
     """The contact modulus of two bodies, as the program forms it."""
-    small, large = sorted((first, second[0] / ((1.0 - second[1]) * (1.0 + second[1]))))
+    young, poisson = in_units("second_body", other[0], "stress"), number("second_body", other[1])
+    small, large = sorted((first, young / ((1.0 - poisson) * (1.0 + poisson))))
     return small / (1.0 + small / large)
 
 
-def _below(base: str, height: Optional[float], young: object, poisson: object) -> dict[str, float]:
+def _below(base: str, height: Optional[Quantity], young: object, poisson: object) -> dict[str, Quantity]:
     """The properties of an elastic base."""
     if base not in _BASES:
         raise InputError(f"base is {base!r}; it must be one of {', '.join(map(repr, _BASES))}")
@@ -200,19 +208,19 @@ def _below(base: str, height: Optional[float], young: object, poisson: object) -
     modulus = _modulus("base_young", young)
     if modulus is None or poisson is None:
         raise InputError(f"{'base_young' if modulus is None else 'base_poisson'} is missing; it is needed if base is 'half-space'")
-    return {"base_young": modulus, "base_poisson": _ratio("base_poisson", poisson)}
+    return {"base_young": young if isinstance(young, str) else modulus, "base_poisson": _ratio("base_poisson", poisson)}
 
 
 def _body(
-    young: Optional[float],
+    young: Optional[Quantity],
     poisson: float,
-    e_star: Optional[float],
-    height: Optional[float],
+    e_star: Optional[Quantity],
+    height: Optional[Quantity],
     base: str = "bonded",
-    base_young: Optional[float] = None,
+    base_young: Optional[Quantity] = None,
     base_poisson: Optional[float] = None,
-    layers: Sequence[Sequence[float]] = (),
-    second_body: Optional[Sequence[float]] = None,
+    layers: Sequence[Sequence[Quantity]] = (),
+    second_body: Optional[Sequence[Quantity]] = None,
     prony: Sequence[Sequence[float]] = (),
     moduli: str = "long-term",
     relaxes: str = "both",
@@ -220,6 +228,23 @@ def _body(
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
     relaxation = {"prony": prony, "moduli": moduli, "relaxes": relaxes}
     return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below, **relaxation)  # type: ignore[arg-type]
+
+
+def body_of(config: dict[str, Any]) -> Body:
+    """The body of a configuration."""
+    e_star, height = config.get("e_star"), config.get("height", "inf")
+    below: dict[str, Any] = {name: config.get(name) for name in ("base_young", "base_poisson", "second_body")}
+    young = None if e_star is not None else config.get("young")
+    top = (young, config.get("poisson", 0.0), e_star, None if height == "inf" else height)
+    return _body(*top, config.get("base", "bonded"), layers=config.get("layer", ()), **below)
+
+
+def law_of(config: dict[str, Any]) -> Law:
+    """The law of a configuration."""
+    return Law(config.get("law", "hard-wall"), {key: math.nan if value is None else value for key, value in config.get("param", [])})
+
+
+_PARAMETERS: dict[str, str] = dict(_gfmd.law_kinds())
 
 
 class Law(Record):
@@ -235,12 +260,13 @@ class Law(Record):
 
     name: str
 
-    def __init__(self, name: str, parameters: dict[str, float]) -> None:
-        _gfmd.check_law(name, list(parameters.items()))
+    def __init__(self, name: str, parameters: dict[str, Quantity]) -> None:
+        plain = [(key, in_units(key, value, _PARAMETERS.get(key, "1")) if isinstance(value, str) else value) for key, value in parameters.items()]
+        _gfmd.check_law(name, plain)
         super().__init__({"name": name, **parameters})
 
     @property
-    def parameters(self) -> dict[str, float]:
+    def parameters(self) -> dict[str, Quantity]:
         """The parameters by name, in the units of `gfmd.law`."""
         return {name: value for name, value in self._values.items() if name != "name"}
 
@@ -254,13 +280,14 @@ class Law(Record):
         return hash(tuple(self._values.items()))
 
 
-def law(name: str, /, **parameters: float) -> Law:
+def law(name: str, /, **parameters: Quantity) -> Law:
     """A law of adhesion or cohesion by its name and its parameters.
 
     Args:
         name: "hard-wall"; "morse", "exponential", "dugdale" (`gamma`, `range`); "harmonic-cosine" (`gamma`, `curvature`);
             "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first also `r`).
-        parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without unit.
+        parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without unit; or texts
+            with a unit, such as gamma="0.05 J/m^2", range="2 nm".
 
     Raises:
         InputError: an unknown name or parameter, a missing one, a value out of its range.
@@ -269,7 +296,7 @@ def law(name: str, /, **parameters: float) -> Law:
         >>> gfmd.law("morse", gamma=2e-4, range=1.2e-3).range
         0.0012
     """
-    return Law(word("law", name), {key: number(key, value) for key, value in parameters.items()})
+    return Law(word("law", name), {key: quantity(key, value, _PARAMETERS.get(key, "1")) for key, value in parameters.items()})
 
 
 def as_law(value: object) -> Law:

@@ -6,7 +6,7 @@ import math
 import operator
 import os
 from collections.abc import Iterable
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +40,35 @@ def number(name: str, value: object) -> float:
 
 def optional(name: str, value: object) -> Optional[float]:
     return None if value is None else number(name, value)
+
+
+# A number, or a text with a unit, such as "70GPa".
+Quantity = Union[float, str]
+
+
+def in_units(name: str, value: object, kind: str, unit: Optional[str] = "m", stress: Optional[str] = "Pa") -> float:
+    """A number as it is, and a text with a unit of this kind as a number in these units, SI by default."""
+    if not isinstance(value, str):
+        return number(name, value)
+    found = _gfmd.in_units(name, word(name, value), kind, unit, stress)
+    if found is None:
+        raise InputError(f"{name} is {shown(value)}; it must be a number, or a text with a unit")
+    return found
+
+
+def quantity(name: str, value: object, kind: str) -> Quantity:
+    """A number, or a text with a unit of this kind."""
+    found = in_units(name, value, kind)
+    return value if isinstance(value, str) else found
+
+
+def quantities(name: str, value: Any, kind: str) -> list[Quantity]:
+    """One quantity, or several."""
+    if isinstance(value, str) or not isinstance(value, Iterable) or isinstance(value, bytes) or getattr(value, "shape", None) == ():
+        return [quantity(name, value, kind)]
+    if not any(isinstance(entry, str) for entry in value if not hasattr(value, "dtype")):
+        return [*numbers(name, value)]
+    return [quantity(name, entry, kind) for entry in value]
 
 
 def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int:
@@ -179,10 +208,10 @@ def frozen(array: Array) -> Array:
     return array
 
 
-def size(value: Any, shape: tuple[int, ...]) -> tuple[float, float]:
+def size(value: Any, shape: tuple[int, ...], unit: Optional[str] = None) -> tuple[float, float]:
     """Lengths of the cell: nothing for 1, L along x, or Lx and Ly. One length gives equal spacing along both axes."""
     nx, ny = shape
-    given = [] if value is None else numbers("size", value)
+    given = [] if value is None else [in_units("size", length, "length", unit, None) for length in quantities("size", value, "length")]
     if len(given) > 2:
         raise InputError(f"size is {shown(value)}; it must be L or (Lx, Ly)")
     along_x = given[0] if given else 1.0

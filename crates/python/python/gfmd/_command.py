@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 def body_keys(body: Body) -> dict[str, Any]:
     """The keys of a body, as it was given."""
     young, poisson, e_star, height = body._given
-    elastic = {"young": young} if e_star is None else {"e_star": e_star}
+    elastic: dict[str, Any] = {"young": young} if e_star is None else {"e_star": e_star}
     return {**elastic, "poisson": poisson, "height": height_key(height), **other_keys(body, body.layers)}
 
 
@@ -36,14 +36,14 @@ def law_keys(law: Law) -> dict[str, Any]:
     return {"law": law.name, "param": [[name, value] for name, value in law.parameters.items()]}
 
 
-def other_keys(values: Mapping[str, Any], layers: Sequence[Sequence[float]]) -> dict[str, Any]:
+def other_keys(values: Mapping[str, Any], layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
     """The keys of what lies below the top layer of a body, and of a second body."""
     found = {name: values.get(name) for name in ("base", "base_young", "base_poisson", "second_body")}
     return {**found, "layer": [list(layer) for layer in layers]}
 
 
-def height_key(height: Optional[float]) -> Any:
-    return "inf" if height is None or math.isinf(height) else height
+def height_key(height: Any) -> Any:
+    return "inf" if height is None or height == math.inf else height
 
 
 def solve(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union, overload
@@ -12,10 +13,10 @@ import numpy.typing as npt
 
 from . import _gfmd
 from ._body import Body, Law
-from ._check import Array, frozen, number, shown
+from ._check import Array, Quantity, frozen, in_units, number, shown
 from ._command import records
 from ._errors import InputError
-from ._record import Record, Residual
+from ._record import Record, Residual, json_of, of_load
 from ._surface import Surface
 
 if TYPE_CHECKING:
@@ -33,6 +34,15 @@ class Settings(NamedTuple):
     lower_surface: Optional[Surface] = None
     # The prescribed quantity, by its key, and its value.
     load: Optional[tuple[str, float]] = None
+
+
+# The kinds of the numbers and fields, by their names.
+KINDS: dict[str, str] = dict(_gfmd.kinds())
+
+
+def _metre(unit: Optional[str]) -> float:
+    """The unit of lengths in metres; 1 if it is not known."""
+    return 1.0 if unit is None else _gfmd.in_units("unit", f"1 {unit}", "length", "m") or 1.0
 
 
 def _field(name: str, text: str) -> Optional[Array]:
@@ -258,8 +268,137 @@ class Contact(Record):
         """The points in contact [x, y]: those that are repelled, as `area_fraction` counts them."""
         return np.asarray(self.repulsion > 0.0)
 
-    def conductance(self, *, conductor_height: float = float("inf")) -> float:
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, Contact) or self.surface != other.surface or self._fields.keys() != other._fields.keys():
+            return False
+        numbers = [{name: value for name, value in contact._values.items() if name != "seconds"} for contact in (self, other)]
+        same = json_of(numbers[0]) == json_of(numbers[1]) and (self.body, self.law) == (other.body, other.law)
+        return same and all(np.array_equal(field, other._fields[name]) for name, field in self._fields.items())
+
+    def __hash__(self) -> int:
+        return hash((self.surface.n, self.body, self.iterations))
+
+    @property
+    def units(self) -> tuple[Optional[str], Optional[str]]:
+        """The unit of lengths and the unit of stresses of all numbers, None where it is not known."""
+        stress = self._settings.description.get("stress_unit")
+        return self.surface.unit, stress or ("Pa" if self.surface.unit == "m" else None)
+
+    def reason(self, name: str) -> Optional[str]:
+        """Returns the reason why a number is NaN; None if it has a value.
+
+        Args:
+            name: the name of a number.
+
+        Raises:
+            InputError: no such number.
+
+        Example:
+            >>> gfmd.contact(s, gfmd.Body(), p_star=10.0).reason("stiffness")[:8]
+            'infinite'
+        """
+        if name != "approach" and name not in self:
+            raise InputError(f"name is {shown(name)}; it must be one of {', '.join(self)}")
+        found: Optional[str] = self.get("undefined", {}).get("displacement" if name == "approach" else name)
+        return found
+
+    def _text(self, name: str, value: Any) -> str:
+        kind = KINDS.get(name)
+        if isinstance(value, float) and kind is not None and math.isfinite(value):
+            unit = _gfmd.readable(kind, value, *self.units)
+            if unit is not None:
+                return f"{float(f'{value * unit[0]:.6g}'):g} {unit[1]}"
+        return super()._text(name, value)
+
+    def _measured(self, **options: Any) -> tuple[dict[str, Any], dict[str, tuple[Array, Array]]]:
+        """The numbers that statistics and flow add, and the arrays of the statistics with the points of their axes, by their paths."""
+        settings = self._settings
+        problem = _gfmd.Problem({**settings.description, "unit": self.surface.unit}, {**settings.arrays, "surface": self.surface.heights}, 0)
+        state = problem.recall(self._fields, self.approach) if self._state is None else self._state
+        record, arrays = problem.measure(state, options)
+        found = {entry["path"]: (frozen(np.array(entry["values"])), frozen(np.array(entry["axis"]))) for entry in arrays}
+        return of_load(record), found
+
+    @property
+    def patches(self) -> Record:
+        """The patches of points in contact, as `gfmd contact --statistics` measures them: a `Record` of arrays [patch].
+
+        `area` (length²), `perimeter` (length), `force` (stress * length²), `x`, `y` (length; centre of area, NaN if the patch winds around the cell).
+
+        Raises:
+            InputError: with a lower surface, which has two faces.
+        """
+        arrays = self._measured(statistics=True)[1]
+        names = {path.split("/")[2]: values for path, (values, _) in arrays.items() if path.startswith("/patches/")}
+        return Record({name: values for name, values in names.items() if name != "load"})
+
+    @property
+    def distributions(self) -> Record:
+        """Distributions and spectra, as `gfmd contact --statistics` measures them: a `Record` of arrays.
+
+        `pressure` (1/stress) over `pressure_at` (stress), `gap` (1/length) over `gap_at` (length): densities over the whole surface; with periodic
+        boundaries `pressure_spectrum` (stress² length²) over `wavenumber` (rad/length), and the autocorrelation of the pressure,
+        `autocorrelation_x`, `autocorrelation_y`, over `lag_x`, `lag_y` (length).
+
+        Raises:
+            InputError: with a lower surface, which has two faces.
+        """
+        found = {}
+        axes = {"/spectra/pressure": "wavenumber", "/spectra/autocorrelation_x": "lag_x", "/spectra/autocorrelation_y": "lag_y"}
+        for path, (values, axis) in self._measured(statistics=True)[1].items():
+            name = path.split("/")[2]
+            if path in axes and len(values):
+                found[axes[path]] = axis
+                found["pressure_spectrum" if name == "pressure" else name] = values
+            elif path.startswith("/distributions/"):
+                found[name] = values
+        return Record(found)
+
+    def flow(self, *, viscosity: Optional[Quantity] = None, pressure_drop: Optional[Quantity] = None) -> Record:
+        """Returns the flow of a fluid through the gap by Reynolds' equation, that of `gfmd contact --flow`.
+
+        Args:
+            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of lengths is not known.
+            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else stress.
+
+        Returns:
+            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) by a pressure gradient along x and y (columns) over
+            that through a uniform gap of the height `mean_gap`; `percolates` along x and y; `residual`; `transmissivity`, conductivity times
+            mean_gap³/12, length³; and, with both arguments, `rate` [x, y]: the volume per time through the whole cell with the
+            pressure drop along x and along y, m³/s (length³/time, if the unit of lengths is not known).
+
+        Raises:
+            InputError: a profile, a lower surface; one of the two arguments alone.
+
+        Example:
+            >>> flow = c.flow(viscosity=1e-3, pressure_drop=1e5)
+            >>> flow.percolates, flow.rate.shape
+            ([True, True], (2,))
+        """
+        if (viscosity is None) != (pressure_drop is None):
+            raise InputError(f"{'viscosity' if viscosity is None else 'pressure_drop'} is missing; both or none must be given")
+        found = dict(self._measured(flow=True)[0]["flow"])
+        conductivity = np.array([[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64)
+        open_along = np.array(found["percolates"])
+        found["conductivity"] = frozen(conductivity)
+        found["transmissivity"] = frozen(np.where(np.isnan(conductivity) & ~open_along[:, np.newaxis], 0.0, conductivity) * self.mean_gap**3 / 12.0)
+        if viscosity is not None:
+            fluid, drop = in_units("viscosity", viscosity, "stress*time"), in_units("pressure_drop", pressure_drop, "stress")
+            if not (0.0 < fluid < math.inf and 0.0 < drop < math.inf):
+                raise InputError(f"viscosity and pressure_drop are {viscosity!r}, {pressure_drop!r}; they must be positive and finite")
+            (lx, ly), metre = self.surface.size, _metre(self.surface.unit)
+            along = np.diag(found["transmissivity"]) * np.array([ly / lx, lx / ly])
+            found["rate"] = frozen(along * metre**3 * drop / fluid)
+        return Record(found)
+
+    def conductance(
+        self, k1: Optional[float] = None, k2: Optional[float] = None, *, conductor_height: Quantity = float("inf")
+    ) -> float:
         """Returns the conductance of the points in contact between two conductors of heat or electric current, per area, 1 / length.
+
+        With the conductivities of both, the contact conductance: W/(m² K) of heat, S/m² of an electric current.
 
         The column `conductance` of `gfmd contact --statistics`: over the sum of the resistivities of both bodies it is the contact
         conductance per area. The bulk has no part in it, but with free boundaries, where it is that of the whole current over the area
@@ -267,7 +406,8 @@ class Contact(Record):
         with free boundaries on conductors without end, with finite slopes, and with a lower surface.
 
         Args:
-            conductor_height: depth of the electrodes of both conductors below the surface, length; infinite by default.
+            k1, k2: conductivities of both conductors, W/(m K) or S/m; both or none. Without a unit of lengths per unit length of the surface.
+            conductor_height: depth of the electrodes of both conductors below the surface, length, or a text with a unit; infinite by default.
 
         Raises:
             InputError: a depth that is not positive; with free boundaries an electrode that is not deep enough.
@@ -276,9 +416,16 @@ class Contact(Record):
             >>> c.conductance() < c.conductance(conductor_height=0.1)
             True
         """
-        height = number("conductor_height", conductor_height)
+        height = in_units("conductor_height", conductor_height, "length", self.surface.unit, None)
         found = _gfmd.conductance(self.touching, self.surface.size, self.boundary, height)
-        return float("nan") if self.finite_slope or self.lower_surface is not None else found
+        if self.finite_slope or self.lower_surface is not None:
+            return math.nan
+        if k1 is None and k2 is None:
+            return found
+        first, second = number("k1", k1), number("k2", k2)
+        if not (0.0 < first < math.inf and 0.0 < second < math.inf):
+            raise InputError(f"k1 and k2 are {k1!r}, {k2!r}; they must be positive and finite")
+        return found / (1.0 / first + 1.0 / second) / _metre(self.surface.unit)
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.
@@ -298,6 +445,36 @@ class Contact(Record):
 
         return interior(self, depths, **options)
 
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page of HTML that `gfmd report` makes of the contact.
+
+        Args:
+            path: the name of the page.
+
+        Raises:
+            InputError: a page that cannot be written.
+
+        Example:
+            >>> c.report("contact.html")
+        """
+        from ._files import report
+
+        report(path, [self])
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers as a pandas.DataFrame of one row; units in `attrs["units"]`.
+
+        Raises:
+            Error: no pandas.
+
+        Example:
+            >>> c.to_dataframe().shape[0]  # doctest: +SKIP
+            1
+        """
+        from . import _show
+
+        return _show.frame([self])
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the file that `gfmd contact --out` writes; `gfmd.load` reads it.
 
@@ -315,7 +492,7 @@ class Contact(Record):
         save(path, [self])
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the fields [x, y], with coordinates, and the scalars.
+        """Returns an xarray.Dataset of the fields [y, x], with coordinates and units, and the scalars: `.plot()` has x to the right, y up.
 
         Raises:
             Error: no xarray.
@@ -359,7 +536,7 @@ class Contact(Record):
         fields = self._fields
         if not isinstance(field, str) or field not in fields:
             raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, fields))}")
-        return _show.field(fields[field], self.surface, field, ax)
+        return _show.field(fields[field], self.surface, field, ax, self.units)
 
     def _repr_html_(self) -> str:
         from . import _show
@@ -437,8 +614,46 @@ class Contacts(Sequence[Contact]):
 
         save(path, self._contacts)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Contacts) and self._contacts == other._contacts
+
+    def __hash__(self) -> int:
+        return hash(self._contacts)
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page of HTML that `gfmd report` makes of these loads.
+
+        Args:
+            path: the name of the page.
+
+        Raises:
+            InputError: no contacts, a page that cannot be written.
+
+        Example:
+            >>> cs.report("loads.html")
+        """
+        from ._files import report
+
+        self._check_some()
+        report(path, self._contacts)
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers as a pandas.DataFrame with a row for each load; units in `attrs["units"]`.
+
+        Raises:
+            InputError: no contacts. Error: no pandas.
+
+        Example:
+            >>> cs.to_dataframe().kappa.shape  # doctest: +SKIP
+            (2,)
+        """
+        from . import _show
+
+        self._check_some()
+        return _show.frame(self._contacts)
+
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset: fields [load, x, y], scalars [load].
+        """Returns an xarray.Dataset: fields [load, y, x], scalars [load], with units.
 
         Raises:
             InputError: no contacts. Error: no xarray.
@@ -474,17 +689,28 @@ class Contacts(Sequence[Contact]):
             raise InputError("there are no contacts here")
 
     def _rows(self) -> list[list[str]]:
-        return [
-            [f"{c.p_star:.4e}", f"{c.displacement:.4e}", f"{c.area_fraction:.6f}", f"{c.kappa:.4f}", f"{c.mean_gap:.4e}", f"{c.iterations}", f"{float(c.residual):.1e}"]
-            for c in self._contacts
+        """The rows of the table, below that of its heads."""
+        head, digits = list(_HEAD), ".4e"
+        approach, gap = (np.array([contact[name] for contact in self._contacts]) for name in ("displacement", "mean_gap"))
+        if self._contacts and self._contacts[0].units[0] is not None:
+            from . import _show
+
+            for place, values in ((1, approach), (4, gap)):
+                factor, unit = _show.read("length", values, self._contacts[0].units)
+                values *= factor
+                head[place], digits = f"{head[place]} / {unit}", ".5g"
+        rows = [
+            [f"{c.p_star:.4e}", f"{u:{digits}}", f"{c.area_fraction:.6f}", f"{c.kappa:.4f}", f"{g:{digits}}", f"{c.iterations}", f"{float(c.residual):.1e}"]
+            for c, u, g in zip(self._contacts, approach, gap)
         ]
+        return [head, *rows]
 
     def __repr__(self) -> str:
-        rows = "".join("\n" + " ".join(f"{cell:>12}" for cell in row) for row in [_HEAD, *self._rows()])
+        rows = "".join("\n" + " ".join(f"{cell:>13}" for cell in row) for row in self._rows())
         return f"{len(self)} contacts{rows}"
 
     def _repr_html_(self) -> str:
         from . import _show
 
         maps = _show.maps_html([contact.pressure for contact in self._contacts], "pressure") if self._contacts else ""
-        return f"<b>{len(self)} contacts</b>{maps}{_show.table_html(_HEAD, self._rows())}"
+        return f"<b>{len(self)} contacts</b>{maps}{_show.table_html(self._rows()[0], self._rows()[1:])}"

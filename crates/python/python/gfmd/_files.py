@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 from collections.abc import Sequence
 from typing import Any, Optional, Union
 
 import numpy as np
 
 from . import _check, _gfmd
-from ._body import Body, Law
+from ._body import body_of, law_of
 from ._check import Array
 from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
@@ -45,6 +46,14 @@ def save(name: Any, contacts: Sequence[Contact]) -> None:
     loads = [(json_of(contact._values), list(contact._fields.values())) for contact in contacts]
     words = [(surface.unit, surface.description) for surface in (first.surface, lower) if surface is not None]
     _gfmd.save(_check.path("path", name), problem, {**arrays, "surface": first.surface.heights}, words, loads, config(contacts))
+
+
+def report(name: Any, contacts: Sequence[Contact]) -> None:
+    page = _check.path("path", name)
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "contact.h5")
+        save(file, contacts)
+        _gfmd.report_of(["report", file, "--out", page])
 
 
 def _stored(name: str, group: str, length: Sequence[float]) -> Surface:
@@ -86,13 +95,8 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     surface = _stored(name, "/surface", length)
     between = "lower_surface" in config or "lower_seed" in config
     lower = _stored(name, "/lower", length) if between else None
-    height = config.get("height", "inf")
-    e_star = config.get("e_star")
-    below = {name: config[name] for name in ("base", "base_young", "base_poisson", "second_body") if name in config}
-    young, height = None if e_star is not None else config.get("young"), None if height == "inf" else height
-    body = Body(young, config.get("poisson", 0.0), e_star=e_star, height=height, layers=config.get("layer", ()), **below)
-    law = Law(config.get("law", "hard-wall"), {key: float("nan" if value is None else value) for key, value in config.get("param", [])})
-    options = {key: value for key, value in config.items() if key in _gfmd.options() and key != "lower_seed"}
+    body, law = body_of(config), law_of(config)
+    options = {key: value for key, value in config.items() if (key in _gfmd.options() or key == "stress_unit") and key != "lower_seed"}
     arrays = {key: _check.frozen(_array(name, dataset)) for key, dataset in _ARRAYS.items() if isinstance(config.get(key), str)}
     if lower is not None:
         options["lower_surface"], arrays["lower_surface"] = "array", lower.heights

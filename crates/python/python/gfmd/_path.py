@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _command
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, flag, integer, number, numbers, word
+from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
 from ._errors import InputError
 from ._record import Record
 from ._surface import Surface, as_hardness, as_surface
@@ -99,7 +99,7 @@ class Path(Record):
         return ax
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, x, y].
+        """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
 
         Raises:
             Error: no xarray.
@@ -110,10 +110,11 @@ class Path(Record):
         """
         from . import _show
 
-        variables = {name: (("step", "axis")[: values.ndim], values) for name, values in self.steps.items()}
+        units = (self.unit, self.get("stress_unit"))
+        variables = {name: (("step", "axis")[: values.ndim], values, _show.attributes(name, units)) for name, values in self.steps.items()}
         for name in ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"):
             if name in self:
-                variables[name] = (("waypoint", "x", "y"), self[name])
+                variables[name] = (("waypoint", "y", "x"), np.swapaxes(self[name], 1, 2), _show.attributes(name, units))
         return _show.needed("xarray", "to_xarray").Dataset(variables, _show.coordinates(self.surface))
 
     def _repr_html_(self) -> str:
@@ -141,9 +142,10 @@ def path(
     direction: float = 0.0,
     law: Law | str | None = None,
     friction: Optional[float] = None,
-    shear_strength: Optional[float] = None,
-    hardness: float | npt.ArrayLike | None = None,
-    boundary: str = "periodic",
+    shear_strength: Optional[Quantity] = None,
+    hardness: Quantity | npt.ArrayLike | None = None,
+    boundary: Literal["periodic", "free"] | str = "periodic",
+    stress_unit: Optional[str] = None,
     coarse: bool = False,
     grid_error: str = "estimate",
     steps: int = 20,
@@ -158,7 +160,7 @@ def path(
     Args:
         surface, body: as of `contact`.
         mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence;
-            negative ones pull.
+            negative ones pull. Stresses and lengths may be texts with a unit, such as "1MPa", if the surface has one.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
         time: times of the legs, each of which ends at a waypoint, with a viscoelastic body (`Body(prony=...)`): a number or a
             sequence. The first leg begins at first touch; a leg of no time is a jump.
@@ -168,6 +170,7 @@ def path(
         shear_strength: strength of the interface (Tresca), stress, in place of a law.
         hardness: largest pressure of a hard wall, stress, as of `contact`; the plastic depth stays.
         boundary: "periodic", or "free" as of `contact`; "free" without lateral motion, or with friction on half-spaces.
+        stress_unit: unit of stresses given without one, as of `contact`.
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         grid_error: as of `contact`; "refine" follows the path on a grid of twice as many points along each side, too.
         steps: steps from one waypoint to the next.
@@ -191,16 +194,19 @@ def path(
     """
     made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
     drive = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
-    found = {name: numbers(name, value) for name, value in drive.items() if value is not None}
+    kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
+    found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
     if len(found) != 1:
         raise InputError(f"the path is given by {', '.join(found) or 'none'}; it must be given by one of mean_pressure, p_star, approach")
     if sum(value is not None for value in (law, friction, shear_strength)) > 1:
         raise InputError("law, friction and shear_strength are given together; give one of the three")
     problem: dict[str, Any] = dict(
+        unit=made.unit,
+        stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
         pressure=found.get("mean_pressure"),
         p_star=found.get("p_star"),
         displacement=found.get("approach"),
-        lateral=None if lateral is None else numbers("lateral", lateral),
+        lateral=None if lateral is None else quantities("lateral", lateral, "length"),
         time=None if time is None else numbers("time", time),
         direction=number("direction", direction),
         steps=integer("steps", steps, 1, 2**32 - 1),
@@ -209,7 +215,7 @@ def path(
         energy_tol=None if energy_tolerance is None else number("energy_tolerance", energy_tolerance),
         energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
         friction=None if friction is None else number("friction", friction),
-        shear_strength=None if shear_strength is None else number("shear_strength", shear_strength),
+        shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
         boundary=word("boundary", boundary),
         coarse=flag("coarse", coarse),
         grid_error=word("grid_error", grid_error),
@@ -218,7 +224,7 @@ def path(
     if law is not None:
         problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
-    (problem if isinstance(bound, float) else arrays)["hardness"] = bound
+    (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields = _command.solve("path", problem, arrays, threads)
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
@@ -227,7 +233,7 @@ def path(
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
-    if bound is not None:
+    if isinstance(bound, np.ndarray):
         told["hardness"] = bound
     result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), "undefined": undefined, **fields})
     return _command.ended(result, failure)
@@ -238,7 +244,7 @@ def friction(
     body: Body,
     *,
     coefficient: Optional[float] = None,
-    shear_strength: Optional[float] = None,
+    shear_strength: Optional[Quantity] = None,
     mean_pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,

@@ -71,12 +71,16 @@ class Record(Mapping[str, Any]):
 
     __hash__ = object.__hash__
 
+    def _text(self, name: str, value: Any) -> str:
+        """A value as it is shown."""
+        return _short(value)
+
     def __repr__(self) -> str:
-        rows = "".join(f"\n  {name:<30} {_short(value)}" for name, value in self._values.items())
+        rows = "".join(f"\n  {name:<30} {self._text(name, value)}" for name, value in self._values.items())
         return f"{type(self).__name__}{rows}"
 
     def _repr_html_(self) -> str:
-        cells = (f"<tr><td>{html.escape(name)}</td><td>{html.escape(_short(value))}</td></tr>" for name, value in self._values.items())
+        cells = (f"<tr><td>{html.escape(name)}</td><td>{html.escape(self._text(name, value))}</td></tr>" for name, value in self._values.items())
         return f"<b>{type(self).__name__}</b><table>{''.join(cells)}</table>"
 
 

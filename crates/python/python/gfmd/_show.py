@@ -7,10 +7,11 @@ import html
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
+from . import _gfmd
 from ._check import Array
 from ._errors import Error
 from ._record import Record
@@ -18,6 +19,10 @@ from ._record import Record
 if TYPE_CHECKING:
     from ._contact import Contact
     from ._surface import Surface
+
+
+# The unit of lengths, and that of stresses.
+Units = tuple[Optional[str], Optional[str]]
 
 
 def needed(module: str, use: str) -> Any:
@@ -35,18 +40,39 @@ def axes(ax: Any) -> Any:
     return needed("matplotlib.pyplot", "plot").subplots()[1]
 
 
-def units(name: str, surface: Surface) -> str:
-    """The unit of a field."""
-    return "stress" if name.endswith("pressure") else surface.unit or "length"
+def kind(name: str) -> str:
+    """The kind of a number or field."""
+    return "length" if name == "height" else _KINDS.get(name, "1")
 
 
-def field(values: Array, surface: Surface, name: str, ax: Any) -> Any:
+_KINDS: dict[str, str] = dict(_gfmd.kinds())
+
+
+def read(of: str, values: Any, units: Units) -> tuple[float, str]:
+    """The factor and the name of the unit in which people read values of a kind."""
+    finite = np.abs(np.asarray(values, dtype=np.float64))
+    largest = float(np.max(finite[np.isfinite(finite)], initial=0.0))
+    return _gfmd.readable(of, largest, *units) or (1.0, _gfmd.unit_name(of, *units))
+
+
+def attributes(name: str, units: Units) -> dict[str, str]:
+    """The attributes of a variable: its unit, where it is known."""
+    of = kind(name)
+    unit = _gfmd.unit_name(of, units[0], units[1] or ("Pa" if units[0] == "m" else None))
+    return {"units": unit} if unit != of or of == "1" else {}
+
+
+def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None) -> Any:
     ax = axes(ax)
-    unit = surface.unit or "length"
-    (lx, ly), (nx, ny) = surface.size, surface.n
+    known = units or (surface.unit, None)
+    (nx, ny) = surface.n
+    side, unit = read("length", surface.size[: 1 if ny == 1 else 2], known)
+    lx, ly = (length * side for length in surface.size)
+    factor, shown = read(kind(name), values, known)
+    values = values * factor
     lengthwise = name[:-1].endswith("displacement_")
     words = f"{name[:-2].replace('_', ' ')} $u_{name[-1]}$" if lengthwise else name.replace("_", " ")
-    label = f"{words} ({units(name, surface)})"
+    label = f"{words} ({shown})"
     if ny == 1:
         ax.plot(np.arange(nx) * lx / nx, values[:, 0])
         ax.set_ylabel(label)
@@ -87,8 +113,8 @@ def kappa(points: Sequence[Any], fit: Any, ax: Any) -> Any:
 
 def coordinates(surface: Surface) -> dict[str, Any]:
     (lx, ly), (nx, ny) = surface.size, surface.n
-    length = surface.unit or "length"
-    return {"x": ("x", np.arange(nx) * lx / nx, {"units": length}), "y": ("y", np.arange(ny) * ly / ny, {"units": length})}
+    unit = {} if surface.unit is None else {"units": surface.unit}
+    return {"x": ("x", np.arange(nx) * lx / nx, unit), "y": ("y", np.arange(ny) * ly / ny, unit)}
 
 
 def _columns(records: Sequence[Any], before: str = "") -> Iterator[tuple[str, list[Any]]]:
@@ -104,14 +130,23 @@ def _columns(records: Sequence[Any], before: str = "") -> Iterator[tuple[str, li
 def dataset(contacts: Sequence[Contact]) -> Any:
     xarray = needed("xarray", "to_xarray")
     surface = contacts[0].surface
-    length = surface.unit or "length"
-    variables: dict[str, Any] = {"height": (("x", "y"), surface.heights, {"units": length})}
+    units = contacts[0].units
+    variables: dict[str, Any] = {"height": (("y", "x"), surface.heights.T, attributes("height", units))}
     for name in contacts[0]._fields:
-        values = np.stack([contact._fields[name] for contact in contacts])
-        variables[name] = (("load", "x", "y"), values, {"units": units(name, surface)})
+        values = np.stack([contact._fields[name].T for contact in contacts])
+        variables[name] = (("load", "y", "x"), values, attributes(name, units))
     for name, of_loads in _columns(contacts):
-        variables[name] = (("load", "axis")[: np.ndim(of_loads)], of_loads)
+        variables[name] = (("load", "axis")[: np.ndim(of_loads)], of_loads, attributes(name, units))
     return xarray.Dataset(variables, coordinates(surface))
+
+
+def frame(contacts: Sequence[Contact]) -> Any:
+    """The numbers of contacts as a table of pandas."""
+    pandas = needed("pandas", "to_dataframe")
+    columns = {name: values for name, values in _columns(contacts) if not isinstance(values[0], (list, dict))}
+    found = pandas.DataFrame(columns)
+    found.attrs["units"] = {name: unit for name in columns for unit in attributes(name, contacts[0].units).values()}
+    return found
 
 
 def _png(values: Array) -> bytes:

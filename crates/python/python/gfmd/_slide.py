@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, integer, number, numbers
+from ._check import Array, integer, number, numbers, quantities, word
 from ._errors import InputError
 from ._record import Record
 from ._surface import Surface, as_surface
@@ -64,6 +64,7 @@ def slide(
     p_star: Any = None,
     approach: Any = None,
     direction: float = 0.0,
+    stress_unit: Optional[str] = None,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
     threads: Optional[int] = None,
@@ -74,8 +75,10 @@ def slide(
         surface: as of `contact`.
         body: a viscoelastic body, `Body(prony=...)`.
         velocity: velocities of the surface relative to the body, length over the unit of the relaxation times; a number or a sequence.
-        mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence.
+        mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses and lengths
+            may be texts with a unit, such as "1MPa", if the surface has one.
         direction: direction of the velocity, degrees from x.
+        stress_unit: unit of stresses given without one, as of `contact`.
         tolerance, max_iterations: of each state, as of `contact`.
         threads: number of threads; all cores by default.
 
@@ -93,10 +96,13 @@ def slide(
     if not elastic.prony:
         raise InputError("body is elastic; it must be viscoelastic to slide: gfmd.Body(prony=...)")
     loads = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
-    found = {name: numbers(name, value) for name, value in loads.items() if value is not None}
+    kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
+    found = {name: quantities(name, value, kinds[name]) for name, value in loads.items() if value is not None}
     if len(found) != 1:
         raise InputError(f"the loads are given by {', '.join(found) or 'none'}; they must be given by one of mean_pressure, p_star, approach")
     problem: dict[str, Any] = dict(
+        unit=made.unit,
+        stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
         pressure=found.get("mean_pressure"),
         p_star=found.get("p_star"),
         displacement=found.get("approach"),

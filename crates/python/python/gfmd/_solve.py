@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Optional, Union
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, Optional, Union, overload
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _gfmd
-from ._body import Body, Law, as_body, as_law
-from ._check import Array, integer, number, numbers, plain
+from ._body import Body, Law, as_body, as_law, body_of, law_of
+from ._check import Array, Quantity, integer, number, plain, quantities
 from ._command import body_keys, law_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
@@ -24,6 +25,8 @@ from ._surface import Surface, as_hardness, as_lower, as_surface
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
 # The loads, and options, by the keys that they have in a file.
+# The kinds of their quantities.
+_LOADS = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
 _KEYS = {"mean_pressure": "pressure", "p_star": "p_star", "approach": "displacement"}
 _OPTIONS: dict[str, tuple[str, Any]] = {"tolerance": ("tol", number), "max_iterations": ("max_iter", integer)}
 
@@ -32,21 +35,28 @@ class _Setup:
     """A surface against a body: the description of the problem, and the problem that it poses."""
 
     def __init__(
-        self, surface: Any, body: Any, *, law: Any = None, hardness: Any = None, lower_surface: Any = None, threads: Any = None, start: Any = None, **options: Any
+        self, surface: Any, body: Any, *, loads: Any = (), law: Any = None, hardness: Any = None, lower_surface: Any = None, threads: Any = None, start: Any = None, **options: Any
     ) -> None:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.lower_surface = as_lower(lower_surface, self.surface)
         self.threads = 0 if threads is None else integer("threads", threads, 0, 4096)
-        problem: dict[str, Any] = {"length": list(self.surface.size), **body_keys(self.body), **law_keys(self.law)}
+        problem: dict[str, Any] = {"unit": self.surface.unit, "length": list(self.surface.size), **body_keys(self.body), **law_keys(self.law)}
         arrays: dict[str, Array] = {} if self.lower_surface is None else {"lower_surface": self.lower_surface.heights}
         for name, value in {"hardness": as_hardness(hardness, self.surface), **_checked(options)}.items():
             (arrays if isinstance(value, np.ndarray) else problem)[name] = value
+        if loads and problem.get("stress_unit") is None and self.surface.unit != "m":
+            problem["stress_unit"] = "Pa"
         if start is not None and not isinstance(start, Contact):
             raise InputError(f"start is {type(start).__name__}; it must be a contact")
         if start is not None and problem.get("range_continuation"):
             raise InputError("range_continuation and start are both given; give one of the two")
         self.problem = self._posed(problem, arrays)
         self.settings = Settings(parsed(self.problem.description), arrays, self.lower_surface)
+        # In the units of the problem, as a file has them.
+        if texts(self.body.__reduce__()[1]):
+            self.body = body_of(self.settings.description)
+        if texts(self.law.parameters.values()):
+            self.law = law_of(self.settings.description)
         self.start = None if start is None else self._state(start)
 
     def _posed(self, problem: dict[str, Any], arrays: dict[str, Array]) -> Any:
@@ -71,13 +81,22 @@ class _Setup:
             raise InputError(f"start has {'no' if start.lower_surface is None else 'a'} lower_surface; it must be as of the contact")
         return self.problem.recall(start._fields, start.approach) if start._state is None else start._state
 
+    def values(self, control: str, given: list[Quantity]) -> list[float]:
+        """The loads in the units of the problem, of which each has its sign right."""
+        found = [self.problem.value(control, value, _LOADS[control]) if isinstance(value, str) else value for value in given]
+        for value in found:
+            self.check(control, value)
+        return found
+
     def check(self, control: str, value: float) -> None:
         pulls = self.law["name"] != "hard-wall"
         if not math.isfinite(value) or not (pulls or value > 0.0):
             raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
 
-    def tell(self, done: list[Contact]) -> None:
-        """Warns of slopes that are not small."""
+    def tell(self, done: list[Contact], control: str, values: list[float]) -> None:
+        """Warns of slopes that are not small, and of units that are mixed up."""
+        for doubt in self.problem.doubts(_KEYS[control], max(values)):
+            warned(doubt)
         told = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
         if told is not None:
             warned(told)
@@ -98,6 +117,13 @@ class _Setup:
         return contact
 
 
+def texts(value: Any) -> bool:
+    """True if there is a quantity with a unit among arguments."""
+    if isinstance(value, str):
+        return value not in ("bonded", "sliding", "free", "half-space")
+    return isinstance(value, Iterable) and any(texts(entry) for entry in value)
+
+
 def _name(key: str) -> str:
     """The name of an option, by the key that it has in a file."""
     return next((name for name, (of, _) in _OPTIONS.items() if of == key), key)
@@ -115,7 +141,7 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
 
 def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     """The load that is given, of a call whose other options exist."""
-    allowed = [_name(key) for key in _gfmd.options() if key not in ("law", "param")]
+    allowed = [*(_name(key) for key in _gfmd.options() if key not in ("law", "param")), "stress_unit"]
     unknown = next((name for name in options if name not in (*allowed, "law", "threads", "start")), None)
     if unknown is not None:
         raise TypeError(f"the option is {unknown!r}; it must be one of {', '.join([*loads, *allowed])}")
@@ -126,22 +152,42 @@ def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     return found[0]
 
 
+@overload
 def contact(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
     *,
-    mean_pressure: Optional[float] = None,
+    mean_pressure: Optional[Quantity] = None,
     p_star: Optional[float] = None,
-    approach: Optional[float] = None,
-    boundary: Optional[str] = None,
+    approach: Optional[Quantity] = None,
+    **options: Any,
+) -> Contact: ...
+@overload
+def contact(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    mean_pressure: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
+    p_star: Optional[Sequence[float] | npt.NDArray[np.float64]] = None,
+    approach: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
+    **options: Any,
+) -> Contacts: ...
+def contact(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    mean_pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    boundary: Optional[Literal["periodic", "free"] | str] = None,
     law: Law | str | None = None,
-    hardness: float | npt.ArrayLike | None = None,
-    components: Optional[str] = None,
+    hardness: Quantity | npt.ArrayLike | None = None,
+    components: Optional[Literal["normal", "all", "held"] | str] = None,
     finite_slope: bool = False,
     lower_surface: Surface | npt.ArrayLike | None = None,
     coarse: bool = False,
     range_continuation: bool = False,
-    grid_error: Optional[str] = None,
+    grid_error: Optional[Literal["none", "estimate", "refine"] | str] = None,
     accuracy: Union[float, str, None] = None,
     solver: Optional[str] = None,
     tolerance: Optional[float] = None,
@@ -149,15 +195,17 @@ def contact(
     threads: Optional[int] = None,
     start: Optional[Contact] = None,
     **options: Any,
-) -> Contact:
-    """Presses a rigid surface on an elastic body: the contact at rest under one load.
+) -> Any:
+    """Presses a rigid surface on an elastic body: the contact at rest under one load, or the contacts under several.
 
     Args:
         surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
         body: the elastic body.
-        mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area); or
+        mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area), or a text with a unit,
+            such as "1MPa", if the surface has one; or
         p_star: mean pressure over E* times the rms gradient; or
-        approach: rigid approach beyond first touch, length.
+        approach: rigid approach beyond first touch, length, or a text with a unit. A sequence of loads gives the `Contacts` of `contacts`,
+            each started from the last.
         boundary: "periodic", the default, or "free": the surface is a patch on an unbounded half-space, slab or stack of layers; its rms
             gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
@@ -184,7 +232,8 @@ def contact(
         start: a contact of the same surface to start from, such as that of a smaller load, an interrupted one, or one from
             a file.
         options: further options of `gfmd contact` that pose a problem, by the names of their flags, such as `dt`, `damping`,
-            `base_displacement` and `base_traction`, numbers, texts or arrays.
+            `base_displacement` and `base_traction`, numbers, texts or arrays; and `stress_unit`, the unit of stresses given without one
+            (Pa by default if a stress has a unit).
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -196,31 +245,42 @@ def contact(
         >>> c = gfmd.contact(gfmd.self_affine(n=64), gfmd.Body(young=70e9, poisson=0.33), p_star=0.05)
         >>> round(c.area_fraction, 3), c.pressure.shape
         (0.128, (64, 64))
+        >>> scan = gfmd.self_affine(n=64, size="50 um", unit="um")
+        >>> [round(c.p_star, 4) for c in gfmd.contact(scan, gfmd.Body(young="70 GPa"), mean_pressure=["7 MPa", "0.1 GPa"])]
+        [0.001, 0.0143]
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
-    value = number(control, given)
+    loads = quantities(control, given, _LOADS[control])
+    several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
     options.update(
         boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface, coarse=coarse,
         range_continuation=range_continuation, grid_error=grid_error, solver=solver, tolerance=tolerance, max_iterations=max_iterations, threads=threads,
         start=start,
     )  # fmt: skip
+    if several:
+        return contacts(surface, body, **{control: given}, accuracy=accuracy, **options)
     if accuracy is not None:
-        return _accurate(accuracy, (surface, body), (control, [value]), options)[0]
-    setup = _Setup(surface, body, **options)
-    setup.check(control, value)
+        return _accurate(accuracy, (surface, body), (control, loads), options)[0]
+    setup = _Setup(surface, body, loads=_of_stress(control, loads), **options)
+    [value] = setup.values(control, loads)
     with Progress("contact") as progress:
         done = setup.solve(control, value, setup.start, progress)
-    setup.tell([done])
+    setup.tell([done], control, [value])
     return done
 
 
-def _accurate(accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[float]], options: dict[str, Any]) -> list[Contact]:
+def _of_stress(control: str, loads: list[Quantity]) -> list[Quantity]:
+    """The loads that are stresses with a unit."""
+    return [load for load in loads if isinstance(load, str) and _LOADS[control] == "stress"]
+
+
+def _accurate(accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[Quantity]], options: dict[str, Any]) -> list[Contact]:
     """The contacts on the grid on which all their numbers are that exact."""
     (control, values), (surface, body) = loads, (as_surface(pair[0]), pair[1])
     if options.get("start") is not None or options.get("grid_error") not in (None, "estimate"):
         raise InputError("accuracy is given with start or grid_error; the grid of a start, and its error, are what they are")
     asked = accuracy if isinstance(accuracy, str) else repr(number("accuracy", accuracy))
-    _Setup(surface, body, **options).problem.check_accuracy(asked, _KEYS[control])
+    _Setup(surface, body, loads=_of_stress(control, values), **options).problem.check_accuracy(asked, _KEYS[control])
     done = list(contacts(surface, body, **{control: values}, **options))
     while (times := max(found._state.times(asked) for found in done)) > 1:
         try:
@@ -258,13 +318,12 @@ def contacts(
         ([True, True, True], (3,))
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
-    values = numbers(control, given)
+    loads = quantities(control, given, _LOADS[control])
     accuracy = options.pop("accuracy", None)
     if accuracy is not None:
-        return Contacts(_accurate(accuracy, (surface, body), (control, values), options))
-    setup = _Setup(surface, body, **options)
-    for value in values:
-        setup.check(control, value)
+        return Contacts(_accurate(accuracy, (surface, body), (control, loads), options))
+    setup = _Setup(surface, body, loads=_of_stress(control, loads), **options)
+    values = setup.values(control, loads)
     done: list[Contact] = []
     state = setup.start
     with Progress("contacts", len(values)) as progress:
@@ -277,5 +336,5 @@ def contacts(
             except KeyboardInterrupt as error:  # between two solves
                 raise Interrupted(f"load {index}: interrupted", Contacts(done)) from error
             state = done[-1]._state
-    setup.tell(done)
+    setup.tell(done, control, values)
     return Contacts(done)

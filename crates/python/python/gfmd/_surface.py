@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, Literal, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _check, _gfmd
-from ._check import Array, frozen, integer, number, numbers, optional, word
+from ._check import Array, frozen, in_units, integer, number, numbers, optional, quantities, quantity, word
 from ._errors import InputError
 from ._record import Record, parsed, without_null
 
-Size = Union[float, tuple[float, float], None]
+Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
 
 class Statistics(Record):
@@ -81,7 +81,7 @@ class Surface:
             SurfaceTopography object, whose size and unit are taken over.
         size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. One length is that along x, and
             the points are as far apart along y.
-        unit: the unit of heights and lengths, such as "m"; only told, never converted.
+        unit: the unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may be texts with theirs.
         fill: heights for undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points) or
             "nearest"; None refuses them.
 
@@ -89,8 +89,8 @@ class Surface:
         InputError: another shape or type, undefined or infinite points, a size that is not positive.
 
     Example:
-        >>> gfmd.Surface([[0, 1], [1, 0]], size=(1e-4, 1e-4), unit="m")
-        Surface of 2 x 2 points on 0.0001 x 0.0001 m (array)
+        >>> gfmd.Surface([[0, 1], [1, 0]], size="100 um", unit="m")
+        Surface of 2 x 2 points on 100 x 100 µm (array)
         >>> gfmd.contact(gfmd.Surface(np.cos(np.arange(64) * np.pi / 32)), gfmd.Body(), p_star=0.1).gap.shape
         (64, 1)
         >>> gfmd.Surface([[0, 1], [np.nan, 0]], fill="nearest").undefined
@@ -112,10 +112,11 @@ class Surface:
             unit = told if unit is None else unit
             description = "SurfaceTopography"
         copy, undefined = _check.heights(heights)
-        cell = _check.size(size, (int(copy.shape[0]), int(copy.shape[1])))
+        unit = None if unit is None else _gfmd.canonical(word("unit", unit))
+        cell = _check.size(size, (int(copy.shape[0]), int(copy.shape[1])), unit)
         copy = _check.whole("heights", copy, undefined, cell, fill)
         origin = _Origin(_filled(description, undefined, fill), {"undefined": undefined})
-        self._set(copy, cell, None if unit is None else word("unit", unit), origin)
+        self._set(copy, cell, unit, origin)
 
     def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin) -> None:
         for name, value in (("heights", frozen(heights)), ("size", size), ("unit", unit), ("origin", origin), ("statistics", None)):
@@ -123,6 +124,16 @@ class Surface:
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError("a Surface cannot be changed; its methods return new ones")
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, Surface) or (self._size, self._unit) != (other._size, other._unit):
+            return False
+        return np.array_equal(self._heights, other._heights)
+
+    def __hash__(self) -> int:
+        return hash((self.n, self._size, self._unit))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _surface, (self._heights, self._size, self._unit, self._origin)
@@ -213,6 +224,46 @@ class Surface:
         if fit_range is None:
             object.__setattr__(self, "_statistics", found)
         return found
+
+    def to_unit(self, unit: str) -> Surface:
+        """Returns the surface with heights and lengths in another unit.
+
+        Args:
+            unit: the unit of length, such as "um", "nm", "m".
+
+        Raises:
+            InputError: a unit that is not known, a surface without one.
+
+        Example:
+            >>> gfmd.Surface([[0, 1], [1, 0]], size=(3, 3), unit="um").to_unit("nm")
+            Surface of 2 x 2 points on 3 x 3 µm (array, in nm)
+        """
+        if self._unit is None:
+            raise InputError("unit: the surface has none; Surface(..., unit=) and gfmd.read(..., unit=) give it one")
+        heights, size, name = _gfmd.converted(self._heights, self._size, self._unit, word("unit", unit))
+        return _surface(heights, size, name, self._origin.after(f"in {name}"))
+
+    def psd(self, *, window: Literal["none", "hann"] = "none") -> Record:
+        """Returns the radially averaged power spectral density of the heights: that of `gfmd surface --out FILE.h5`.
+
+        Args:
+            window: "hann" tapers the heights of a surface that is not periodic.
+
+        Returns:
+            A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, of a profile length^3), whose
+            integral over all wave vectors is the mean square height.
+
+        Raises:
+            InputError: another window.
+
+        Example:
+            >>> s.psd().density.shape == s.psd().wavenumber.shape
+            True
+        """
+        if window not in ("none", "hann"):
+            raise InputError(f"window is {_check.shown(window)}; it must be 'none' or 'hann'")
+        wavenumber, density = _gfmd.psd(self._heights, self._size, window)
+        return Record({"wavenumber": frozen(np.array(wavenumber)), "density": frozen(np.array(density))})
 
     def detrend(self, trend: str = "plane") -> Surface:
         """Returns a surface without its trend.
@@ -340,8 +391,10 @@ class Surface:
 
     def __repr__(self) -> str:
         nx, ny = self.n
-        points, cell = (f"{nx} points", f"{self._size[0]:g}") if ny == 1 else (f"{nx} x {ny} points", f"{self._size[0]:g} x {self._size[1]:g}")
-        return f"Surface of {points} on {cell} {self._unit or 'length units'} ({self.description})"
+        factor, unit = _gfmd.readable("length", max(self._size[: 1 if ny == 1 else 2]), self._unit) or (1.0, self._unit or "length units")
+        lx, ly = (f"{float(f'{length * factor:.6g}'):g}" for length in self._size)
+        points, cell = (f"{nx} points", lx) if ny == 1 else (f"{nx} x {ny} points", f"{lx} x {ly}")
+        return f"Surface of {points} on {cell} {unit} ({self.description})"
 
     def _repr_html_(self) -> str:
         from . import _show
@@ -386,10 +439,10 @@ def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
     return lower
 
 
-def as_hardness(value: Any, surface: Surface) -> Union[float, Array, None]:
+def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
     """A hardness, one or that of each point."""
     if value is None or np.ndim(value) == 0:
-        return None if value is None else number("hardness", value)
+        return None if value is None else quantity("hardness", value, "stress")
     field = np.array(value, dtype=np.float64)
     if field.ndim == 1 and surface.n[1] == 1:
         field = field[:, np.newaxis]
@@ -403,7 +456,7 @@ def self_affine(
     hurst: float = 0.8,
     *,
     rms_gradient: Optional[float] = None,
-    rms_height: Optional[float] = None,
+    rms_height: Optional[_check.Quantity] = None,
     seed: int = 1,
     size: Size = None,
     unit: Optional[str] = None,
@@ -412,7 +465,7 @@ def self_affine(
     eps_c_inv: Optional[float] = None,
     dim: int = 3,
     method: str = "psd",
-    roll_off: Optional[float] = None,
+    roll_off: Optional[_check.Quantity] = None,
     roll_off_shape: str = "plateau",
     amplitudes: str = "gaussian",
 ) -> Surface:
@@ -425,7 +478,7 @@ def self_affine(
         rms_height: root mean square of the heights, length.
         seed: name of the realisation, below 2**63: one seed gives one surface on any grid.
         size: lengths of the cell, L or (Lx, Ly); 1 by default.
-        unit: the unit of heights and lengths, such as "m"; only told, never converted.
+        unit: the unit of heights and lengths, such as "um"; then lengths may be texts with a unit.
         eps_t_inv: cell over longest wavelength, at least 1; 2 by default.
         eps_f_inv: longest over shortest wavelength; by default 4 points are left for the shortest.
         eps_c_inv: points per shortest wavelength, at least 2, in place of `n`.
@@ -453,21 +506,21 @@ def self_affine(
         points = [integer("n", n, 0, 2**62)]
     heights, lengths, description = _gfmd.self_affine(
         n=points,
-        length=[] if size is None else numbers("size", size),
+        length=[] if size is None else [in_units("size", length, "length", unit, None) for length in quantities("size", size, "length")],
         hurst=number("hurst", hurst),
         eps_t_inv=optional("eps_t_inv", eps_t_inv),
         eps_f_inv=optional("eps_f_inv", eps_f_inv),
         eps_c_inv=optional("eps_c_inv", eps_c_inv),
         rms_gradient=0.1 if rms_gradient is None else number("rms_gradient", rms_gradient),
-        rms_height=optional("rms_height", rms_height),
+        rms_height=None if rms_height is None else in_units("rms_height", rms_height, "length", unit, None),
         seed=integer("seed", seed, 0, 2**63 - 1),
         dim=integer("dim", dim, 2, 3),
         method=word("method", method),
-        roll_off=optional("roll_off", roll_off),
+        roll_off=None if roll_off is None else in_units("roll_off", roll_off, "length", unit, None),
         roll_off_shape=word("roll_off_shape", roll_off_shape),
         amplitudes=word("amplitudes", amplitudes),
     )
-    return _surface(heights, lengths, None if unit is None else word("unit", unit), description)
+    return _surface(heights, lengths, None if unit is None else _gfmd.canonical(word("unit", unit)), description)
 
 
 def read(
@@ -485,7 +538,7 @@ def read(
         channel: name or number, from 0, of the height map in the file; the default of the file if not given.
         fill: heights for undefined points, "harmonic" or "nearest", as of `Surface`; None refuses them.
         size: lengths of the cell; those of the file by default, or 1.
-        unit: unit of heights and lengths; that of the file by default.
+        unit: unit of heights and lengths, into which those of a file with another one are converted; that of the file by default.
 
     Raises:
         InputError: a file that cannot be read, a channel that it does not have, undefined points.
@@ -493,13 +546,18 @@ def read(
     Example:
         >>> np.savetxt("scan.txt", [[0.0, 1.0, 0.5], [0.5, 0.0, 1.0]])
         >>> gfmd.read("scan.txt", size=(3e-6, 2e-6), unit="m")
-        Surface of 3 x 2 points on 3e-06 x 2e-06 m (scan.txt)
+        Surface of 3 x 2 points on 3 x 2 µm (scan.txt)
     """
     path = _check.path("name", name)
     asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
     heights, lengths, told, description, file = _gfmd.read(path, None if asked is None else word("channel", asked))
     said = parsed(file)
-    cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])))
+    wanted = None if unit is None else _gfmd.canonical(word("unit", unit))
+    if wanted is not None and told is not None:
+        heights, moved, told = _gfmd.converted(heights, lengths or (1.0, 1.0), told, wanted)
+        lengths = None if lengths is None else moved
+    told = told if wanted is None or told is not None else wanted
+    cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])), told)
     heights = _check.whole(path, heights, said["undefined"], cell, fill)
     origin = _Origin(_filled(description, said["undefined"], fill), said)
-    return _surface(heights, cell, told if unit is None else word("unit", unit), origin)
+    return _surface(heights, cell, told, origin)

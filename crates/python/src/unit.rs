@@ -1,0 +1,81 @@
+//! Units: quantities as numbers, and numbers in units that people read.
+
+use gfmd_law::Kind;
+use gfmd_record::{ARRAYS, COLUMNS};
+use gfmd_unit::{Conversion, Quantity, Units};
+use numpy::{IntoPyArray, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::failure::refused;
+use crate::surface::Array;
+
+/// The number of a quantity of this kind in the units of a problem; `None` for a text without a unit.
+#[pyfunction]
+#[pyo3(signature = (name, text, kind, unit=None, stress=None))]
+pub(crate) fn in_units(
+    py: Python<'_>,
+    name: &str,
+    text: &str,
+    kind: &str,
+    unit: Option<&str>,
+    stress: Option<&str>,
+) -> PyResult<Option<f64>> {
+    let refuse = |error: &dyn std::fmt::Display| refused(py, &format!("{name} is {text:?}: {error}"));
+    let Some(quantity) = Quantity::parse(text).map_err(|error| refuse(&error))? else { return Ok(None) };
+    let found = Units::new(unit, stress).value(&quantity, kind);
+    found.map(Some).map_err(|error| refuse(&error))
+}
+
+/// The name of the unit of a kind of quantity.
+#[pyfunction]
+#[pyo3(signature = (kind, unit=None, stress=None))]
+pub(crate) fn unit_name(kind: &str, unit: Option<&str>, stress: Option<&str>) -> String {
+    Units::new(unit, stress).name(kind)
+}
+
+/// The factor and the name of the unit in which people read numbers of a kind up to the largest; `None` if it is not known.
+#[pyfunction]
+#[pyo3(signature = (kind, largest, unit=None, stress=None))]
+pub(crate) fn readable(kind: &str, largest: f64, unit: Option<&str>, stress: Option<&str>) -> Option<(f64, String)> {
+    Units::new(unit, stress).shown(kind, largest).map(|shown| (shown.factor, shown.name))
+}
+
+/// The spelling of a unit of length in results; a name that is not known stays as it is.
+#[pyfunction]
+pub(crate) fn canonical(unit: &str) -> &str {
+    gfmd_unit::canonical(unit)
+}
+
+/// The kinds of quantity of the numbers and fields of a state, by their names.
+#[pyfunction]
+pub(crate) fn kinds() -> Vec<(&'static str, &'static str)> {
+    let columns = COLUMNS.iter().map(|column| (column.name, column.unit));
+    columns.chain(ARRAYS.iter().map(|array| (array.name, array.unit))).collect()
+}
+
+/// The kinds of quantity of the parameters of all laws, by their names.
+#[pyfunction]
+pub(crate) fn law_kinds() -> Vec<(&'static str, &'static str)> {
+    let all = Kind::ALL.into_iter().flat_map(Kind::parameters);
+    all.map(|parameter| (parameter.name, parameter.units)).collect()
+}
+
+/// Heights and lengths in another unit.
+#[pyfunction]
+pub(crate) fn converted<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    from: &str,
+    to: &str,
+) -> PyResult<(Array<'py>, [f64; 2], String)> {
+    let conversion = Conversion::between(from, to).map_err(|error| refused(py, &error))?;
+    let heights = heights.as_array();
+    let (heights, lengths) = match conversion {
+        Some(conversion) => {
+            (heights.mapv(|height| conversion.apply(height)), lengths.map(|length| conversion.apply(length)))
+        }
+        None => (heights.to_owned(), lengths),
+    };
+    Ok((heights.into_pyarray(py), lengths, gfmd_unit::canonical(to).to_owned()))
+}
