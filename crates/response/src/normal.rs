@@ -24,6 +24,8 @@ pub struct NormalResponse {
     stiffness_range: [f64; 2],
     contact_modulus: f64,
     rounded: OnceLock<Rounded>,
+    /// True unless the modes were changed one by one: waves of one length then have one stiffness.
+    is_isotropic: bool,
 }
 
 /// The least entry of the compliance of a patch over the largest.
@@ -94,6 +96,7 @@ impl NormalResponse {
             stiffness_range: range,
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
+            is_isotropic: true,
         }
     }
 
@@ -127,6 +130,7 @@ impl NormalResponse {
             stiffness_range: [1.0 / softest, 1.0 / stiffest],
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
+            is_isotropic: true,
         })
     }
 
@@ -148,6 +152,7 @@ impl NormalResponse {
             body: self.body.clone(),
             contact_modulus: self.contact_modulus,
             rounded: OnceLock::new(),
+            is_isotropic: false,
             compliance,
         }
     }
@@ -164,8 +169,13 @@ impl NormalResponse {
 
     /// The response in single precision, tabulated when it is first used.
     pub(crate) fn rounded(&self) -> &Rounded {
-        let Self { transform, share, compliance, stiffness_range: [softest, _], rounded, .. } = self;
-        once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest))
+        let Self { transform, share, compliance, stiffness_range: [softest, _], rounded, is_isotropic, .. } = self;
+        once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest, *is_isotropic))
+    }
+
+    /// True if waves of one length have one stiffness, as those of every body have.
+    pub(crate) fn is_isotropic(&self) -> bool {
+        self.is_isotropic
     }
 
     /// The rows of this process, all of them if it is alone.

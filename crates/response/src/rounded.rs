@@ -18,24 +18,25 @@ pub(crate) struct Rounded {
 }
 
 impl Rounded {
-    /// From the compliance of the modes of this process, and the smallest stiffness of all.
-    pub(crate) fn of(grid: Grid, share: &Share, compliance: &[f64], softest: f64) -> Self {
+    /// From the compliance of the modes of this process, and the smallest stiffness of all. A table that `is_even` in q_x is kept for
+    /// half of its modes.
+    pub(crate) fn of(grid: Grid, share: &Share, compliance: &[f64], softest: f64, is_even: bool) -> Self {
         let unit = power_of_two(1.0 / softest);
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
         Self {
             transform: Transform::over(grid, share),
-            compliance: quarter(&grid, compliance, |g| (g / unit) as f32),
-            stiffness: quarter(&grid, compliance, stiffness),
+            compliance: table(&grid, compliance, is_even, |g| (g / unit) as f32),
+            stiffness: table(&grid, compliance, is_even, stiffness),
             unit,
         }
     }
 }
 
-/// A function of the modes with q_x ≥ 0 of a table that is even in q_x; of all modes of a line.
-fn quarter(grid: &Grid, values: &[f64], of: impl Fn(f64) -> f32 + Sync) -> Vec<f32> {
+/// A function of the modes with q_x ≥ 0 of a table that `is_even` in q_x; of all modes of a line, and of another table.
+fn table(grid: &Grid, values: &[f64], is_even: bool, of: impl Fn(f64) -> f32 + Sync) -> Vec<f32> {
     let [nx, ny] = grid.points();
     let column = if nx == 1 || ny == 1 { values.len().max(1) } else { nx };
-    let kept = if column == nx && ny > 1 { nx / 2 + 1 } else { column };
+    let kept = if is_even && column == nx && ny > 1 { nx / 2 + 1 } else { column };
     let columns = values.par_chunks(column);
     columns.flat_map_iter(|column| column[..kept].iter().map(|value| of(*value))).collect()
 }

@@ -77,8 +77,11 @@ const BOX: usize = 2 * REACH + LANES;
 
 impl Scattered {
     /// Splits the response, with the given compliance and stiffness of the uniform mode, in length/stress and stress/length. `None` if the grid is no rectangle of
-    /// whole blocks and coarse cells, or small, and on layers that are not thicker than a few points.
+    /// whole blocks and coarse cells, or small, on layers that are not thicker than a few points, and if waves of one length have several stiffnesses.
     pub fn of(response: &NormalResponse, [compliance, stiffness]: [f64; 2]) -> Option<Self> {
+        if !response.is_isotropic() {
+            return None;
+        }
         let grid = response.grid();
         let [nx, ny] = grid.points();
         let small = [nx, ny].map(|points| (BOX..=points / 2).find(|side| points.is_multiple_of(*side)));

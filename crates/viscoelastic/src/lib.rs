@@ -40,6 +40,8 @@
 //!
 //! Not here: laws across the gap, friction, and layers that relax differently.
 
+mod branch;
+mod bulk;
 mod contact;
 mod history;
 mod poles;
@@ -51,8 +53,9 @@ mod state;
 mod step;
 mod velocity;
 
+pub use branch::Branch;
 pub use contact::ViscoelasticContact;
-pub use prony::{Branch, Prony, PronyError};
+pub use prony::{Prony, PronyError};
 pub use relaxes::{Relaxes, UnknownRelaxes};
 pub use sliding::{Persson, SlidingContact, SlidingError, SlidingState};
 pub use state::ViscoelasticState;

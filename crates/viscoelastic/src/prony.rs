@@ -1,18 +1,9 @@
 use gfmd_green::{GreenError, Material};
 use num_complex::Complex64;
 
-use crate::Relaxes;
+use crate::bulk::bulk;
 use crate::poles::poles;
-use crate::spectrum::bulk;
-
-/// A branch of a generalised Maxwell body: a spring and a dashpot in series.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Branch {
-    /// Relaxation time τ, in time.
-    pub time: f64,
-    /// Modulus of the spring over the long-term modulus, c = E_i/E_∞.
-    pub weight: f64,
-}
+use crate::{Branch, Relaxes};
 
 /// The relaxation of a modulus by a Prony series: ψ(t) = 1 + Σ c_i exp(−t/τ_i) over its long-time value (theory.md,
 /// section 7.7).

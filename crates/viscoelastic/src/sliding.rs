@@ -71,7 +71,7 @@ const DEPTH: usize = 8;
 /// The tolerance of the first inner contact, and the largest of all.
 const FIRST: f64 = 1e-3;
 /// The tolerance of an inner contact over the last certified residual, and the least over the tolerance.
-const INNER: f64 = 0.05;
+const INNER: f64 = 0.1;
 /// The number of steps in which the residual must have halved.
 const PATIENCE: u32 = 200;
 

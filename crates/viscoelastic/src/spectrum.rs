@@ -5,6 +5,7 @@ use gfmd_field::Grid;
 use gfmd_green::{Base, Body, Height, Material};
 use rayon::prelude::*;
 
+use crate::bulk::bulk;
 use crate::poles::poles;
 use crate::{Branch, Prony, Relaxes};
 
@@ -72,12 +73,6 @@ impl Spectrum {
 /// True for a half-space or a slab on a rigid base.
 fn is_alone(body: &Body) -> bool {
     body.second().is_none() && !matches!(body.base(), Base::Elastic(_))
-}
-
-/// Bulk over shear modulus.
-pub(crate) fn bulk(material: &Material) -> f64 {
-    let nu = material.poisson();
-    2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
 }
 
 /// E* = G + 9K/4 − (27/4) K²/(4G + 3K) of a half-space: 2n branches.

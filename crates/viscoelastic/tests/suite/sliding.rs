@@ -189,6 +189,18 @@ fn rough_sliding_is_found_at_any_loss_from_the_state_beside_it() {
 }
 
 #[test]
+fn an_oblique_velocity_costs_as_one_along_an_axis() {
+    // The storage moduli of an oblique velocity are not even along x: no solver may take them as such.
+    let grid = Grid::square(128, 1.0).unwrap();
+    let heights = rough(&grid, 7);
+    let body = Body::half_space(material(0.5));
+    let contact = sliding(&body, &grid, &heights, &Prony::from_fractions(&[(1.0, 0.9)]).unwrap(), Relaxes::Both);
+    let pairs = |degrees: f64| slide(&contact, 0.1, degrees, Load::MeanPressure(0.02), 1e-8).effort().transform_pairs;
+    let [along, oblique] = [0.0, 30.0].map(pairs);
+    assert!(oblique < 4.0 * along && oblique < 1000.0, "{along} {oblique}");
+}
+
+#[test]
 fn unusable_input_is_refused() {
     for speed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(Velocity::new(speed, 0.0).unwrap_err().to_string().ends_with("it must be positive and finite"));
