@@ -51,8 +51,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
-    /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times; A:B:N is N values from A to
-    /// B in geometric steps. Each load is solved at each of them
+    /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times; A:B:N is N
+    /// values from A to B in geometric steps. Each load is solved at each of them
     #[arg(long, value_delimiter = ',', value_name = "V1|A:B:N,..", required = true, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     velocity: Vec<Entry>,

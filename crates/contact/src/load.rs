@@ -36,8 +36,8 @@ pub struct Drive {
     /// Displacement of the rigid surface along x and y, in length. It has an effect only in problems with lateral
     /// components. On a half-space it is measured against the mean of the elastic surface, on a slab against its base.
     pub lateral: [f64; 2],
-    /// Time at which load and displacement are reached, since the first touch of the undeformed surfaces. It has an effect
-    /// only on viscoelastic bodies.
+    /// Time at which load and displacement are reached, since the first touch of the undeformed surfaces. It has an
+    /// effect only on viscoelastic bodies.
     pub time: f64,
 }
 

@@ -421,8 +421,8 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(made.end)
     }
 
-    /// Makes a step in twice as many equal increments each time, until the certified error of its loss is at most the tolerance
-    /// times the work exchanged and the energy lost. `end` was found in one increment.
+    /// Makes a step in twice as many equal increments each time, until the certified error of its loss is at most the
+    /// tolerance times the work exchanged and the energy lost. `end` was found in one increment.
     fn halve(
         &mut self,
         start: Option<&Reached<P::State>>,

@@ -174,8 +174,8 @@ impl Facts {
         }
     }
 
-    /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, on a patch, or on a
-    /// viscoelastic body.
+    /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, on a
+    /// patch, or on a viscoelastic body.
     pub fn is_wall_on_path(&self) -> bool {
         self.task == Task::Path
             && !self.has_law()

@@ -18,8 +18,8 @@ pub(crate) struct Rounded {
 }
 
 impl Rounded {
-    /// From the compliance of the modes of this process, and the smallest stiffness of all. A table that `is_even` in q_x is kept for
-    /// half of its modes.
+    /// From the compliance of the modes of this process, and the smallest stiffness of all. A table that `is_even` in
+    /// q_x is kept for half of its modes.
     pub(crate) fn of(grid: Grid, share: &Share, compliance: &[f64], softest: f64, is_even: bool) -> Self {
         let unit = power_of_two(1.0 / softest);
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };

@@ -77,7 +77,8 @@ const BOX: usize = 2 * REACH + LANES;
 
 impl Scattered {
     /// Splits the response, with the given compliance and stiffness of the uniform mode, in length/stress and stress/length. `None` if the grid is no rectangle of
-    /// whole blocks and coarse cells, or small, on layers that are not thicker than a few points, and if waves of one length have several stiffnesses.
+    /// whole blocks and coarse cells, or small, on layers that are not thicker than a few points, and if waves of one
+    /// length have several stiffnesses.
     pub fn of(response: &NormalResponse, [compliance, stiffness]: [f64; 2]) -> Option<Self> {
         if !response.is_isotropic() {
             return None;

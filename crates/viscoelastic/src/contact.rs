@@ -81,9 +81,9 @@ impl ViscoelasticContact {
         }
     }
 
-    /// A number that is zero for a state whose pressure is that of its [`memory`](ViscoelasticState::memory): the largest difference
-    /// between the displacement by the pressure, on a body with the long-term moduli, and d + Σ c x, over the largest
-    /// displacement.
+    /// A number that is zero for a state whose pressure is that of its [`memory`](ViscoelasticState::memory): the
+    /// largest difference between the displacement by the pressure, on a body with the long-term moduli, and d + Σ c x,
+    /// over the largest displacement.
     ///
     /// # Errors
     /// Fields of another size than the grid, or of another number than the branches.

@@ -43,8 +43,8 @@ pub(super) struct WaypointArgs {
     #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) lateral: Vec<f64>,
-    /// Times of the legs, each of which ends at a waypoint, of a viscoelastic body: the first one begins at first touch; a leg of no
-    /// time is a jump
+    /// Times of the legs, each of which ends at a waypoint, of a viscoelastic body: the first one begins at first
+    /// touch; a leg of no time is a jump
     #[arg(long, value_delimiter = ',', value_name = "T1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     pub(super) time: Vec<Entry>,
@@ -139,7 +139,8 @@ impl WaypointArgs {
     }
 }
 
-/// The steps of legs of these `times`, each of which ends at its value, or at the only one: the first begins with nothing at time 0.
+/// The steps of legs of these `times`, each of which ends at its value, or at the only one: the first begins with
+/// nothing at time 0.
 fn in_time(values: &[f64], times: &[f64], steps: u32, load: fn(f64) -> Load) -> (Vec<Drive>, Places) {
     let (mut drives, mut ends) = (Vec::new(), Vec::new());
     let (mut before, mut start) = (0.0, 0.0);
