@@ -474,8 +474,9 @@ mod tests {
             };
             let width = found.iter().map(|one| one.2).sum::<f64>() / TRIALS as f64;
             let (total, statistical) = (rate(&|one| one.0), rate(&|one| one.1));
-            println!("H = {hurst}: {total} with the error of the form, {statistical} without, ± {width}");
-            assert!(total >= 0.93, "H = {hurst}: {total}");
+            assert!(total >= 0.93, "H = {hurst}: {total}, without the error of the form {statistical}");
+            // The form is needed where it is far from the truth.
+            assert!(hurst < 0.7 || statistical < 0.93, "H = {hurst}: {statistical}");
             assert!(width < 0.015, "H = {hurst}: {width}");
         }
     }
