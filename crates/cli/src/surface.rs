@@ -9,7 +9,8 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_field::Grid;
-use gfmd_surface::{HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics, window};
+use gfmd_surface::{Areal, HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics, window};
+use gfmd_unit::Units;
 use serde::Serialize;
 
 use crate::session::list_files;
@@ -110,6 +111,13 @@ pub struct Report {
     pub lowest: f64,
     pub highest: f64,
     pub peak_to_valley: f64,
+    /// Of ISO 25178, beside Sq and Sz, which are the rms height and the height from peak to valley.
+    pub sa: f64,
+    pub sp: f64,
+    pub sv: f64,
+    pub ssk: Option<f64>,
+    pub sku: Option<f64>,
+    pub sdr: f64,
     pub rms_gradient: f64,
     pub rms_gradient_central: f64,
     pub rms_gradient_forward: f64,
@@ -191,7 +199,8 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     if !args.fit_range.is_empty() {
         fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
     }
-    let mut report = Report::new(statistics, fit.ok(), &spectrum, &grid);
+    let areal = Areal::of(&surface.heights, &grid).map_err(refused)?;
+    let mut report = Report::new(statistics, &areal, fit.ok(), &spectrum, &grid);
     (report.source, report.unit) = (surface.description, surface.unit);
     (report.scan, report.second) = (surface.scan, surface.second);
     (report.asked, report.hurst_range, report.window) = (asked, range, args.window);
@@ -254,7 +263,13 @@ pub fn whole_band(grid: &Grid) -> [f64; 2] {
 
 impl Report {
     /// The numbers of heights from their statistics and spectrum.
-    pub fn new(found: &Statistics, fit: Option<HurstFit>, spectrum: &PowerSpectrum, grid: &Grid) -> Self {
+    pub fn new(
+        found: &Statistics,
+        areal: &Areal,
+        fit: Option<HurstFit>,
+        spectrum: &PowerSpectrum,
+        grid: &Grid,
+    ) -> Self {
         let [m0, m2, m4] = found.moments.profile();
         let cut_offs = spectrum.cut_offs();
         Self {
@@ -267,6 +282,12 @@ impl Report {
             lowest: found.lowest,
             highest: found.highest,
             peak_to_valley: found.peak_to_valley(),
+            sa: areal.sa,
+            sp: areal.sp,
+            sv: areal.sv,
+            ssk: areal.ssk,
+            sku: areal.sku,
+            sdr: areal.sdr,
             rms_gradient: found.moments.rms_gradient(),
             rms_gradient_central: found.rms_gradient_central,
             rms_gradient_forward: found.rms_gradient_forward,
@@ -293,12 +314,19 @@ impl Report {
     }
 
     /// The scalars: name, value, unit as a power of length, meaning.
-    fn scalars(&self) -> [(&'static str, Option<f64>, i32, &'static str); 17] {
+    fn scalars(&self) -> [(&'static str, Option<f64>, i32, &'static str); 24] {
         [
-            ("rms_height", Some(self.rms_height), 1, "root-mean-square height about the mean"),
+            ("rms_height", Some(self.rms_height), 1, "root-mean-square height about the mean: Sq of ISO 25178"),
             ("mean", Some(self.mean), 1, "mean height"),
             ("lowest", Some(self.lowest), 1, "lowest height"),
             ("highest", Some(self.highest), 1, "highest height"),
+            ("peak_to_valley", Some(self.peak_to_valley), 1, "highest less lowest height: Sz of ISO 25178"),
+            ("sa", Some(self.sa), 1, "Sa of ISO 25178: mean distance from the mean height"),
+            ("sp", Some(self.sp), 1, "Sp of ISO 25178: highest height above the mean"),
+            ("sv", Some(self.sv), 1, "Sv of ISO 25178: depth of the lowest one below the mean"),
+            ("ssk", self.ssk, 0, "Ssk of ISO 25178: skewness"),
+            ("sku", self.sku, 0, "Sku of ISO 25178: kurtosis, 3 of a Gaussian surface"),
+            ("sdr", Some(self.sdr), 0, "Sdr of ISO 25178: developed area over that of the plane, less 1"),
             ("rms_gradient", Some(self.rms_gradient), 0, "rms of the full gradient, spectral"),
             ("rms_gradient_central", Some(self.rms_gradient_central), 0, "rms gradient by central differences"),
             ("rms_gradient_forward", Some(self.rms_gradient_forward), 0, "rms gradient by forward differences"),
@@ -357,7 +385,16 @@ impl fmt::Display for Report {
         };
         for (name, value, power, meaning) in self.scalars() {
             let Some(value) = value else { continue };
-            let (unit, number) = (self.unit_of(power), format!("{value:.6e}"));
+            let kind = match power {
+                0 => "1".to_owned(),
+                power if power > 0 => format!("length^{power}"),
+                power => format!("1/length^{}", -power),
+            };
+            let known = Units::new(self.unit.as_deref(), None).shown(&kind, value);
+            let (unit, number) = match known {
+                Some(shown) => (shown.name, format!("{:.6}", value * shown.factor)),
+                None => (self.unit_of(power), format!("{value:.6e}")),
+            };
             write!(f, "{name:<22} {number:>14} {unit:<12} {meaning}")?;
             if let (true, Some(error)) = (name == "hurst", self.hurst_error) {
                 let [longest, shortest] = self.hurst_range;

@@ -9,7 +9,7 @@ use gfmd_run::failure::Failure;
 use gfmd_run::json;
 use gfmd_run::memory;
 use gfmd_run::source::composed;
-use gfmd_surface::{Fill, Interpolation, PowerSpectrum, Statistics, finer as finer_heights};
+use gfmd_surface::{Areal, Fill, Interpolation, PowerSpectrum, Statistics, finer as finer_heights};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -198,7 +198,7 @@ pub(crate) fn statistics(
         let [longest, shortest] = fit_range.unwrap_or_else(|| whole_band(&grid));
         let fit = spectrum.fit_hurst(longest, shortest);
         let fit = if fit_range.is_some() { Some(fit?) } else { fit.ok() };
-        Ok::<_, gfmd_surface::SurfaceError>(Report::new(&found, fit, &spectrum, &grid))
+        Ok::<_, gfmd_surface::SurfaceError>(Report::new(&found, &Areal::of(&heights, &grid)?, fit, &spectrum, &grid))
     })?;
     let report = found.map_err(|error| refused(py, &error))?;
     json::to_string(&report).map_err(|error| refused(py, &error))

@@ -167,3 +167,30 @@ def test_progress_is_shown_after_a_second(shown, tqdm, wanted):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (wanted in done.stderr if wanted else not done.stderr) and done.stdout == ""
+
+
+def test_height_parameters_and_spectrum_are_those_of_surface_topography():
+    package = pytest.importorskip("SurfaceTopography")
+    rough = gfmd.self_affine(n=64, eps_f_inv=8, size=3.0)
+    skewed = gfmd.Surface(np.exp(8.0 * rough.heights), size=3.0)
+    for surface in (rough, skewed):
+        heights, found = np.array(surface.heights), surface.statistics()
+        other = package.Topography(heights, (3.0, 3.0), periodic=True)
+        assert found.rms_height == pytest.approx(other.rms_height_from_area(), rel=1e-12)
+        # Its bearing area says how much lies above a height: the moments of the heights, by parts.
+        levels = np.linspace(found.lowest, found.highest, 20_001)
+        above = other.bearing_area(levels)
+        low = np.trapezoid(1.0 - above, levels)
+        assert found.highest - low == pytest.approx(found.mean, abs=2e-3 * found.peak_to_valley)
+        distance = heights - heights.mean()
+        assert found.sa == pytest.approx(np.abs(distance).mean(), rel=1e-12)
+        assert found.ssk == pytest.approx((distance**3).mean() / distance.std() ** 3, rel=1e-9, abs=1e-12)
+        assert found.sku == pytest.approx((distance**4).mean() / distance.std() ** 4, rel=1e-12)
+        assert (found.sp, found.sv) == pytest.approx((distance.max(), -distance.min()))
+        # The spectrum, of which theirs is an average over rings of another width; its integral over q is (2 pi)^2 times the mean square.
+        q, density = other.power_spectrum_from_area()
+        own = surface.psd()
+        band = (own.wavenumber > 8.0) & (own.wavenumber < 16.0)
+        theirs = np.exp(np.interp(np.log(own.wavenumber[band]), np.log(q[1:]), np.log(density[1:])))
+        assert np.abs(np.log((2.0 * np.pi) ** 2 * own.density[band] / theirs)).mean() < 0.1
+    assert rough.statistics().sdr == pytest.approx(0.5 * rough.statistics().rms_gradient_inside**2, rel=0.02)

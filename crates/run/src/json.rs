@@ -24,7 +24,7 @@ pub fn to_string(value: &impl Serialize) -> serde_json::Result<String> {
 }
 
 /// The keys of numbers that have a value whatever the input: they are `null` only if they are NaN or infinite.
-const ALWAYS: [&str; 37] = [
+const ALWAYS: [&str; 41] = [
     "approach",
     "area_fraction",
     "area_fraction_corrected",
@@ -61,6 +61,10 @@ const ALWAYS: [&str; 37] = [
     "rms_gradient",
     "rms_height",
     "rms_laplacian",
+    "sa",
+    "sdr",
+    "sp",
+    "sv",
     "traction",
 ];
 

@@ -41,6 +41,7 @@ mod synthesis;
 
 mod real_space;
 
+mod areal;
 mod fill;
 mod finer;
 mod missing;
@@ -54,6 +55,7 @@ mod error;
 mod names;
 mod random;
 
+pub use areal::Areal;
 pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use fill::{Fill, fill};

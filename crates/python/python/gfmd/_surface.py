@@ -22,6 +22,8 @@ class Statistics(Record):
     Attributes:
         n, length: points and lengths along x and y.
         mean, rms_height, lowest, highest, peak_to_valley: of the heights, length; rms_height is about the mean.
+        sa, sp, sv, ssk, sku, sdr: height parameters of ISO 25178 about the mean height, without filter: mean distance, highest and lowest distance (length), skewness,
+            kurtosis, developed area less 1; Sq is rms_height, Sz is peak_to_valley.
         rms_gradient: of the full gradient, from the spectrum; rms_gradient_central, rms_gradient_forward by differences,
             rms_gradient_inside without the periodic seam.
         rms_curvature, rms_laplacian: 1/length.
@@ -42,6 +44,12 @@ class Statistics(Record):
     lowest: float
     highest: float
     peak_to_valley: float
+    sa: float
+    sp: float
+    sv: float
+    ssk: float
+    sku: float
+    sdr: float
     rms_gradient: float
     rms_gradient_central: float
     rms_gradient_forward: float
@@ -251,7 +259,7 @@ class Surface:
 
         Returns:
             A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, of a profile length^3), whose
-            integral over all wave vectors is the mean square height.
+            integral over all wave vectors is the mean square height; that of SurfaceTopography is (2 pi)^2 times it, of a profile 2 pi.
 
         Raises:
             InputError: another window.
