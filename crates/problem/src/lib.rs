@@ -30,6 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod accuracy;
 mod adhesion;
 mod facts;
 mod grid_error;
@@ -44,6 +45,7 @@ mod rules;
 mod unknown;
 mod unusable;
 
+pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
 pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 pub use grid_error::GridError;

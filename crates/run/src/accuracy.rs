@@ -1,62 +1,12 @@
 //! The grid on which all numbers of a contact are as exact as asked for.
 
-use std::str::FromStr;
-
 use gfmd_contact::Boundary;
+use gfmd_problem::Accuracy;
 use gfmd_record::{COLUMNS, Cell, FEWEST_WAVES, Record, not_calibrated};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::series::Prepared;
-
-/// The largest relative error by the grid (95 %) that a number may have: `0.01`, or `1%`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Accuracy(f64);
-
-/// Words that are no accuracy.
-#[derive(Clone, Debug, thiserror::Error)]
-#[error("it must be a relative error from 1e-6 to 0.5, such as 0.01 or 1%")]
-pub struct AccuracyError;
-
-impl Accuracy {
-    /// The relative error.
-    pub fn relative(self) -> f64 {
-        self.0
-    }
-}
-
-impl FromStr for Accuracy {
-    type Err = AccuracyError;
-
-    fn from_str(text: &str) -> Result<Self, AccuracyError> {
-        let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 0.01));
-        let found = number.trim().parse::<f64>().ok().map(|number| number * unit);
-        found.filter(|found| (1e-6..=0.5).contains(found)).map(Self).ok_or(AccuracyError)
-    }
-}
-
-impl Serialize for Accuracy {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_f64(self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for Accuracy {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Given {
-            Number(f64),
-            Text(String),
-        }
-        let text = match Given::deserialize(deserializer)? {
-            Given::Number(number) => number.to_string(),
-            Given::Text(text) => text,
-        };
-        text.parse().map_err(D::Error::custom)
-    }
-}
 
 /// The least whole number of times, a power of two or three times one, that is not below this one.
 fn round(times: f64) -> u64 {
@@ -97,7 +47,7 @@ pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
         Cell::Undefined(_) => None,
         limit => {
             let error = record.number(&format!("{number}_limit_error")) / limit.number().abs();
-            let over = error / accuracy.0;
+            let over = error / accuracy.relative();
             let times = if over <= 1.0 { 1 } else { round(over.powf(1.0 / order.unwrap_or(1.0))).max(2) };
             Some(Worst { number, error: Some(error), reason: None, times })
         }
@@ -111,7 +61,8 @@ pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
 /// # Errors
 /// A contact of which one solution does not tell the error of the grid, or whose surface is not known between its points.
 pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<(), Failure> {
-    let refuse = |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.0));
+    let refuse =
+        |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.relative()));
     if let Some(reason) = not_calibrated(&prepared.facts) {
         return Err(refuse(reason));
     }
@@ -157,10 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_accuracy_is_a_part_or_a_percentage_and_times_have_small_factors() {
-        let parsed = |text: &str| text.parse::<Accuracy>().map(Accuracy::relative).ok();
-        assert_eq!(["0.01", "1%", " 1 %", "0.5"].map(parsed), [Some(0.01), Some(0.01), Some(0.01), Some(0.5)]);
-        assert_eq!(["0", "-1%", "2", "NaN", "inf", "", "%", "1e-7"].map(parsed), [None; 8]);
+    fn times_have_small_factors() {
         assert_eq!([1.1, 2.0, 2.5, 3.1, 5.0, 6.5, 13.0].map(round), [2, 2, 3, 4, 6, 8, 16]);
     }
 }

@@ -4,12 +4,11 @@ use clap::Args;
 use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Watch};
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::{BodyArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice};
-use gfmd_problem::{Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
+use gfmd_problem::{Accuracy, Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
 use super::prepared::{Asked, Prepared};
-use crate::accuracy::Accuracy;
 use crate::base::BaseArgs;
 use crate::failure::{Failure, reached};
 use crate::hardness::GivenHardness;
