@@ -238,7 +238,8 @@ impl Problem {
         doubts
     }
 
-    /// The numbers that the statistics and the flow of a state add, as JSON, and its patches, distributions and spectra: their path, axis,
+    /// The numbers that the statistics and the flow of a state add, as JSON, and its patches, distributions and
+    /// spectra: their path, axis,
     /// kind, meaning, values and the points of the axis. `options` have the keys of `gfmd contact`.
     fn measure<'py>(
         &self,

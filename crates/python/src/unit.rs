@@ -33,7 +33,8 @@ pub(crate) fn unit_name(kind: &str, unit: Option<&str>, stress: Option<&str>) ->
     Units::new(unit, stress).name(kind)
 }
 
-/// The factor and the name of the unit in which people read numbers of a kind up to the largest; `None` if it is not known.
+/// The factor and the name of the unit in which people read numbers of a kind up to the largest; `None` if it is
+/// not known.
 #[pyfunction]
 #[pyo3(signature = (kind, largest, unit=None, stress=None))]
 pub(crate) fn readable(kind: &str, largest: f64, unit: Option<&str>, stress: Option<&str>) -> Option<(f64, String)> {

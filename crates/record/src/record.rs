@@ -40,7 +40,8 @@ impl Record {
         self.get(name).filter(|cell| !matches!(cell, Cell::Undefined(_))).map(Cell::number)
     }
 
-    /// A number times a `factor` as its error by the grid leaves it ([`with_limit`]); `None` for a column without a limit.
+    /// A number times a `factor` as its error by the grid leaves it ([`with_limit`]); `None` for a column
+    /// without a limit.
     pub(crate) fn with_limit(&self, name: &str, factor: f64) -> Option<String> {
         let limit = format!("{name}{LIMIT}");
         let error = || self.number(&format!("{limit}_error"));

@@ -11,7 +11,8 @@ pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
     COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
 }
 
-/// The numbers of states in tables as lines of text, in units that people read if those of the problem are known, below a line of heads: the columns that have a number in any of the rows.
+/// The numbers of states in tables as lines of text, in units that people read if those of the problem are known,
+/// below a line of heads: the columns that have a number in any of the rows.
 /// The last one is the largest residual, of the table of the lower face its own. Empty if the states have nothing of the tables.
 pub fn table_of(rows: &[Record], tables: &[Table], units: &Units) -> Vec<String> {
     let has = |column: &Column, head: Head| {

@@ -42,7 +42,8 @@ pub struct SourceArgs {
     #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
     #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
     pub fill: Option<Fill>,
-    /// Unit of all lengths, such as um: that of heights and size if the source has none, and else the one into which they are converted
+    /// Unit of all lengths, such as um: that of heights and size if the source has none, and else the one into
+    /// which they are converted
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,

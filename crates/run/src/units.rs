@@ -1,4 +1,5 @@
-//! Quantities with units among words and tables: bare numbers in the units of their surface in their place, before they are parsed.
+//! Quantities with units among words and tables: bare numbers in the units of their surface in their place, before
+//! they are parsed.
 
 use std::ffi::OsString;
 
@@ -41,7 +42,8 @@ struct Source {
 }
 
 impl Source {
-    /// The units of the problem: those that are given, of a result those that it has, or the unit in the file of the surface.
+    /// The units of the problem: those that are given, of a result those that it has, or the unit in the file
+    /// of the surface.
     fn units(&self) -> Result<Units, Failure> {
         let stress = self.stress_unit.as_deref();
         let surface = match (&self.unit, &self.surface) {
@@ -66,7 +68,8 @@ pub fn units_of_result(reader: &Reader) -> Option<Units> {
     Some(Units::new(length.as_deref(), stress))
 }
 
-/// The words of a command line, of which the first is the program, with bare numbers in place of quantities with a unit.
+/// The words of a command line, of which the first is the program, with bare numbers in place of quantities with a
+/// unit.
 ///
 /// # Errors
 /// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit.

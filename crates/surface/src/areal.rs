@@ -4,7 +4,8 @@ use ndarray::{Array2, Axis};
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// Height parameters of ISO 25178-2 (of a profile those of ISO 4287), about the mean height: neither a form is removed nor a filter applied.
+/// Height parameters of ISO 25178-2 (of a profile those of ISO 4287), about the mean height: neither a form is
+/// removed nor a filter applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Areal {
     /// Sa: mean distance from the mean height, length.
@@ -21,7 +22,8 @@ pub struct Areal {
     pub ssk: Option<f64>,
     /// Sku: mean fourth power over Sq⁴, 3 of a Gaussian surface; `None` of a flat surface.
     pub sku: Option<f64>,
-    /// Sdr: area of the surface over that of the plane below, less 1; of a profile its length. Two triangles make the surface of a cell of four
+    /// Sdr: area of the surface over that of the plane below, less 1; of a profile its length. Two triangles
+    /// make the surface of a cell of four
     /// neighbours; none crosses the periodic seam.
     pub sdr: f64,
 }

@@ -17,7 +17,8 @@ impl Dimension {
     /// A number without a dimension.
     pub const NONE: Self = Self { stress: 0, length: 0, time: 0 };
 
-    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`; `None` for words that
+    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`;
+    /// `None` for words that
     /// are no such kind.
     pub fn of(kind: &str) -> Option<Self> {
         let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));

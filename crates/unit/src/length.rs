@@ -42,7 +42,8 @@ pub fn canonical(name: &str) -> &str {
     find(name.trim()).map_or(name, |unit| unit.spellings[0])
 }
 
-/// The factor between two units, a quotient of integers. One of them is 1 between metric units, so that a conversion has
+/// The factor between two units, a quotient of integers. One of them is 1 between metric units, so that a
+/// conversion has
 /// one rounding error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conversion {

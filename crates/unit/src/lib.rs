@@ -1,7 +1,9 @@
 //! Units: the text `70 GPa` as a number in the units of a problem, and numbers of a problem in units that people read.
 //!
-//! A problem has a unit of length and a unit of stress, independent of each other: an energy per area is a stress times a length,
-//! whatever the two are ([`Units`]). A [`Dimension`] says which powers of the two a number has; it is written as in the tables of
+//! A problem has a unit of length and a unit of stress, independent of each other: an energy per area is a stress
+//! times a length,
+//! whatever the two are ([`Units`]). A [`Dimension`] says which powers of the two a number has; it is written as in
+//! the tables of
 //! results, `stress*length`. Numbers without a unit are not touched.
 //!
 //! ```

@@ -58,7 +58,8 @@ const PREFIXES: [(&str, i32); 14] = [
 ];
 
 impl Quantity {
-    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. `None` for a number without a unit, and for
+    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. `None` for a number
+    /// without a unit, and for
     /// text that does not begin with a number.
     ///
     /// # Errors

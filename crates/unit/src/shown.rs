@@ -49,7 +49,8 @@ const PREFIXES: [&str; 10] = ["f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
 /// The power of ten of the first of them.
 const FIRST: i32 = -15;
 
-/// The unit for numbers of a dimension up to the `largest`, whose unit has this `size` in Pa, m and s; `None` of a dimension for which
+/// The unit for numbers of a dimension up to the `largest`, whose unit has this `size` in Pa, m and s; `None` of a
+/// dimension for which
 /// none is known.
 pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown> {
     // The symbol that takes the prefix, its power, what stands behind it, and the size of that in SI.

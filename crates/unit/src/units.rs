@@ -4,7 +4,8 @@ use crate::quantity::Unit;
 use crate::shown::{self, Shown};
 use crate::{Dimension, Quantity};
 
-/// The unit of length and the unit of stress of a problem, as far as they are known. All its numbers are in these, an energy per area in
+/// The unit of length and the unit of stress of a problem, as far as they are known. All its numbers are in these,
+/// an energy per area in
 /// their product.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
@@ -72,7 +73,8 @@ impl Units {
         Unit::parse(self.stress()?)
     }
 
-    /// The value of a quantity whose kind must be this one, in the units of the problem; stresses are in Pa unless another unit is named.
+    /// The value of a quantity whose kind must be this one, in the units of the problem; stresses are in Pa
+    /// unless another unit is named.
     ///
     /// # Errors
     /// Another kind of quantity; lengths without a unit, or with one that is not known.
@@ -90,7 +92,8 @@ impl Units {
         Ok(quantity.over(&unit.unwrap_or(Unit::ONE)))
     }
 
-    /// The name of the unit of a kind of quantity, as files have it: `Pa*µm` for `stress*length`. The kind itself where a unit is not known.
+    /// The name of the unit of a kind of quantity, as files have it: `Pa*µm` for `stress*length`. The kind
+    /// itself where a unit is not known.
     pub fn name(&self, kind: &str) -> String {
         let Some(dimension) = Dimension::of(kind).filter(|found| *found != Dimension::NONE) else { return kind.into() };
         let (stress, length) = (self.stress(), self.length());

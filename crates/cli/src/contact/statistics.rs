@@ -54,7 +54,8 @@ fn through(
     flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
 }
 
-/// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions and spectra; `warn`
+/// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions
+/// and spectra; `warn`
 /// takes the words of numbers that are less exact than they should be.
 ///
 /// # Errors

@@ -47,7 +47,8 @@ fn reason(told: &str) -> String {
     told.split([':', ' ', ',']).next().unwrap_or_default().to_owned()
 }
 
-/// The words of a case with lengths in micrometres and stresses in pascals, each number with its unit: the same problem, bit for bit.
+/// The words of a case with lengths in micrometres and stresses in pascals, each number with its unit: the same
+/// problem, bit for bit.
 fn with_units(words: &[String]) -> Vec<String> {
     let number = |text: &str, unit: &str| match text.parse::<f64>() {
         Ok(value) if value.is_finite() => format!("{text}{unit}"),

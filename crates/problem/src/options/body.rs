@@ -199,7 +199,8 @@ impl BodyArgs {
         self.young.unwrap_or(YOUNG)
     }
 
-    /// Checks that a modulus is given for lengths in a `unit`: in units of a length, a modulus of 1 is that of no material.
+    /// Checks that a modulus is given for lengths in a `unit`: in units of a length, a modulus of 1 is that of
+    /// no material.
     ///
     /// # Errors
     /// Lengths with a known unit, and no modulus.

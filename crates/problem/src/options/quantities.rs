@@ -1,6 +1,7 @@
 //! Options whose numbers may have a unit, and the texts of their values with bare numbers in place of these.
 //!
-//! Numbers with a unit become numbers of the problem before anything else reads them: what is parsed, recorded and computed with is
+//! Numbers with a unit become numbers of the problem before anything else reads them: what is parsed, recorded and
+//! computed with is
 //! a plain number in the units of the surface.
 
 use gfmd_law::Kind;

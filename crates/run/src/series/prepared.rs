@@ -294,7 +294,8 @@ const SOFTEST: f64 = 1e4;
 /// The least work of adhesion, J/m²: a hundredth of that of the weakest attraction between solids.
 const WEAKEST: f64 = 1e-5;
 
-/// The reduced pressure beyond which a load is no load of a rough contact: at 2 nearly all of the surface is in contact.
+/// The reduced pressure beyond which a load is no load of a rough contact: at 2 nearly all of the surface is in
+/// contact.
 const HIGHEST: f64 = 10.0;
 
 /// The words about a largest reduced pressure far beyond full contact, which `name` gives.
