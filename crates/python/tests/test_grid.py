@@ -46,8 +46,9 @@ def test_a_path_on_a_finer_grid_tells_the_error_of_the_pull_off():
     options = dict(law=law, approach=[-0.003, 0.002, -0.008], steps=8, energy_solves=0)
     one, two = [gfmd.path(surface, BODY, grid_error=way, **options) for way in ("estimate", "refine")]
     assert one.lowest_mean_pressure == two.lowest_mean_pressure and "lowest_mean_pressure_limit" not in one
-    assert abs(two.lowest_mean_pressure_limit - two.lowest_mean_pressure) == pytest.approx(two.lowest_mean_pressure_limit_error)
-    assert two.lowest_mean_pressure_grid_error == pytest.approx(2 * two.lowest_mean_pressure_limit_error)
+    apart = abs(two.lowest_mean_pressure_limit - two.lowest_mean_pressure)
+    assert two.lowest_mean_pressure_limit_error == pytest.approx(2.5 * apart)
+    assert two.lowest_mean_pressure_grid_error == pytest.approx(3.5 * apart)
     assert np.isnan(one.steps.area_fraction_limit).all() and np.isfinite(two.steps.area_fraction_limit).all()
     assert "not with a law" in one.undefined["area_fraction_limit"]
     wall = gfmd.path(surface, BODY, p_star=[0.1], steps=1, lateral=0.001)

@@ -192,7 +192,7 @@ const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "
 /// The largest ratio of the rms slopes along x and y.
 const STEEPEST: f64 = 2.0;
 
-/// The numbers that no formula has, and whose error is the difference of two grids.
+/// The numbers that no formula has, and whose error the difference of two grids tells.
 const BY_DIFFERENCE: [&str; 5] = ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated"];
 
 /// The largest ratio of the distances between points along x and y.
@@ -283,11 +283,10 @@ fn refined(
             cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),
         };
         let fine = number("")?;
-        let apart = (fine - value).abs();
         if law(at.facts) || BY_DIFFERENCE.contains(&name) {
-            return Ok(GridLimit { limit: fine, half_width: apart });
+            return Ok(GridLimit::of_two_grids(value, fine));
         }
-        if name == "max_pressure" && hardness(at.facts) && apart <= 1e-6 * value {
+        if name == "max_pressure" && hardness(at.facts) && (fine - value).abs() <= 1e-6 * value {
             return Ok(GridLimit { limit: value, half_width: 0.0 });
         }
         let (limit, half_width) = (number(LIMIT)?, number("_limit_error")?);

@@ -6,6 +6,7 @@ use maud::html;
 
 use crate::figures::{largest as farthest, length};
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
+use gfmd_measure::GridLimit;
 use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness;
@@ -71,7 +72,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let pull = if fine.is_nan() {
         number(pull)
     } else {
-        html! { (with_limit(pull, fine, (fine - pull).abs())) }
+        html! { (with_limit(pull, fine, GridLimit::of_two_grids(pull, fine).half_width)) }
     };
     let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());
     page.answer.push(html! {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
+use gfmd_measure::GridLimit;
 use gfmd_record::{Record, Table, lines, table_of, with_limit};
 use gfmd_unit::Shown;
 use serde::Serialize;
@@ -87,9 +88,9 @@ impl Report {
 
     /// Adds the limit of a number that is `fine` on the finer grid, unless that is not known.
     fn limit(&mut self, name: &str, value: f64, fine: f64) {
-        let apart = (fine - value).abs();
-        if apart.is_finite() {
-            let all = [("limit", fine), ("limit_error", apart), ("grid_error", 2.0 * apart)];
+        let found = GridLimit::of_two_grids(value, fine);
+        if found.half_width.is_finite() {
+            let all = [("limit", fine), ("limit_error", found.half_width), ("grid_error", found.error_of(value))];
             self.limits.extend(all.map(|(end, number)| (format!("{name}_{end}"), number)));
         }
     }

@@ -229,7 +229,7 @@ fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
     let lowest = limit(&two, "lowest_mean_pressure");
     let found = exact["lowest_mean_pressure"].as_f64().unwrap();
     assert!(
-        found < 0.0 && (lowest[1] - found).abs() <= lowest[2] && lowest[2] < 0.2 * found.abs(),
+        found < 0.0 && (lowest[1] - found).abs() <= lowest[2] && lowest[2] < 0.5 * found.abs(),
         "{lowest:?} {found}"
     );
     // The approach counts from the top of the surface, which lies above the points.
