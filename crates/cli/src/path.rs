@@ -225,6 +225,7 @@ impl Way {
             _ => {}
         }
         let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
+        args.body.check_modulus(prepared.surface.unit.as_deref())?;
         // A viscoelastic body may be left behind, and meet the surface again.
         let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
         let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);

@@ -151,6 +151,7 @@ impl Way {
             ..args.body.facts()
         };
         let prepared = args.asked(|asked| Prepared::new(asked, facts, session))?;
+        args.body.check_modulus(prepared.surface.unit.as_deref())?;
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
         let contact = contact.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;

@@ -64,7 +64,9 @@ fn a_finer_grid_tells_the_error_of_all_bodies_interactions_and_boundaries() {
         );
         agree(problem, [&refined["loads"][0], &fine["loads"][0]], names, 1.5);
         let [area, of_limit, error] = limit(&refined["loads"][0], "area_fraction");
-        assert!(error < 0.1 * of_limit && error > 0.0, "{problem}: {area} {of_limit} {error}");
+        // Under a law the error is 2.5 times the difference of both grids.
+        let most = if problem.contains("law") { 0.2 } else { 0.1 };
+        assert!(error < most * of_limit && error > 0.0, "{problem}: {area} {of_limit} {error}");
     }
 }
 

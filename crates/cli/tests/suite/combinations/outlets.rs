@@ -26,8 +26,8 @@ pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
                     continue;
                 }
                 let place = match (at, key.as_str()) {
-                    ("patches", "count") => "patches".into(),
-                    ("patches", "largest_fraction") => "largest_patch_fraction".into(),
+                    ("patches", key) if key.starts_with("count") => key.replacen("count", "patches", 1),
+                    ("patches", key) if key.starts_with("largest") => key.replacen("largest", "largest_patch", 1),
                     ("patches", "percolates") => "percolates".into(),
                     ("", key) => key.into(),
                     ("flow", "conductivity") => "flow".into(),
@@ -40,6 +40,7 @@ pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
             for (name, value) in ["x", "y"].iter().zip(entries) {
                 let place = match at {
                     "flow_x" | "flow_y" => format!("{at}{name}"),
+                    at if at.starts_with("mean_shear_") => at.replacen("shear", &format!("shear_{name}"), 1),
                     at => format!("{at}_{name}"),
                 };
                 flat(value, &place, all);
