@@ -34,6 +34,9 @@ const LOADS_OF_A_PATCH: [f64; 4] = [0.0007, 0.0015, 0.003, 0.007];
 /// The shortest waves over the length of a patch.
 const WAVES_OF_A_PATCH: usize = 8;
 
+/// The seed of the first patch over that of the first surface.
+const PATCHES: u64 = 1_000_000;
+
 /// The height of the sphere of a patch over the middle of its sides, in lengths of the patch.
 const SPHERE: f64 = 0.05;
 
@@ -52,8 +55,8 @@ pub struct Args {
     /// Number of rough spheres with free boundaries
     #[arg(long, default_value_t = 100, value_name = "N")]
     patches: u64,
-    /// Seed of the first surface; the others follow
-    #[arg(long, default_value_t = 20_280_101, value_name = "SEED")]
+    /// Seed of the first surface; the others follow, patches a million later
+    #[arg(long, default_value_t = 20_270_101, value_name = "SEED")]
     first_seed: u64,
     /// Write the summary to this file
     #[arg(long, default_value = "data/results/accuracy.json", value_name = "FILE.json")]
@@ -148,7 +151,7 @@ impl Case {
         let place = patch.unwrap_or(index) as usize;
         Self {
             is_free: patch.is_some(),
-            seed: args.first_seed + index,
+            seed: args.first_seed + patch.map_or(index, |patch| PATCHES + patch),
             hurst: HURST[place % HURST.len()],
             points_per_wave: POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()],
         }

@@ -246,6 +246,7 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     }
     let limits = GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales);
     let limits = limits.map(|limits| if is_alike { limits.alike() } else { limits });
+    let limits = limits.map(|limits| if at.facts.boundary == Boundary::Free { limits.on_patch() } else { limits });
     limits.map_err(|reason| reason.to_string().into())
 }
 
@@ -453,7 +454,7 @@ macro_rules! residual {
 /// All columns, in the order in which they are printed.
 pub const COLUMNS: &[Column] = &ALL;
 
-const ALL: [Column; MEASURED.len() + 3 * LIMITS.len()] = {
+static ALL: [Column; MEASURED.len() + 3 * LIMITS.len()] = {
     let mut all = [MEASURED[0]; MEASURED.len() + 3 * LIMITS.len()];
     let mut index = 0;
     while index < all.len() {

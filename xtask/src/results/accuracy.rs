@@ -29,13 +29,9 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     for (mode, numbers) in &report.modes {
         let _ = writeln!(text, "| **{mode}** | | | | | | |");
         for (name, groups) in numbers {
-            let Some(all) = groups.get("all") else { continue };
+            let Some(all) = groups.get("all").filter(|all| all.told > 0) else { continue };
             let Coverage { told, untold, number_error, limit_error, width, .. } = all;
             let count = told + untold;
-            if *told == 0 {
-                let _ = writeln!(text, "| {name} | 0 of {count} | – | – | – | – | – |");
-                continue;
-            }
             let percent = |error: &f64| format!("{:.2} %", 100.0 * error);
             let _ = writeln!(
                 text,
