@@ -185,7 +185,7 @@ def test_paths_are_those_of_the_program(name, run_program, tmp_path):
         assert set(step.pop("undefined", {})) <= set(found.undefined)
         assert set(step) == set(found.steps)
         for key in set(step) - {"seconds"}:
-            equal(found.steps[key][index], np.nan if step[key] is None else step[key], (key, index))
+            equal(found.steps[key][index], np.array(step[key], dtype=float), (key, index))
     for key in ("dissipated", "dissipated_error", "extra_solves", "lowest_mean_pressure", "parted_at", "law", "direction", "n", "length", "e_star", "rms_gradient", "rms_height"):
         assert found[key] == wanted[key], key
     assert [dict(leg) for leg in found.sliding] == wanted["sliding"]

@@ -154,8 +154,11 @@ class Contact(Record):
     pressure_moment_2_limit_error: float
     pressure_moment_2_grid_error: float
     elastic_energy_limit: float
+    interface_energy_limit: float
     elastic_energy_limit_error: float
+    interface_energy_limit_error: float
     elastic_energy_grid_error: float
+    interface_energy_grid_error: float
     stiffness_limit: float
     stiffness_limit_error: float
     stiffness_grid_error: float

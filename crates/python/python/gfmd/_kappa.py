@@ -112,7 +112,7 @@ def kappa_sweep(
     Example:
         >>> k = gfmd.kappa_sweep("smoke")
         >>> round(k.fit.kappa_tfc, 2), len(k.fit.ci95)
-        (1.85, 2)
+        (1.86, 2)
     """
     folder = tempfile.mkdtemp(prefix="gfmd-")
     file = os.path.join(folder, "kappa.h5")

@@ -34,6 +34,7 @@ class Path(Record):
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: stress; negative if the surfaces were pulled.
+        grid_error: the way in which the error of the grid was found: `mode`, `n`, `assumes`, `orders`.
         lowest_mean_pressure_limit, dissipated_limit, each with `_limit_error` and `_grid_error`: with `grid_error="refine"`, their
             values on an infinitely fine grid, by the difference of two grids. `steps` has the same for its numbers.
         parted_at: the step at which the surfaces parted under their load, or None.
@@ -60,6 +61,7 @@ class Path(Record):
     dissipated_error: Optional[float]
     sliding: list[Record]
     lowest_mean_pressure: float
+    grid_error: Record
     parted_at: Optional[int]
     surface: Surface
     n: list[int]
@@ -189,7 +191,7 @@ def path(
         True
         >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
         >>> creep = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), rubber, mean_pressure=0.01, time=[0, 1, 100], steps=1)
-        >>> creep.steps.area_fraction[-1] > creep.steps.area_fraction[0]
+        >>> bool(creep.steps.area_fraction[-1] > creep.steps.area_fraction[0])
         True
     """
     made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
