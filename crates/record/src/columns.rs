@@ -285,7 +285,11 @@ fn refined(
         };
         let fine = number("")?;
         if law(at.facts) || BY_DIFFERENCE.contains(&name) {
-            return Ok(GridLimit::of_two_grids(value, fine));
+            let found = GridLimit::of_two_grids(value, fine);
+            // Two searches agree to their tolerance at best, and two losses to their own errors.
+            let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
+            let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
+            return Ok(GridLimit { half_width: found.half_width.max(least), ..found });
         }
         if name == "max_pressure" && hardness(at.facts) && (fine - value).abs() <= 1e-6 * value {
             return Ok(GridLimit { limit: value, half_width: 0.0 });

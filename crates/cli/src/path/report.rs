@@ -79,16 +79,19 @@ impl Report {
             steps,
         };
         report.sliding = report.sliding(steps_of_leg);
-        report.limit("lowest_mean_pressure", report.lowest_mean_pressure, lowest(&report.steps, "mean_pressure_limit"));
+        let pull = lowest(&report.steps, "mean_pressure_limit");
+        report.limit("lowest_mean_pressure", [report.lowest_mean_pressure, pull], 0.0);
         let lost = report.steps.iter().filter(|step| step.value("dissipated").is_some());
         let fine = lost.map(|step| step.number("dissipated_limit")).sum();
-        report.limit("dissipated", report.dissipated.unwrap_or(f64::NAN), fine);
+        let least = report.dissipated_error.unwrap_or(0.0);
+        report.limit("dissipated", [report.dissipated.unwrap_or(f64::NAN), fine], least);
         report
     }
 
-    /// Adds the limit of a number that is `fine` on the finer grid, unless that is not known.
-    fn limit(&mut self, name: &str, value: f64, fine: f64) {
+    /// Adds the limit of a number by its values on both grids, with an error of at least this, unless it is not known.
+    fn limit(&mut self, name: &str, [value, fine]: [f64; 2], least: f64) {
         let found = GridLimit::of_two_grids(value, fine);
+        let found = GridLimit { half_width: found.half_width.max(least), ..found };
         if found.half_width.is_finite() {
             let all = [("limit", fine), ("limit_error", found.half_width), ("grid_error", found.error_of(value))];
             self.limits.extend(all.map(|(end, number)| (format!("{name}_{end}"), number)));
