@@ -284,6 +284,9 @@ fn refined(
             cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),
         };
         let fine = number("")?;
+        if fine.is_nan() {
+            return Err("the number has no value on the finer grid".into());
+        }
         if law(at.facts) || BY_DIFFERENCE.contains(&name) {
             let found = GridLimit::of_two_grids(value, fine);
             // Two searches agree to their tolerance at best, and two losses to their own errors.

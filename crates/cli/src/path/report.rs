@@ -91,8 +91,8 @@ impl Report {
     /// Adds the limit of a number by its values on both grids, with an error of at least this, unless it is not known.
     fn limit(&mut self, name: &str, [value, fine]: [f64; 2], least: f64) {
         let found = GridLimit::of_two_grids(value, fine);
-        let found = GridLimit { half_width: found.half_width.max(least), ..found };
         if found.half_width.is_finite() {
+            let found = GridLimit { half_width: found.half_width.max(least), ..found };
             let all = [("limit", fine), ("limit_error", found.half_width), ("grid_error", found.error_of(value))];
             self.limits.extend(all.map(|(end, number)| (format!("{name}_{end}"), number)));
         }
