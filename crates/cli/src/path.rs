@@ -332,7 +332,7 @@ impl Way {
     }
 }
 
-/// The same path on a finer grid.
+/// A path on a finer grid, beside the one that is asked for.
 struct Beside<'a> {
     prepared: &'a Prepared,
     contact: &'a Posed,
@@ -372,7 +372,7 @@ impl Beside<'_> {
 struct Log<'a> {
     contact: &'a Posed,
     drives: &'a [Drive],
-    /// The same path on finer grids.
+    /// Paths on finer grids, beside the one that is asked for.
     finer: Vec<Beside<'a>>,
     tolerance: f64,
     session: &'a Session,

@@ -234,7 +234,7 @@ impl<'a> GridLimits<'a> {
         })
     }
 
-    /// The same for a surface of few waves, whose contacts are alike: their edges lie alike on the grid, and the errors do not
+    /// Limits for a surface of few waves, whose contacts are alike: their edges lie alike on the grid, and the errors do not
     /// average out. The constants hold 95 % of the errors of 340 contacts of waves (products and sums of two, hexagons, two lengths
     /// of waves; 8 to 32 points a wave, in phase with the grid and not); those of areas, M₂ and stiffness of Hertz's contact, too.
     #[must_use]
@@ -242,7 +242,7 @@ impl<'a> GridLimits<'a> {
         Self { is_alike: true, ..self }
     }
 
-    /// The same for a patch that does not repeat, whose compliance between points is not that of waves: areas err by 1.2 times as much,
+    /// Limits for a patch that does not repeat, whose compliance between points is not that of waves: areas err by 1.2 times as much,
     /// stiffnesses by 0.6 times (95 % of 100 rough spheres under four loads).
     #[must_use]
     pub fn on_patch(self) -> Self {

@@ -6,7 +6,7 @@ pub enum Moduli {
     /// Those that are left when all branches have relaxed.
     #[default]
     LongTerm,
-    /// Those of a load in no time.
+    /// Moduli of a load in no time.
     Instantaneous,
 }
 

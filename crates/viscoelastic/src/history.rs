@@ -11,14 +11,14 @@ use crate::step::{Decay, stiffening};
 /// The memory of a body at one time. The displacement is the indentation d = −u_z.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum History {
-    /// Of a body whose waves all relax alike, point by point.
+    /// History of a body whose waves all relax alike, point by point.
     Points {
         /// d, then the elongation x of each branch.
         lengths: Vec<Vec<f64>>,
         /// Long-term stiffness times each of them, in stress.
         stresses: Vec<Vec<f64>>,
     },
-    /// Of a body each of whose waves has its own branches, mode by mode: d, then x of each branch.
+    /// History of a body each of whose waves has its own branches, mode by mode: d, then x of each branch.
     Waves(Vec<Vec<Complex64>>),
 }
 

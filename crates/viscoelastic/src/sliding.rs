@@ -42,7 +42,7 @@ pub struct SlidingState {
     pub dissipated_power: f64,
     /// Coefficient of friction by hysteresis: `dissipated_power` over velocity and mean pressure.
     pub friction: f64,
-    /// The same by the pressure on the slopes of the surface. The difference from `friction` is an error of the grid.
+    /// Friction by the pressure on the slopes of the surface. The difference from `friction` is an error of the grid.
     pub friction_slope: f64,
 }
 

@@ -181,7 +181,7 @@ fn refusals_name_the_flag_and_what_to_do() {
         let error = refused(folder.path(), flags);
         assert!(parts.iter().all(|part| error.contains(part)) && error.lines().count() == 1, "{flags}: {error}");
     }
-    // What needs no unit has none: reduced quantities of a surface with a unit.
+    // Reduced quantities of a surface with a unit have none.
     json(folder.path(), &words("contact --n 16 --unit um --e-star 1 --p-star 0.1 --json"));
 }
 

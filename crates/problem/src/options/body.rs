@@ -337,7 +337,7 @@ impl OtherArgs {
         Ok(())
     }
 
-    /// The same with other moduli: Young's modulus and Poisson's ratio of each layer, and of the half-space below.
+    /// Options with other moduli: Young's modulus and Poisson's ratio of each layer, and of the half-space below.
     #[must_use]
     pub fn map_moduli(&self, other: impl Fn(f64, f64) -> (f64, f64)) -> Self {
         let layer = |layer: &Layer| {

@@ -48,7 +48,7 @@ pub struct Head {
     pub others: OtherArgs,
     #[serde(skip)]
     pub body: Option<String>,
-    /// Of a viscoelastic body.
+    /// Relaxation of a viscoelastic body.
     #[serde(flatten)]
     pub relaxation: Option<Relaxation>,
     #[serde(flatten)]
