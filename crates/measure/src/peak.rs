@@ -10,8 +10,11 @@ use ndarray::ArrayView2;
 pub struct Peak {
     /// The largest value of the quadratics, in the unit of the field; that of a point whose quadratic has no maximum.
     pub value: f64,
-    /// The sharpness of the peak on this grid: less the sum of both second differences at its point, over its value.
+    /// The sharpness of the peak on this grid: the larger of both second differences at its point, with the sign of a maximum, over
+    /// its value.
     pub sharpness: f64,
+    /// The skewness of the peak on this grid: the larger of both third differences around its point, over its value.
+    pub skewness: f64,
 }
 
 impl Peak {
@@ -19,11 +22,12 @@ impl Peak {
     pub fn of(field: ArrayView2<f64>) -> Option<Self> {
         let highest = field.iter().copied().max_by(f64::total_cmp)?;
         let rises = maxima(field, 0.5 * highest).map(|([i, j], around)| {
-            let (rise, differences) = rise(&around);
             let value = field[[i, j]];
-            Self { value: value + rise, sharpness: -differences / value }
+            let [xx, yy] = second_differences(&around);
+            let skewness = third_differences(field, [i, j]).into_iter().fold(0.0, f64::max) / value;
+            Self { value: value + rise(&around), sharpness: -xx.min(yy) / value, skewness }
         });
-        let flat = Self { value: highest, sharpness: 0.0 };
+        let flat = Self { value: highest, sharpness: 0.0, skewness: 0.0 };
         Some(rises.fold(flat, |most, peak| if peak.value >= most.value { peak } else { most }))
     }
 }
@@ -62,7 +66,7 @@ pub fn top(field: ArrayView2<f64>) -> f64 {
     let mean = field.sum() / field.len() as f64;
     let high = maxima(field, highest - 0.5 * (highest - mean));
     let mut maxima: Vec<(f64, [usize; 2])> =
-        high.map(|(place, around)| (field[place] + rise(&around).0, place)).collect();
+        high.map(|(place, around)| (field[place] + rise(&around), place)).collect();
     maxima.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     maxima.truncate(CANDIDATES);
     maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place)))
@@ -94,22 +98,36 @@ fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2]) -> f64 {
     let highest = inside.max_by(|[x, y], [u, v]| values[*x][*y].total_cmp(&values[*u][*v]));
     highest.map_or(f64::NAN, |[x, y]| {
         let around = from_fn(|dx| from_fn(|dy| values[x + dx - 1][y + dy - 1]));
-        field[[i, j]] + around[1][1] + rise(&around).0
+        field[[i, j]] + around[1][1] + rise(&around)
     })
 }
 
-/// The rise of the quadratic through 3 × 3 points above the middle one, zero if it has no maximum, and the sum of both second
-/// differences.
-fn rise(at: &[[f64; 3]; 3]) -> (f64, f64) {
+/// The second differences of 3 × 3 points along x and y.
+fn second_differences(at: &[[f64; 3]; 3]) -> [f64; 2] {
     let middle = at[1][1];
+    [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]]
+}
+
+/// The magnitudes of the third differences of a periodic field along x and y, over the two points on each side of a place.
+fn third_differences(field: ArrayView2<f64>, [i, j]: [usize; 2]) -> [f64; 2] {
+    let (nx, ny) = field.dim();
+    let difference = |at: &dyn Fn(usize) -> f64| (0.5 * (at(4) - at(0)) - (at(3) - at(1))).abs();
+    [
+        difference(&|k| field[[(i + 2 * nx + k - 2) % nx, j]]),
+        difference(&|k| field[[i, (j + 2 * ny + k - 2) % ny]]),
+    ]
+}
+
+/// The rise of the quadratic through 3 × 3 points above the middle one, zero if it has no maximum.
+fn rise(at: &[[f64; 3]; 3]) -> f64 {
     let slope = [0.5 * (at[2][1] - at[0][1]), 0.5 * (at[1][2] - at[1][0])];
-    let [xx, yy] = [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]];
+    let [xx, yy] = second_differences(at);
     let xy = 0.25 * (at[2][2] - at[2][0] - at[0][2] + at[0][0]);
     let determinant = xx * yy - xy * xy;
     let has_maximum = xx < 0.0 && determinant > 0.0;
     // Less half of the slope times the step to the maximum.
     let along = yy * slope[0] * slope[0] - 2.0 * xy * slope[0] * slope[1] + xx * slope[1] * slope[1];
-    (if has_maximum { -0.5 * along / determinant } else { 0.0 }, xx + yy)
+    if has_maximum { -0.5 * along / determinant } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -123,7 +141,15 @@ mod tests {
         let field = Array2::from_shape_fn((9, 8), |(i, j)| quadratic(i as f64 - 4.3, j as f64 - 3.8));
         let peak = Peak::of(field.view()).unwrap();
         assert!((peak.value - 3.0).abs() < 1e-14, "{peak:?}");
-        assert!((peak.sharpness * field.iter().copied().fold(0.0, f64::max) - 1.4).abs() < 1e-13);
+        let highest = field.iter().copied().fold(0.0, f64::max);
+        assert!((peak.sharpness * highest - 0.8).abs() < 1e-13 && peak.skewness.abs() < 1e-13, "{peak:?}");
+        let cubic = Array2::from_shape_fn((9, 8), |(i, j)| {
+            let [x, y] = [i as f64 - 4.0, j as f64 - 4.0];
+            3.0 - 0.4 * x * x + 0.02 * x * x * x - 0.3 * y * y - 0.01 * y * y * y
+        });
+        // The third difference of x³ is 6.
+        let peak = Peak::of(cubic.view()).unwrap();
+        assert!((3.0 * peak.skewness - 0.12).abs() < 1e-13 && (3.0 * peak.sharpness - 0.8).abs() < 1e-13, "{peak:?}");
         let wave = |k: usize, n: usize, at: f64| (std::f64::consts::TAU * (k as f64 - at) / n as f64).cos();
         for at in [0.0, 0.2, 0.5] {
             let field = Array2::from_shape_fn((16, 12), |(i, j)| 2.0 + wave(i, 16, at) + wave(j, 12, 0.4));
@@ -145,7 +171,7 @@ mod tests {
         assert_eq!(field.fold(0.0, |most: f64, value| most.max(*value)), 3.0);
         let found = Peak::of(field.view()).unwrap();
         assert!((found.value - 3.1).abs() < 1e-14, "{found:?}");
-        assert!((found.sharpness - 1.6 / 2.9).abs() < 1e-13, "{found:?}");
+        assert!((found.sharpness - 0.8 / 2.9).abs() < 1e-13, "{found:?}");
         assert_eq!(Peak::of(Array2::zeros((4, 4)).view()).unwrap().value, 0.0);
         assert!(Peak::of(Array2::from_elem((4, 4), f64::NAN).view()).unwrap().value.is_nan());
     }
