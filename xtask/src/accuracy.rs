@@ -1,47 +1,22 @@
-//! `accuracy`: the estimates of the error of the grid, compared with solutions on grids 8 times finer, of new surfaces.
+//! `accuracy`: the estimates of the error of the grid, compared with closed forms and with solutions on grids 8 times finer, of
+//! new surfaces.
+
+mod case;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args as ClapArgs, Parser};
-use gfmd_cli::contact;
+use clap::Args as ClapArgs;
 use gfmd_cli::progress::Progress;
-use gfmd_field::Grid;
 use gfmd_record::{COLUMNS, Column};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
-use gfmd_surface::SelfAffine;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// The Hurst exponents, of which the surfaces have one after the other.
-const HURST: [f64; 3] = [0.0, 0.3, 0.8];
-
-/// The points on the shortest wave, of which the surfaces have one after the other.
-const POINTS_PER_WAVE: [usize; 2] = [4, 8];
-
-/// The reduced pressures.
-const LOADS: [f64; 4] = [0.01, 0.05, 0.2, 0.5];
-
-/// The shortest waves over the length of the cell.
-const WAVES: usize = 16;
-
-/// The mean pressures over E* on rough spheres with free boundaries, whose contacts stay inside of the patch. Reduced pressures would
-/// depend on the grid: the gradient of a patch is one of differences.
-const LOADS_OF_A_PATCH: [f64; 4] = [0.0007, 0.0015, 0.003, 0.007];
-
-/// The shortest waves over the length of a patch.
-const WAVES_OF_A_PATCH: usize = 8;
-
-/// The seed of the first patch over that of the first surface.
-const PATCHES: u64 = 1_000_000;
-
-/// The height of the sphere of a patch over the middle of its sides, in lengths of the patch.
-const SPHERE: f64 = 0.05;
-
-/// The grid that has the exact value is finer by this factor.
-const FINER: usize = 8;
+use crate::solved::{self, number};
+use case::{Case, FINER, Kind};
 
 /// Flags of `accuracy`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -55,8 +30,11 @@ pub struct Args {
     /// Number of rough spheres with free boundaries
     #[arg(long, default_value_t = 100, value_name = "N")]
     patches: u64,
-    /// Seed of the first surface; the others follow, patches a million later
-    #[arg(long, default_value_t = 20_270_101, value_name = "SEED")]
+    /// Number of spheres with free boundaries (Hertz), of waves, and of summits with Dugdale's law (Maugis)
+    #[arg(long, default_value_t = 60, value_name = "N")]
+    alike: u64,
+    /// Seed of the first surface; the others follow, those of the next kind a million later
+    #[arg(long, default_value_t = 20_280_101, value_name = "SEED")]
     first_seed: u64,
     /// Write the summary to this file
     #[arg(long, default_value = "data/results/accuracy.json", value_name = "FILE.json")]
@@ -72,9 +50,10 @@ pub struct Args {
 pub struct Report {
     pub seeds: u64,
     pub patches: u64,
+    pub alike: u64,
     pub first_seed: u64,
-    /// By the mode of `--grid-error`, or `free`, then by the name of the number, then by the surfaces and loads: `all`,
-    /// `H = 0.3`, `4 points a wave`, `p* = 0.01`.
+    /// By the mode of `--grid-error` or the kind of the surface, then by the name of the number, then by the surfaces and loads:
+    /// `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
     pub modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>>,
 }
 
@@ -126,98 +105,37 @@ struct Compared {
     exact: f64,
 }
 
-#[derive(Parser)]
-struct Command {
-    #[command(flatten)]
-    contact: contact::Args,
+/// The mode, the name of a number, the place of the load, and the comparison; `None` where the error is not told.
+type Row = (&'static str, &'static str, usize, Option<Compared>);
+
+/// The loads of the contact of a case on a grid that is finer by this factor, as the program prints them.
+fn loads(case: &Case, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Value>, Failure> {
+    let (flag, loads) = case.drives();
+    let loads = loads.map(|load| load.to_string()).join(",");
+    let surface = case.flags(finer, folder)?;
+    let flags = format!("{surface} --{flag}={loads} --statistics --grid-error {mode}");
+    Ok(solved::loads(&solved::contact(&flags)?).to_vec())
 }
 
-/// The mode, the name of a number, the load, and the comparison; `None` where the error is not told.
-type Row = (&'static str, &'static str, f64, Option<Compared>);
-
-/// A surface, and the way in which its contact is solved.
-#[derive(Serialize)]
-struct Case {
-    is_free: bool,
-    seed: u64,
-    hurst: f64,
-    points_per_wave: usize,
-}
-
-impl Case {
-    /// The surface of this index, periodic ones first.
-    fn new(args: &Args, index: u64) -> Self {
-        let patch = index.checked_sub(args.seeds);
-        let place = patch.unwrap_or(index) as usize;
-        Self {
-            is_free: patch.is_some(),
-            seed: args.first_seed + patch.map_or(index, |patch| PATCHES + patch),
-            hurst: HURST[place % HURST.len()],
-            points_per_wave: POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()],
+/// The numbers of all loads of a case compared with those in closed form, or of the finest grid.
+fn rows(case: &Case, folder: &Path) -> Result<Vec<Row>, Failure> {
+    let finest = match case.kind {
+        Kind::Sphere => None,
+        // No formula of one grid holds for a law.
+        Kind::Adhesive => Some(loads(case, FINER, "none", folder)?),
+        Kind::Rough | Kind::Patch | Kind::Waves => Some(loads(case, FINER, "estimate", folder)?),
+    };
+    let mut found = Vec::new();
+    for (name, mode) in case.modes() {
+        for (load, coarse) in loads(case, 1, mode, folder)?.iter().enumerate() {
+            let exact = |name: &str| match &finest {
+                Some(finest) => finest.get(load).and_then(|fine| exact(fine, name, case.kind)),
+                None => case.closed_form(load, name),
+            };
+            found.extend(names().map(|number| (*name, number, load, compared(coarse, number, exact(number)))));
         }
     }
-
-    /// The loads, and the flag that gives them.
-    fn drives(&self) -> (&'static str, [f64; 4]) {
-        if self.is_free { ("pressure", LOADS_OF_A_PATCH) } else { ("p-star", LOADS) }
-    }
-
-    /// The flags of the surface on a grid that is finer by this factor; a rough sphere is written to `folder`.
-    fn flags(&self, finer: usize, folder: &Path) -> Result<String, Failure> {
-        let Self { is_free, seed, hurst, points_per_wave } = *self;
-        if !is_free {
-            let (n, shortest) = (WAVES * points_per_wave * finer, WAVES / 2);
-            return Ok(format!("--n {n} --eps-t-inv 2 --eps-f-inv {shortest} --hurst {hurst} --seed {seed} --flow"));
-        }
-        let failed = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
-        let n = WAVES_OF_A_PATCH * points_per_wave * finer;
-        let grid = Grid::square(n, 1.0).map_err(|error| failed(&error))?;
-        let rough = SelfAffine {
-            hurst,
-            longest_wavelength: 0.5,
-            shortest_wavelength: 1.0 / WAVES_OF_A_PATCH as f64,
-            ..SelfAffine::with_rms_gradient(0.1)
-        };
-        let mut heights = rough.heights(&grid, seed).map_err(|error| failed(&error))?;
-        for ((i, j), height) in heights.indexed_iter_mut() {
-            let [x, y] = [i, j].map(|index| index as f64 / n as f64 - 0.5);
-            *height -= 4.0 * SPHERE * (x * x + y * y);
-        }
-        let path = folder.join(format!("{seed}-{n}.npy"));
-        ndarray_npy::write_npy(&path, &heights).map_err(|error| failed(&error))?;
-        Ok(format!("--surface {} --length 1 --boundary free", path.display()))
-    }
-
-    /// The loads of the contact on a grid that is finer by this factor, as the program prints them.
-    fn loads(&self, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Value>, Failure> {
-        let (flag, loads) = self.drives();
-        let loads = loads.map(|load| load.to_string()).join(",");
-        let surface = self.flags(finer, folder)?;
-        let flags = format!("contact {surface} --{flag} {loads} --statistics --grid-error {mode}");
-        let command = Command::try_parse_from(flags.split(' ')).map_err(|error| Failure::Input(error.to_string()))?;
-        let run = || contact::run(&command.contact, &Session::silent());
-        let outcome = tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), run)?;
-        if let Some(failure) = outcome.failure {
-            return Err(failure);
-        }
-        let report = serde_json::to_value(&outcome.report).map_err(|error| Failure::Computation(error.to_string()))?;
-        Ok(report["loads"].as_array().cloned().unwrap_or_default())
-    }
-
-    /// The numbers of all loads compared with those of the finest grid.
-    fn compared(&self, folder: &Path) -> Result<Vec<Row>, Failure> {
-        let fine = self.loads(FINER, "estimate", folder)?;
-        let mut found = Vec::new();
-        // A patch has no finer grid.
-        let modes: &[_] =
-            if self.is_free { &[("free", "estimate")] } else { &[("estimate", "estimate"), ("refine", "refine")] };
-        for (name, mode) in modes {
-            for ((coarse, fine), load) in self.loads(1, mode, folder)?.iter().zip(&fine).zip(self.drives().1) {
-                found.extend(names().map(|number| (*name, number, load, compared(coarse, fine, number))));
-            }
-        }
-        Ok(found)
-    }
+    Ok(found)
 }
 
 /// The numbers that have a limit.
@@ -225,19 +143,17 @@ fn names() -> impl Iterator<Item = &'static str> {
     COLUMNS.iter().filter_map(Column::limit_of)
 }
 
-/// A number of a load; `None` if it has no value.
-fn number(load: &Value, name: &str) -> Option<f64> {
-    let column = COLUMNS.iter().find(|column| column.name == name)?;
-    load.pointer(&format!("/{}", column.json.replace('.', "/")))?.as_f64()
+/// The limit of a number on the finest grid; under a law, which has none, the number itself.
+fn exact(fine: &Value, name: &str, kind: Kind) -> Option<f64> {
+    let exact = number(fine, &format!("{name}{}", if kind == Kind::Adhesive { "" } else { "_limit" }))?;
+    // Boundary links are counted in the spacing of their grid.
+    Some(if name == "boundary_links" { exact / FINER as f64 } else { exact })
 }
 
-fn compared(coarse: &Value, fine: &Value, name: &str) -> Option<Compared> {
+fn compared(coarse: &Value, name: &str, exact: Option<f64>) -> Option<Compared> {
     let [number, limit, error, bound] =
         ["", "_limit", "_limit_error", "_grid_error"].map(|end| number(coarse, &format!("{name}{end}")));
-    let exact = self::number(fine, &format!("{name}_limit"))?;
-    // Boundary links are counted in the spacing of their grid.
-    let exact = if name == "boundary_links" { exact / FINER as f64 } else { exact };
-    Some(Compared { number: number?, limit: limit?, error: error?, bound: bound?, exact })
+    Some(Compared { number: number?, limit: limit?, error: error?, bound: bound?, exact: exact? })
 }
 
 /// Runs the command.
@@ -245,16 +161,23 @@ fn compared(coarse: &Value, fine: &Value, name: &str) -> Option<Compared> {
 /// # Errors
 /// A contact that was not solved; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let count = args.seeds + args.patches;
-    let progress = Progress::new(session.quiet, "surfaces", count as f64);
+    let kinds = [
+        (Kind::Rough, args.seeds),
+        (Kind::Patch, args.patches),
+        (Kind::Sphere, args.alike),
+        (Kind::Waves, args.alike),
+        (Kind::Adhesive, args.alike),
+    ];
+    let cases = kinds.map(|(kind, count)| (0..count).map(move |number| Case::new(kind, number, args.first_seed)));
+    let cases: Vec<Case> = cases.into_iter().flatten().collect();
+    let progress = Progress::new(session.quiet, "surfaces", cases.len() as f64);
     let folder = tempfile::tempdir().map_err(|error| Failure::Computation(error.to_string()))?;
-    let of_surface = |index: u64| {
-        let case = Case::new(args, index);
-        let found = case.compared(folder.path())?;
+    let of_surface = |case: Case| {
+        let found = rows(&case, folder.path())?;
         progress.advance(1.0, &format!("seed {}", case.seed));
         Ok((case, found))
     };
-    let surfaces: Vec<_> = (0..count).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
+    let surfaces: Vec<_> = cases.into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
     progress.finish();
     if let Some(path) = &args.rows {
         let rows = surfaces.iter().flat_map(|(case, found)| found.iter().map(move |row| (case, row)));
@@ -264,21 +187,20 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         gfmd_files::replace(path, |file| std::io::Write::write_all(file, lines.as_bytes()))?;
     }
     let mut modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>> = BTreeMap::new();
-    for (Case { is_free, hurst, points_per_wave, .. }, found) in surfaces {
+    for (case, found) in surfaces {
+        let (surface, loads) = (case.groups(), case.loads());
         for (mode, name, load, compared) in found {
             let numbers = modes.entry(mode.to_owned()).or_default().entry(name.to_owned()).or_default();
-            let groups = [
-                "all".to_owned(),
-                format!("H = {hurst}"),
-                format!("{points_per_wave} points a wave"),
-                format!("{} = {load}", if is_free { "p/E*" } else { "p*" }),
-            ];
-            groups.into_iter().for_each(|group| numbers.entry(group).or_default().add(compared.as_ref()));
+            let mut add = |group: &str| numbers.entry(group.to_owned()).or_default().add(compared.as_ref());
+            add("all");
+            surface.iter().for_each(|group| add(group));
+            add(&loads[load]);
         }
     }
     let all = modes.values_mut().flat_map(BTreeMap::values_mut).flat_map(BTreeMap::values_mut);
     all.for_each(Coverage::finish);
-    let report = Report { seeds: args.seeds, patches: args.patches, first_seed: args.first_seed, modes };
+    let &Args { seeds, patches, alike, first_seed, .. } = args;
+    let report = Report { seeds, patches, alike, first_seed, modes };
     let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
     Ok(report)
@@ -286,8 +208,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { seeds, patches, first_seed, .. } = self;
-        writeln!(f, "{seeds} surfaces and {patches} rough spheres with free boundaries, from seed {first_seed}")?;
+        let Self { seeds, patches, alike, first_seed, .. } = self;
+        writeln!(
+            f,
+            "{seeds} surfaces, {patches} rough spheres with free boundaries, {alike} spheres, waves and adhesive summits each, from \
+             seed {first_seed}"
+        )?;
         for (mode, numbers) in &self.modes {
             writeln!(f, "\n{mode}")?;
             writeln!(

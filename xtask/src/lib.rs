@@ -1,8 +1,11 @@
-//! Developer tools of gfmd: `verify` compares the program with references, `bench-peers` with other programs, `results` draws
-//! docs/results.md, `reproduce` the figures of the source.
+//! Developer tools of gfmd: `verify` compares the program with references, `bench-peers` with other programs, `accuracy` its errors of
+//! the grid with finer ones; `finite` computes surfaces of finite spectra, `results` draws docs/results.md, `reproduce` the figures of
+//! the source.
 
 pub mod accuracy;
 pub mod bench_peers;
+pub mod finite;
 pub mod reproduce;
 pub mod results;
+pub mod solved;
 pub mod verify;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 use gfmd_cli::program::{print, start};
-use gfmd_xtask::{accuracy, bench_peers, reproduce, results, verify};
+use gfmd_xtask::{accuracy, bench_peers, finite, reproduce, results, verify};
 
 #[derive(Subcommand)]
 enum Command {
@@ -17,6 +17,8 @@ enum Command {
     /// Solve one contact for bench-peers
     #[command(hide = true)]
     BenchSolve(bench_peers::SolveArgs),
+    /// Compute mean gap, stiffness, pressure and percolation of self-affine surfaces of finite spectra
+    Finite(finite::Args),
     /// Compute and draw the figures of the source, chapters 2 to 4, and write docs/source/README.md
     Reproduce(Box<reproduce::Args>),
     /// Draw the figures and write the tables of docs/results.md from data/results
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => print(&accuracy::run(args, session)?, session),
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
         Command::BenchSolve(args) => print(&bench_peers::solve(args)?, session),
+        Command::Finite(args) => print(&finite::run(args, session)?, session),
         Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),
         Command::Results(args) => print(&results::run(args)?, session),
         Command::Verify(args) => {

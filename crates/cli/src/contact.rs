@@ -23,7 +23,7 @@ use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::Kind;
 use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown};
-use gfmd_record::{At, NOT_SOLVED, Record, repulsion};
+use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
 use ndarray::ArrayView2;
@@ -497,14 +497,14 @@ impl Outlet for Measuring<'_> {
 
 impl Measuring<'_> {
     /// The records of a load on the finer grids.
-    fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Result<Record, String>>, Failure> {
+    fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Result<OnFinerGrid, String>>, Failure> {
         let (args, session) = (self.args, self.session);
         let mut stop = session.stop();
         let mut record = |(finer, conducting): &mut (Finer, Conducting)| {
             let (state, surface, at) = finer.reach(drive, &mut stop)?;
             let repulsion = state.repulsion();
             let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
-            Ok(Record::of(&At { measured: findings.borrowed(), ..at }))
+            Ok(OnFinerGrid::of(&At { measured: findings.borrowed(), ..at }))
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
     }

@@ -14,7 +14,7 @@ use gfmd_files::Output;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_law::{Kind, Limit};
 use gfmd_problem::{Facts, Friction, GridError, Posed, Rest, Task};
-use gfmd_record::{At, NOT_SOLVED, Record};
+use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
@@ -345,7 +345,7 @@ struct Beside<'a> {
 
 impl Beside<'_> {
     /// The record of the step under a drive of the other grid.
-    fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<Record, Failure> {
+    fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<OnFinerGrid, Failure> {
         if let Some(reason) = &self.ended {
             return Err(Failure::Computation(reason.clone()));
         }
@@ -364,7 +364,7 @@ impl Beside<'_> {
         let state = self.path.state().ok_or_else(|| Failure::Computation(NOT_SOLVED.into()))?;
         let reading = self.contact.reading(state);
         let at = resolved(self.prepared, state, tolerance);
-        Ok(Record::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at }))
+        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at }))
     }
 }
 

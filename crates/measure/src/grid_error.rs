@@ -34,6 +34,8 @@ pub enum NoLimit {
     Patches,
     /// The difference of two grids is the only measure of the error.
     OneGrid,
+    /// Two grids count the same by chance.
+    Counted,
 }
 
 /// The least number of boundary links.
@@ -73,6 +75,7 @@ impl fmt::Display for NoLimit {
                 "patches that nearly touch join and part from grid to grid, and small ones come and go: no estimate holds for their \
                  number and size",
             ),
+            Self::Counted => f.write_str("it is counted, and two grids agree by chance"),
             Self::OneGrid => f.write_str("one solution does not tell it (--grid-error refine)"),
             Self::NearClosing(found) => write!(
                 f,

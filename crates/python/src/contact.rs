@@ -12,7 +12,7 @@ use gfmd_law::Kind;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::{Accuracy, Facts, Posed, Rest};
-use gfmd_record::{At, NOT_SOLVED, Record, STATISTICS};
+use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
 use gfmd_run::accuracy;
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
@@ -70,7 +70,7 @@ pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
 #[pyfunction]
 pub(crate) fn adhesion(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>) -> PyResult<String> {
     let args = described(py, problem, arrays)?;
-    let found = quick(py, || prepared(&args).map(|prepared| prepared.adhesion(&args.law)))?;
+    let found = quick(py, || prepared(&args).map(|prepared| prepared.adhesion))?;
     json::to_string(&found.map_err(|failure| failed(py, &failure))?).map_err(|error| refused(py, &error))
 }
 
@@ -193,7 +193,7 @@ impl Problem {
             };
             let finer = finer.iter_mut().map(|finer| match &failure {
                 Some(_) => Ok(Err(NOT_SOLVED.to_owned())),
-                None => beside(finer.reach(drive, &mut watch).map(|(.., at)| Record::of(&at))),
+                None => beside(finer.reach(drive, &mut watch).map(|(.., at)| OnFinerGrid::of(&at))),
             });
             let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);
@@ -228,7 +228,7 @@ impl Problem {
 
     /// The warnings of units that are mixed up, of loads up to this one with the key `control`.
     fn doubts(&self, control: &str, largest: f64) -> Vec<String> {
-        let mut doubts = self.prepared.doubts(self.prepared.adhesion(&self.args.law).as_ref());
+        let mut doubts = self.prepared.doubts(self.prepared.adhesion.as_ref());
         let p_star = match control {
             "pressure" => largest / self.prepared.unit_pressure(),
             "p_star" => largest,

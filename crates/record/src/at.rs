@@ -34,9 +34,11 @@ pub struct At<'a> {
     pub slopes: [f64; 2],
     /// Height of the surface's top above the highest point of the grid, length; `None` if it is not known.
     pub rise: Option<f64>,
+    /// The process zone of the law at the edge of a contact over the one that this law needs to be resolved; `None` without one.
+    pub process_zone: Option<f64>,
     /// The records of the same load on a grid of twice as many points along each side: one, or one for each of two ways to place
     /// heights between those that are known; in place of a record, the reason why there is none.
-    pub finer: Vec<Result<Record, String>>,
+    pub finer: Vec<Result<OnFinerGrid, String>>,
     /// The peak of the pressure, found when it is first asked for.
     pub peak: OnceCell<Option<Peak>>,
     /// The scales of reduced quantities.
@@ -59,6 +61,22 @@ pub struct At<'a> {
     pub measured: Measured<'a>,
     /// The step of a path that led to the state, and the forces and energies of the state.
     pub step: Option<(&'a Step, Reading)>,
+}
+
+/// A load on a grid of twice as many points along each side.
+#[derive(Clone)]
+pub struct OnFinerGrid {
+    /// Its numbers.
+    pub record: Record,
+    /// Height of the surface's top above the highest point of that grid, length; `None` if it is not known.
+    pub rise: Option<f64>,
+}
+
+impl OnFinerGrid {
+    /// The numbers of a state there.
+    pub fn of(at: &At) -> Self {
+        Self { record: Record::of(at), rise: at.rise }
+    }
 }
 
 /// Measurements of a contact that are made if they are asked for.
@@ -110,6 +128,7 @@ impl<'a> At<'a> {
             waves: f64::NAN,
             slopes: [f64::NAN; 2],
             rise: None,
+            process_zone: None,
             finer: Vec::new(),
             peak: OnceCell::new(),
             scales: Scales { contact_modulus: f64::NAN, rms_gradient: f64::NAN },

@@ -195,6 +195,17 @@ const STEEPEST: f64 = 2.0;
 /// The numbers that no formula has, and whose error the difference of two grids tells.
 const BY_DIFFERENCE: [&str; 5] = ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated"];
 
+/// Numbers of which no grid tells that of another one.
+const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
+
+/// Numbers over the points in contact, whose edge is counted: differences of two grids are small by chance more often.
+const OVER_CONTACT: [&str; 4] =
+    ["mean_pressure_in_contact", "pressure_deviation_in_contact", "stiffness", "conductance"];
+
+/// The least process zone over the one that resolves a law: in narrower ones the edge of a contact catches on the points of the grid,
+/// and two grids agree by chance.
+const LEAST_ZONE: f64 = 0.0625;
+
 /// The largest ratio of the distances between points along x and y.
 const LONGEST_CELL: f64 = 1.1;
 
@@ -275,11 +286,20 @@ fn refined(
     value: f64,
     own: Result<GridLimit, Cow<'static, str>>,
 ) -> Result<GridLimit, Cow<'static, str>> {
+    if OF_PATCHES.contains(&name) {
+        return Err(NoLimit::Patches.to_string().into());
+    } else if let Some(zone) = at.process_zone.filter(|zone| !(LEAST_ZONE..).contains(zone)) {
+        return Err(format!(
+            "the process zone at the edge of a contact is {zone:.3} of the one that resolves this law; below {LEAST_ZONE} the edge \
+             catches on the points of the grid, and two grids agree by chance"
+        )
+        .into());
+    }
     // Boundary links are counted in steps of their grid.
     let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
     let limits = at.finer.iter().map(|finer| {
         let finer = finer.as_ref().map_err(|reason| Cow::from(reason.clone()))?;
-        let number = |end: &str| match finer.get(&format!("{name}{end}")) {
+        let number = |end: &str| match finer.record.get(&format!("{name}{end}")) {
             Some(Cell::Undefined(reason)) => Err(reason.clone()),
             cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),
         };
@@ -287,12 +307,18 @@ fn refined(
         if fine.is_nan() {
             return Err("the number has no value on the finer grid".into());
         }
-        if law(at.facts) || BY_DIFFERENCE.contains(&name) {
+        if law(at.facts) && name == "boundary_links" {
+            return Err(NoLimit::Counted.to_string().into());
+        } else if law(at.facts) || BY_DIFFERENCE.contains(&name) {
+            // An approach counts from the top of the surface, above the highest points of both grids.
+            let rises = if name == "displacement" { at.rise.zip(finer.rise) } else { None };
+            let [value, fine] = rises.map_or([value, fine], |(rise, other)| [value + rise, fine + other]);
             let found = GridLimit::of_two_grids(value, fine);
             // Two searches agree to their tolerance at best, and two losses to their own errors.
             let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
             let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
-            return Ok(GridLimit { half_width: found.half_width.max(least), ..found });
+            let wider = if OVER_CONTACT.contains(&name) { 1.6 } else { 1.0 };
+            return Ok(GridLimit { half_width: (wider * found.half_width).max(least), ..found });
         }
         if name == "max_pressure" && hardness(at.facts) && (fine - value).abs() <= 1e-6 * value {
             return Ok(GridLimit { limit: value, half_width: 0.0 });

@@ -40,7 +40,7 @@ mod statistics;
 mod table;
 
 pub use arrays::{ARRAYS, Array, arrays, repulsion};
-pub use at::{At, Measured, NOT_SOLVED};
+pub use at::{At, Measured, NOT_SOLVED, OnFinerGrid};
 pub use cell::Cell;
 pub use column::{Column, Form, Head, Meaning, Number, Origin, Table};
 pub use columns::{COLUMNS, FEWEST_WAVES, UNRESOLVED, columns, not_calibrated, page};

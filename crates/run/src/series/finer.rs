@@ -2,7 +2,7 @@
 
 use gfmd_contact::{Drive, Watch};
 use gfmd_problem::{GridError, Posed, Rest};
-use gfmd_record::{At, Record, UNRESOLVED};
+use gfmd_record::{At, OnFinerGrid, UNRESOLVED};
 use gfmd_surface::Interpolation;
 
 use super::prepared::{Asked, Prepared};
@@ -41,13 +41,13 @@ pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepare
     sources(asked, prepared)?.into_iter().map(pose).collect()
 }
 
-/// The record on a finer grid, or the reason why there is none: the number beside which it would stand stays.
+/// The numbers on a finer grid, or the reason why there are none: the number beside which they would stand stays.
 ///
 /// # Errors
 /// An interruption.
-pub fn beside(found: Result<Record, Failure>) -> Result<Result<Record, String>, Failure> {
+pub fn beside(found: Result<OnFinerGrid, Failure>) -> Result<Result<OnFinerGrid, String>, Failure> {
     match found {
-        Ok(record) => Ok(Ok(record)),
+        Ok(found) => Ok(Ok(found)),
         Err(failure @ Failure::Interrupted(_)) => Err(failure),
         Err(Failure::Computation(reason) | Failure::Input(reason)) => Ok(Err(reason)),
     }

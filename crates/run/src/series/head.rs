@@ -150,7 +150,7 @@ impl Head {
             boundary: (!is_path || *boundary == Boundary::Free).then(|| boundary.name()),
             components: facts.unknown,
             hardness: asked.hardness.cloned(),
-            adhesion: prepared.adhesion(asked.law),
+            adhesion: prepared.adhesion,
             grid_error: FoundBy::new(prepared),
         }
     }

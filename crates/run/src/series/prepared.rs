@@ -78,6 +78,8 @@ pub struct Prepared {
     dynamics: Dynamics,
     /// Height of the surface's top above the highest point of the grid, if this process has all of it.
     rise: Option<f64>,
+    /// The numbers of the attraction, if there is one.
+    pub adhesion: Option<Adhesion>,
     /// The spectral moments of the surface; of a patch, which does not repeat, in a window.
     moments: Moments,
 }
@@ -129,7 +131,9 @@ impl Prepared {
             _ => surface.statistics.moments,
         };
         let (prony, dynamics) = (asked.prony.cloned(), asked.dynamics);
-        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, prony, dynamics, rise, moments })
+        let adhesion =
+            Adhesion::of(asked.law, &law, &surface.grid, &surface.statistics.moments, body.contact_modulus());
+        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, prony, dynamics, rise, adhesion, moments })
     }
 
     /// Takes the units of lengths as a file spells them.
@@ -160,7 +164,14 @@ impl Prepared {
         let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
         let (inside, spacing) = (self.surface.statistics.seam.inside, self.surface.grid.spacing());
         let slopes = from_fn(|axis| inside[axis] / spacing[axis]);
-        At { short_waves: self.short_waves(), waves: self.waves(), slopes, rise: self.rise, ..at }
+        At {
+            short_waves: self.short_waves(),
+            waves: self.waves(),
+            slopes,
+            rise: self.rise,
+            process_zone: self.adhesion.map(|found| found.process_zone_points / found.process_zone_needed),
+            ..at
+        }
     }
 
     /// The share of the mean square gradient of the surface in waves shorter than four points.
@@ -171,11 +182,6 @@ impl Prepared {
     /// The number of waves that share the mean square gradient of the surface.
     pub fn waves(&self) -> f64 {
         self.moments.waves
-    }
-
-    /// The numbers of the attraction, if there is one.
-    pub fn adhesion(&self, law: &LawArgs) -> Option<Adhesion> {
-        Adhesion::of(law, &self.law, &self.surface.grid, &self.surface.statistics.moments, self.body.contact_modulus())
     }
 
     /// Poses the contact with this law.
@@ -207,15 +213,14 @@ impl Prepared {
         if !allowed.contains(&found) {
             return Err(Refusal::Solver { found, allowed }.into());
         }
-        let adhesion = self.adhesion(asked.law);
-        self.doubts(adhesion.as_ref()).into_iter().for_each(|doubt| session.warn(UNITS, doubt));
-        if let Some(adhesion) = adhesion {
+        self.doubts(self.adhesion.as_ref()).into_iter().for_each(|doubt| session.warn(UNITS, doubt));
+        if let Some(adhesion) = &self.adhesion {
             adhesion.check(asked.law.coarse)?;
             tracing::info!("{adhesion}");
         }
         if let Some(trapping) = contact.trapping() {
             session.warn("lattice-trapping", trapping);
-        } else if let Some(unresolved) = adhesion.and_then(|adhesion| adhesion.unresolved()) {
+        } else if let Some(unresolved) = self.adhesion.as_ref().and_then(Adhesion::unresolved) {
             session.warn("process-zone", unresolved);
         }
         Ok(contact)

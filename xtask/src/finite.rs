@@ -1,0 +1,240 @@
+//! `finite`: what self-affine surfaces of finite spectra have besides κ: mean gap, stiffness, pressure, and the load at which contacts
+//! percolate.
+
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_cli::progress::Progress;
+use gfmd_run::failure::Failure;
+use gfmd_run::session::Session;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::solved::{contact, loads, number};
+
+const HURST: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
+
+/// 1/ε_f and the number of surfaces.
+const LEVELS: [(usize, u64); 3] = [(8, 64), (32, 32), (128, 12)];
+
+/// The longest waves over the length of the cell.
+const EPS_T_INV: usize = 2;
+
+/// Points on the shortest wave.
+const POINTS_PER_WAVE: usize = 4;
+
+/// The rms gradient, with which the surfaces are made.
+const RMS_GRADIENT: f64 = 0.1;
+
+/// The reduced pressures p/(E* ḡ).
+const REDUCED: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
+
+/// The loads p λ_l/(E* h_rms), which do not depend on the short waves.
+const OF_LONG_WAVES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
+
+/// Reduced pressures between which contacts percolate, each this factor over the one before.
+const LIGHTEST: f64 = 0.06;
+const FACTOR: f64 = 1.09;
+const STEPS: i32 = 36;
+
+/// Flags of `finite`.
+#[derive(ClapArgs, Clone, Debug)]
+#[command(after_help = "Examples:
+  cargo xtask finite --share 0.1 --out finite.json
+  cargo xtask results")]
+pub struct Args {
+    /// The part of the surfaces that are computed, at least two of each kind
+    #[arg(long, default_value_t = 1.0, value_name = "PART")]
+    share: f64,
+    /// Seed of the first surface of each kind
+    #[arg(long, default_value_t = 1, value_name = "SEED")]
+    first_seed: u64,
+    /// Write the summary to this file
+    #[arg(long, default_value = "data/results/finite.json", value_name = "FILE.json")]
+    out: PathBuf,
+}
+
+/// A number over surfaces, with half of its 95 % interval: scatter and error of the grid.
+pub type Known = [f64; 2];
+
+/// All kinds of surfaces.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "docs/results/finite.md")]
+pub struct Report {
+    pub first_seed: u64,
+    pub kinds: Vec<Kind>,
+}
+
+/// Surfaces of one Hurst exponent and spectrum.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "docs/results/finite.md")]
+pub struct Kind {
+    pub hurst: f64,
+    pub eps_f_inv: usize,
+    pub surfaces: u64,
+    /// h_rms/(λ_l ḡ).
+    pub height: Known,
+    /// Under given reduced pressures, and under given loads of the long waves.
+    pub reduced: Vec<Numbers>,
+    pub of_long_waves: Vec<Numbers>,
+    /// The reduced pressure and the area fraction at which contacts percolate along an axis, and the gap closes across it.
+    pub percolation: [Known; 2],
+}
+
+/// The numbers of a load.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "docs/results/finite.md")]
+pub struct Numbers {
+    /// p/(E* ḡ), or p λ_l/(E* h_rms).
+    pub load: f64,
+    pub kappa: Known,
+    /// Mean gap over h_rms.
+    pub gap: Known,
+    /// Stiffness times h_rms over the pressure.
+    pub stiffness: Known,
+    /// The rms pressure over the points in contact over E* ḡ.
+    pub rms_pressure: Known,
+}
+
+/// What one surface has: the height, four numbers with their errors for each load, the load and area of percolation.
+struct Found {
+    height: f64,
+    loads: Vec<[Known; 4]>,
+    percolation: [Known; 2],
+}
+
+/// Half of the 95 % interval of a mean over numbers that scatter (Student's t to 2 % from four numbers on), with the mean of their own
+/// errors, which may be alike.
+fn mean(numbers: impl Iterator<Item = Known>) -> Known {
+    let numbers: Vec<Known> = numbers.collect();
+    let count = numbers.len() as f64;
+    let [mean, own] = [0, 1].map(|k| numbers.iter().map(|number| number[k]).sum::<f64>() / count);
+    let variance = numbers.iter().map(|number| (number[0] - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let student = 1.96 + 2.4 / (count - 1.0).powf(1.15);
+    [mean, (student * (variance / count).sqrt()).hypot(own)]
+}
+
+fn limit(load: &Value, name: &str) -> Result<Known, Failure> {
+    let found = |end: &str| number(load, &format!("{name}{end}"));
+    let missing = || Failure::Computation(format!("a load has no limit of {name}: {}", load["undefined"]));
+    Ok([found("_limit").ok_or_else(missing)?, found("_limit_error").ok_or_else(missing)?])
+}
+
+/// The four numbers of a load.
+fn numbers(load: &Value, height: f64) -> Result<[Known; 4], Failure> {
+    let pressure = number(load, "mean_pressure").unwrap_or(f64::NAN);
+    let over = |known: Known, unit: f64| known.map(|part| part / unit);
+    let (area, square) = (limit(load, "area_fraction")?, limit(load, "pressure_moment_2")?);
+    let rms = (square[0] / area[0]).sqrt();
+    let of_rms = 0.5 * rms * (square[1] / square[0]).hypot(area[1] / area[0]);
+    Ok([
+        limit(load, "kappa")?,
+        over(limit(load, "mean_gap")?, height),
+        over(limit(load, "stiffness")?, pressure / height),
+        over([rms, of_rms], RMS_GRADIENT),
+    ])
+}
+
+/// The load and the area at which contacts percolate, the mean of both axes.
+fn percolation(loads: &[Value]) -> Result<[Known; 2], Failure> {
+    let of_axis = |axis: &str| {
+        let name = format!("percolates_{axis}");
+        let has = |load: &Value| {
+            let column = if axis == "x" { "/patches/percolates/0" } else { "/patches/percolates/1" };
+            load.pointer(column).and_then(Value::as_bool).unwrap_or(false)
+        };
+        let first = loads.iter().position(has).filter(|first| *first > 0);
+        let first = first.ok_or_else(|| Failure::Computation(format!("{name} is not known between these loads")))?;
+        let [before, at] = [&loads[first - 1], &loads[first]];
+        let area = [limit(before, "area_fraction")?, limit(at, "area_fraction")?];
+        let load = [before, at].map(|load| number(load, "p_star").unwrap_or(f64::NAN));
+        Ok::<_, Failure>(([(load[0] * load[1]).sqrt(), 0.0], [0.5 * (area[0][0] + area[1][0]), area[0][1]]))
+    };
+    let [x, y] = [of_axis("x")?, of_axis("y")?];
+    let both = |a: Known, b: Known| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    Ok([both(x.0, y.0), both(x.1, y.1)])
+}
+
+/// What a surface has.
+fn found(hurst: f64, eps_f_inv: usize, seed: u64) -> Result<Found, Failure> {
+    let n = POINTS_PER_WAVE * EPS_T_INV * eps_f_inv;
+    let surface = format!("--n {n} --eps-t-inv {EPS_T_INV} --eps-f-inv {eps_f_inv} --hurst {hurst} --seed {seed}");
+    let list = |loads: &mut dyn Iterator<Item = f64>| loads.map(|load| load.to_string()).collect::<Vec<_>>().join(",");
+    let reduced = contact(&format!("{surface} --statistics --p-star {}", list(&mut REDUCED.into_iter())))?;
+    let height = reduced["rms_height"].as_f64().unwrap_or(f64::NAN);
+    // E* = 1 and λ_l = 1/EPS_T_INV.
+    let pressures = list(&mut OF_LONG_WAVES.into_iter().map(|load| load * height * EPS_T_INV as f64));
+    let of_long_waves = contact(&format!("{surface} --statistics --pressure {pressures}"))?;
+    let ramp = list(&mut (0..STEPS).map(|step| LIGHTEST * FACTOR.powi(step)));
+    let ramp = contact(&format!("{surface} --statistics --p-star {ramp}"))?;
+    let both = loads(&reduced).iter().chain(loads(&of_long_waves));
+    Ok(Found {
+        height: height * EPS_T_INV as f64 / RMS_GRADIENT,
+        loads: both.map(|load| numbers(load, height)).collect::<Result<_, _>>()?,
+        percolation: percolation(loads(&ramp))?,
+    })
+}
+
+/// The numbers of the surfaces of one kind.
+fn kind(hurst: f64, eps_f_inv: usize, found: &[Found]) -> Kind {
+    let over_loads = |first: usize, loads: &[f64]| {
+        let of = |(index, load): (usize, &f64)| {
+            let over = |which: usize| mean(found.iter().map(|found| found.loads[first + index][which]));
+            Numbers { load: *load, kappa: over(0), gap: over(1), stiffness: over(2), rms_pressure: over(3) }
+        };
+        loads.iter().enumerate().map(of).collect()
+    };
+    Kind {
+        hurst,
+        eps_f_inv,
+        surfaces: found.len() as u64,
+        height: mean(found.iter().map(|found| [found.height, 0.0])),
+        reduced: over_loads(0, &REDUCED),
+        of_long_waves: over_loads(REDUCED.len(), &OF_LONG_WAVES),
+        percolation: [0, 1].map(|which| mean(found.iter().map(|found| found.percolation[which]))),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A contact that was not solved, or whose numbers are not known; a file that cannot be written.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let kinds = HURST.into_iter().flat_map(|hurst| LEVELS.map(|(eps_f_inv, surfaces)| (hurst, eps_f_inv, surfaces)));
+    let kinds: Vec<(f64, usize, u64)> = kinds
+        .map(|(hurst, eps_f_inv, surfaces)| (hurst, eps_f_inv, ((args.share * surfaces as f64).round() as u64).max(2)))
+        .collect();
+    let progress = Progress::new(session.quiet, "surfaces", kinds.iter().map(|kind| kind.2 as f64).sum());
+    let of_kind = |&(hurst, eps_f_inv, surfaces): &(f64, usize, u64)| {
+        let of_surface = |number: u64| {
+            let found = found(hurst, eps_f_inv, args.first_seed + number);
+            progress.advance(1.0, &format!("H = {hurst}, 1/eps_f = {eps_f_inv}"));
+            found
+        };
+        let found: Vec<Found> = (0..surfaces).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
+        Ok(kind(hurst, eps_f_inv, &found))
+    };
+    let report =
+        Report { first_seed: args.first_seed, kinds: kinds.iter().map(of_kind).collect::<Result<_, Failure>>()? };
+    progress.finish();
+    let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
+    gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
+    Ok(report)
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for Kind { hurst, eps_f_inv, surfaces, height, reduced, of_long_waves, percolation } in &self.kinds {
+            writeln!(f, "H = {hurst}, 1/eps_f = {eps_f_inv}, {surfaces} surfaces, height {:.4}", height[0])?;
+            for Numbers { load, kappa, gap, stiffness, rms_pressure } in reduced.iter().chain(of_long_waves) {
+                let known =
+                    [kappa, gap, stiffness, rms_pressure].map(|[value, error]| format!("{value:.4} ± {error:.4}"));
+                writeln!(f, "{load:8}  {}", known.join("  "))?;
+            }
+            let [[load, of_load], [area, of_area]] = percolation;
+            writeln!(f, "percolation at p* = {load:.4} ± {of_load:.4}, area {area:.4} ± {of_area:.4}\n")?;
+        }
+        Ok(())
+    }
+}
