@@ -15,20 +15,17 @@ use crate::solved::{contact, loads, number};
 
 const HURST: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
-/// 1/ε_f and the number of surfaces.
-const LEVELS: [(usize, u64); 3] = [(8, 64), (32, 32), (128, 12)];
+/// 1/ε_f, points on the shortest wave, and the number of surfaces.
+const LEVELS: [(usize, usize, u64); 3] = [(8, 8, 64), (32, 8, 32), (128, 4, 12)];
 
 /// The longest waves over the length of the cell.
 const EPS_T_INV: usize = 2;
-
-/// Points on the shortest wave.
-const POINTS_PER_WAVE: usize = 4;
 
 /// The rms gradient, with which the surfaces are made.
 const RMS_GRADIENT: f64 = 0.1;
 
 /// The reduced pressures p/(E* ḡ).
-const REDUCED: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
+const REDUCED: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 
 /// The loads p λ_l/(E* h_rms), which do not depend on the short waves.
 const OF_LONG_WAVES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
@@ -84,23 +81,23 @@ pub struct Kind {
 
 /// The numbers of a load.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "docs/results/finite.md")]
 pub struct Numbers {
     /// p/(E* ḡ), or p λ_l/(E* h_rms).
     pub load: f64,
-    pub kappa: Known,
+    /// κ; like all of these `None` if contacts are too narrow for the grid on some surface.
+    pub kappa: Option<Known>,
     /// Mean gap over h_rms.
-    pub gap: Known,
+    pub gap: Option<Known>,
     /// Stiffness times h_rms over the pressure.
-    pub stiffness: Known,
+    pub stiffness: Option<Known>,
     /// The rms pressure over the points in contact over E* ḡ.
-    pub rms_pressure: Known,
+    pub rms_pressure: Option<Known>,
 }
 
 /// What one surface has: the height, four numbers with their errors for each load, the load and area of percolation.
 struct Found {
     height: f64,
-    loads: Vec<[Known; 4]>,
+    loads: Vec<Option<[Known; 4]>>,
     percolation: [Known; 2],
 }
 
@@ -115,20 +112,19 @@ fn mean(numbers: impl Iterator<Item = Known>) -> Known {
     [mean, (student * (variance / count).sqrt()).hypot(own)]
 }
 
-fn limit(load: &Value, name: &str) -> Result<Known, Failure> {
+fn limit(load: &Value, name: &str) -> Option<Known> {
     let found = |end: &str| number(load, &format!("{name}{end}"));
-    let missing = || Failure::Computation(format!("a load has no limit of {name}: {}", load["undefined"]));
-    Ok([found("_limit").ok_or_else(missing)?, found("_limit_error").ok_or_else(missing)?])
+    Some([found("_limit")?, found("_limit_error")?])
 }
 
 /// The four numbers of a load.
-fn numbers(load: &Value, height: f64) -> Result<[Known; 4], Failure> {
-    let pressure = number(load, "mean_pressure").unwrap_or(f64::NAN);
+fn numbers(load: &Value, height: f64) -> Option<[Known; 4]> {
+    let pressure = number(load, "mean_pressure")?;
     let over = |known: Known, unit: f64| known.map(|part| part / unit);
     let (area, square) = (limit(load, "area_fraction")?, limit(load, "pressure_moment_2")?);
     let rms = (square[0] / area[0]).sqrt();
     let of_rms = 0.5 * rms * (square[1] / square[0]).hypot(area[1] / area[0]);
-    Ok([
+    Some([
         limit(load, "kappa")?,
         over(limit(load, "mean_gap")?, height),
         over(limit(load, "stiffness")?, pressure / height),
@@ -138,27 +134,22 @@ fn numbers(load: &Value, height: f64) -> Result<[Known; 4], Failure> {
 
 /// The load and the area at which contacts percolate, the mean of both axes.
 fn percolation(loads: &[Value]) -> Result<[Known; 2], Failure> {
-    let of_axis = |axis: &str| {
-        let name = format!("percolates_{axis}");
-        let has = |load: &Value| {
-            let column = if axis == "x" { "/patches/percolates/0" } else { "/patches/percolates/1" };
-            load.pointer(column).and_then(Value::as_bool).unwrap_or(false)
-        };
-        let first = loads.iter().position(has).filter(|first| *first > 0);
-        let first = first.ok_or_else(|| Failure::Computation(format!("{name} is not known between these loads")))?;
-        let [before, at] = [&loads[first - 1], &loads[first]];
-        let area = [limit(before, "area_fraction")?, limit(at, "area_fraction")?];
-        let load = [before, at].map(|load| number(load, "p_star").unwrap_or(f64::NAN));
-        Ok::<_, Failure>(([(load[0] * load[1]).sqrt(), 0.0], [0.5 * (area[0][0] + area[1][0]), area[0][1]]))
+    let of_axis = |axis: usize| {
+        let place = format!("/patches/percolates/{axis}");
+        let first = loads.iter().position(|load| load.pointer(&place).and_then(Value::as_bool) == Some(true))?;
+        let both = [loads.get(first.checked_sub(1)?)?, &loads[first]];
+        let [Some(before), Some(at)] = both.map(|load| limit(load, "area_fraction")) else { return None };
+        let [light, heavy] = both.map(|load| number(load, "p_star").unwrap_or(f64::NAN));
+        Some([[(light * heavy).sqrt(), 0.0], [0.5 * (before[0] + at[0]), at[1]]])
     };
-    let [x, y] = [of_axis("x")?, of_axis("y")?];
-    let both = |a: Known, b: Known| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-    Ok([both(x.0, y.0), both(x.1, y.1)])
+    let unknown = || Failure::Computation("contacts do not begin to percolate between the loads of the ramp".into());
+    let (x, y) = of_axis(0).zip(of_axis(1)).ok_or_else(unknown)?;
+    Ok([0, 1].map(|which| [0, 1].map(|part| 0.5 * (x[which][part] + y[which][part]))))
 }
 
 /// What a surface has.
-fn found(hurst: f64, eps_f_inv: usize, seed: u64) -> Result<Found, Failure> {
-    let n = POINTS_PER_WAVE * EPS_T_INV * eps_f_inv;
+fn found(hurst: f64, (eps_f_inv, points_per_wave): (usize, usize), seed: u64) -> Result<Found, Failure> {
+    let n = points_per_wave * EPS_T_INV * eps_f_inv;
     let surface = format!("--n {n} --eps-t-inv {EPS_T_INV} --eps-f-inv {eps_f_inv} --hurst {hurst} --seed {seed}");
     let list = |loads: &mut dyn Iterator<Item = f64>| loads.map(|load| load.to_string()).collect::<Vec<_>>().join(",");
     let reduced = contact(&format!("{surface} --statistics --p-star {}", list(&mut REDUCED.into_iter())))?;
@@ -171,7 +162,7 @@ fn found(hurst: f64, eps_f_inv: usize, seed: u64) -> Result<Found, Failure> {
     let both = loads(&reduced).iter().chain(loads(&of_long_waves));
     Ok(Found {
         height: height * EPS_T_INV as f64 / RMS_GRADIENT,
-        loads: both.map(|load| numbers(load, height)).collect::<Result<_, _>>()?,
+        loads: both.map(|load| numbers(load, height)).collect(),
         percolation: percolation(loads(&ramp))?,
     })
 }
@@ -180,7 +171,8 @@ fn found(hurst: f64, eps_f_inv: usize, seed: u64) -> Result<Found, Failure> {
 fn kind(hurst: f64, eps_f_inv: usize, found: &[Found]) -> Kind {
     let over_loads = |first: usize, loads: &[f64]| {
         let of = |(index, load): (usize, &f64)| {
-            let over = |which: usize| mean(found.iter().map(|found| found.loads[first + index][which]));
+            let all = found.iter().map(|found| found.loads[first + index]).collect::<Option<Vec<_>>>();
+            let over = |which: usize| all.as_ref().map(|all| mean(all.iter().map(|numbers| numbers[which])));
             Numbers { load: *load, kappa: over(0), gap: over(1), stiffness: over(2), rms_pressure: over(3) }
         };
         loads.iter().enumerate().map(of).collect()
@@ -201,22 +193,21 @@ fn kind(hurst: f64, eps_f_inv: usize, found: &[Found]) -> Kind {
 /// # Errors
 /// A contact that was not solved, or whose numbers are not known; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let kinds = HURST.into_iter().flat_map(|hurst| LEVELS.map(|(eps_f_inv, surfaces)| (hurst, eps_f_inv, surfaces)));
-    let kinds: Vec<(f64, usize, u64)> = kinds
-        .map(|(hurst, eps_f_inv, surfaces)| (hurst, eps_f_inv, ((args.share * surfaces as f64).round() as u64).max(2)))
-        .collect();
-    let progress = Progress::new(session.quiet, "surfaces", kinds.iter().map(|kind| kind.2 as f64).sum());
-    let of_kind = |&(hurst, eps_f_inv, surfaces): &(f64, usize, u64)| {
+    let kinds = HURST.into_iter().flat_map(|hurst| LEVELS.map(|level| (hurst, level)));
+    let surfaces = |all: u64| ((args.share * all as f64).round() as u64).max(2);
+    let count = LEVELS.iter().map(|level| surfaces(level.2)).sum::<u64>() * HURST.len() as u64;
+    let progress = Progress::new(session.quiet, "surfaces", count as f64);
+    let of_kind = |(hurst, (eps_f_inv, points, all)): (f64, (usize, usize, u64))| {
         let of_surface = |number: u64| {
-            let found = found(hurst, eps_f_inv, args.first_seed + number);
+            let found = found(hurst, (eps_f_inv, points), args.first_seed + number);
             progress.advance(1.0, &format!("H = {hurst}, 1/eps_f = {eps_f_inv}"));
             found
         };
-        let found: Vec<Found> = (0..surfaces).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
+        let found: Vec<Found> = (0..surfaces(all)).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
         Ok(kind(hurst, eps_f_inv, &found))
     };
-    let report =
-        Report { first_seed: args.first_seed, kinds: kinds.iter().map(of_kind).collect::<Result<_, Failure>>()? };
+    let kinds = kinds.map(of_kind).collect::<Result<_, Failure>>()?;
+    let report = Report { first_seed: args.first_seed, kinds };
     progress.finish();
     let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
@@ -228,8 +219,8 @@ impl std::fmt::Display for Report {
         for Kind { hurst, eps_f_inv, surfaces, height, reduced, of_long_waves, percolation } in &self.kinds {
             writeln!(f, "H = {hurst}, 1/eps_f = {eps_f_inv}, {surfaces} surfaces, height {:.4}", height[0])?;
             for Numbers { load, kappa, gap, stiffness, rms_pressure } in reduced.iter().chain(of_long_waves) {
-                let known =
-                    [kappa, gap, stiffness, rms_pressure].map(|[value, error]| format!("{value:.4} ± {error:.4}"));
+                let text = |[value, error]: Known| format!("{value:.4} ± {error:.4}");
+                let known = [kappa, gap, stiffness, rms_pressure].map(|known| known.map_or_else(|| "–".into(), text));
                 writeln!(f, "{load:8}  {}", known.join("  "))?;
             }
             let [[load, of_load], [area, of_area]] = percolation;

@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod axes;
+mod finite;
 mod kappa;
 mod limits;
 mod loads;
@@ -53,7 +54,7 @@ type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failu
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 16] = [
+const TABLES: [Table; 19] = [
     ("accuracy", "accuracy", accuracy::table),
     ("../README", "kappa", kappa::sentence),
     ("results", "kappa", kappa::table),
@@ -61,6 +62,9 @@ const TABLES: [Table; 16] = [
     ("results", "seeds", kappa::seeds),
     ("results", "budget", kappa::budget),
     ("theory", "ladders", kappa::ladders),
+    ("results/finite", "percolation", finite::percolation),
+    ("results/finite", "reduced", finite::reduced),
+    ("results/finite", "long waves", finite::of_long_waves),
     ("results/methods", "edge", loads::edge),
     ("results/methods", "nayak", loads::nayak_table),
     ("results/methods", "one", loads::one),
@@ -73,7 +77,8 @@ const TABLES: [Table; 16] = [
 ];
 
 /// The pages with tables, in the folder of the documents.
-const PAGES: [&str; 6] = ["accuracy", "../README", "results", "theory", "results/methods", "results/others"];
+const PAGES: [&str; 7] =
+    ["accuracy", "../README", "results", "theory", "results/finite", "results/methods", "results/others"];
 
 const FIGURES: [Figure; 5] = [
     ("accuracy", accuracy::figure),

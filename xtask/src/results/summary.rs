@@ -120,6 +120,11 @@ impl Summaries {
         self.parsed("accuracy")
     }
 
+    /// The summary of `finite`.
+    pub(super) fn finite(&self) -> Result<crate::finite::Report, Failure> {
+        self.parsed("finite")
+    }
+
     fn parsed<T: DeserializeOwned>(&self, name: &str) -> Result<T, Failure> {
         let path = self.folder.join(format!("{name}.json"));
         let refuse = |error: &dyn std::fmt::Display| Failure::input(&path.display().to_string(), error);
