@@ -85,17 +85,25 @@ def _block(writer, node):
 html_math_renderer = "mathml"
 
 
-# Pages of the repository that are not below docs, by the page of the site that shows them.
-OUTSIDE = {"data/reference/README.md": "reference-data", "CONTRIBUTING.md": "contributing", "CHANGELOG.md": "changelog"}
+# Pages of the repository that are not below docs, by the page of the site that includes them.
+OUTSIDE = {
+    "data/reference/README.md": "reference-data",
+    "CONTRIBUTING.md": "contributing",
+    "CHANGELOG.md": "changelog",
+    "CODE_OF_CONDUCT.md": "conduct",
+    "SECURITY.md": "security",
+}
 
 
 def _inside(app, page, source):
-    """Links to pages outside docs lead to the pages that include them; links of those into docs lose the name of the folder."""
+    """Links to pages outside docs lead to the pages that include them."""
     for outside, shown in OUTSIDE.items():
-        source[0] = re.sub(rf"\]\((?:\.\./)+{re.escape(outside)}", f"](/site/{shown}.md", source[0])
+        source[0] = re.sub(rf"\]\((?:\.\./)*{re.escape(outside)}", f"](/site/{shown}.md", source[0])
 
 
 def _included(app, parent, page, source):
+    """The same in pages that are included, whose links into docs have the name of the folder."""
+    _inside(app, page, source)
     source[0] = re.sub(r"\]\(docs/", "](/", source[0])
 
 
