@@ -9,6 +9,7 @@ import math
 import re
 from pathlib import Path
 
+import gfmd
 import pytest
 
 ROOT = Path(__file__).parents[3]
@@ -99,6 +100,12 @@ CLAIMS = list(claims()) if (ROOT / "data" / "results").is_dir() else []
 @pytest.mark.parametrize("page, sentence", CLAIMS, ids=[f"{page}-{number}" for number, (page, _) in enumerate(CLAIMS)])
 def test_the_sentence_is_that_of_the_data(page, sentence):
     assert sentence in text(page), f"{page} does not say {sentence!r}"
+
+
+def test_the_page_of_the_interface_has_every_name():
+    page = (ROOT / "docs/python-api.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"^\.\. auto(?:function|class|exception):: (\w+)", page, re.M))
+    assert named == set(gfmd.__all__) - {"__version__"}
 
 
 def test_versions_agree():
