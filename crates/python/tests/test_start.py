@@ -51,3 +51,10 @@ def test_the_lines_of_python_run(page, folder, monkeypatch):
     for block in blocks(page, "python"):
         if not block.startswith(LEFT):
             exec(block, {})
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/site/README.md", "packaging/README.md"])
+def test_links_of_pages_outside_the_site_lead_somewhere(page):
+    text = re.sub(r"```.*?```", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.S)
+    for link in re.findall(r"\]\(([^)#\s]+)", text):
+        assert link.startswith("http") or (ROOT / page).parent.joinpath(link).exists(), link
