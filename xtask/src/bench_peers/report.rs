@@ -306,6 +306,9 @@ impl Report {
         let mut page = format!(
             "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. -->\n\
              # Against other programs\n\n\
+             Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, as far as they are installed,\n\
+             for the same contacts to the same certified residual. [Any load](any-load.md) shows which loads each program reaches at\n\
+             all; [solvers](solvers.md) explains the cost of gfmd.\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
              Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
              shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran {plans}.\n\n"

@@ -124,11 +124,13 @@ impl AnyLoad {
         let mut page = format!(
             "<!-- Written by `cargo xtask bench-peers --any-load{flag} --write-docs`; change xtask/src/bench_peers/any_load instead. -->\n\
              # Any load: what each program reaches\n\n\
+             Which loads, from first touch to full contact, can be solved and certified: with periodic and free boundaries and with a\n\
+             hardness. [Benchmarks](benchmarks.md) has times on larger grids.\n\n\
              {date}. {machine}. Commit {short}. {versions}.\n\n\
              {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, shortest \
-             wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that a program computed (of one that does not count them \
-             the iterations, it.) and the residual of its pressure by the certificate below, at most {tolerance:e}. ✗: not certified, with \
-             the residual reached and how far the pressure is off (rms, relative to that of gfmd, if above 0.1 %), or no result within {patience} s.\n\n{busy}"
+             wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that a program computed (the iterations, it., if it does not \
+             count them) and the residual of its pressure by the certificate below, at most {tolerance:e}. ✗: not certified, with \
+             the residual reached and the deviation of the pressure (rms, relative to that of gfmd, if above 0.1 %), or no result within {patience} s.\n\n{busy}"
         );
         for note in &self.notes {
             let _ = writeln!(page, "> {note}\n");

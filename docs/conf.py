@@ -1,0 +1,113 @@
+"""Configuration of the documentation site. `.ci/site` builds it; docs/site/README.md says how it is made."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import latex2mathml.converter
+
+ROOT = Path(__file__).parents[1]
+
+project = "gfmd"
+author = "The gfmd developers"
+version = release = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]["version"]
+copyright = author
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_design",
+]
+source_suffix = {".md": "myst-nb"}
+exclude_patterns = ["site/README.md", "_build"]
+suppress_warnings = ["misc.highlighting_failure"]  # tables of formulas in fenced text
+nitpicky = False
+
+# Markdown: formulas, anchors of headings as code hosts make them, fenced directives.
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_heading_anchors = 4
+myst_dmath_allow_labels = False
+myst_dmath_double_inline = True
+
+# Notebooks run when the site is built, and a cell that fails fails the build. Results are kept between builds.
+nb_execution_mode = "cache"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+nb_number_source_lines = False
+
+# The Python interface, from its docstrings.
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+autodoc_default_options = {"members": True, "show-inheritance": True}
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+
+templates_path = []
+html_theme = "furo"
+html_title = f"gfmd {release}"
+html_static_path = ["site/static"]
+html_css_files = ["gfmd.css"]
+html_favicon = "site/static/icon.svg"
+html_show_sphinx = False
+html_domain_indices = False
+html_copy_source = False
+html_show_sourcelink = False
+html_theme_options = {"navigation_with_keys": True}
+# A prompt is no part of a command.
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
+
+def _mathml(source: str, display: str) -> str:
+    return latex2mathml.converter.convert(source, display=display)
+
+
+def _inline(writer, node):
+    """A formula in a line, as MathML: no script, no font from elsewhere."""
+    from docutils import nodes
+
+    writer.body.append(f'<span class="math">{_mathml(node.astext(), "inline")}</span>')
+    raise nodes.SkipNode
+
+
+def _block(writer, node):
+    from docutils import nodes
+
+    writer.body.append(f'<div class="math" role="math">{_mathml(node.astext(), "block")}</div>')
+    raise nodes.SkipNode
+
+
+html_math_renderer = "mathml"
+
+
+# Pages of the repository that are not below docs, by the page of the site that includes them.
+OUTSIDE = {
+    "data/reference/README.md": "reference-data",
+    "CONTRIBUTING.md": "contributing",
+    "CHANGELOG.md": "changelog",
+    "CODE_OF_CONDUCT.md": "conduct",
+    "SECURITY.md": "security",
+}
+
+
+def _inside(app, page, source):
+    """Links to pages outside docs lead to the pages that include them."""
+    for outside, shown in OUTSIDE.items():
+        source[0] = re.sub(rf"\]\((?:\.\./)*{re.escape(outside)}", f"](/site/{shown}.md", source[0])
+
+
+def _included(app, parent, page, source):
+    """The same in pages that are included, whose links into docs have the name of the folder."""
+    _inside(app, page, source)
+    source[0] = re.sub(r"\]\(docs/", "](/", source[0])
+
+
+def setup(app):
+    app.connect("source-read", _inside)
+    app.connect("include-read", _included)
+    app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))

@@ -1,0 +1,140 @@
+"""Checks the built site: links and anchors in its files; in headless Chromium at two widths, light and dark, each page without
+errors, requests to other hosts, overflow, missing images or empty formulas; and the search. `.ci/site --check` runs it.
+
+Usage: check.py FOLDER [SCREENSHOTS]
+"""
+
+import os
+import shutil
+import sys
+import threading
+from functools import partial
+from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from urllib.parse import unquote, urldefrag, urlsplit
+
+from playwright.sync_api import sync_playwright
+
+WIDTHS = (390, 1280)
+SCHEMES = ("light", "dark")
+# Words that people look for, and the page that must be among the first results.
+SEARCHES = {
+    "leak": "tutorials/leak.html",
+    "units": "units.html",
+    "p*": "glossary.html",
+    "layer": "glossary.html",
+    "resume": "start.html",
+    "kappa": "tutorials/kappa.html",
+    "adhesion": "laws/adhesion.html",
+    "Tamaas": "others.html",
+}
+FIRST = 5
+SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html", "theory.html")
+
+
+class Page(HTMLParser):
+    """The names that links can point to, and the links."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.ids: set[str] = set()
+        self.links: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name in ("id", "name") and value:
+                self.ids.add(value)
+            if name in ("href", "src") and value:
+                self.links.append(value)
+
+
+def links(folder: Path) -> list[str]:
+    """Links within the site that lead nowhere. The pages of rustdoc are its own affair; links to them count."""
+    pages = {path: Page(path.read_text(encoding="utf-8")) for path in folder.rglob("*.html") if "crates" not in path.relative_to(folder).parts[:-1]}
+    wrong = []
+    for path, page in pages.items():
+        for link in page.links:
+            address, anchor = urldefrag(link)
+            if urlsplit(link).scheme or link.startswith("//"):
+                continue
+            target = (path.parent / unquote(address.split("?")[0])).resolve() if address else path
+            if not target.exists():
+                wrong.append(f"{path.relative_to(folder)}: {link} does not exist")
+            elif anchor and target in pages and unquote(anchor) not in pages[target].ids:
+                wrong.append(f"{path.relative_to(folder)}: {link} has no such anchor")
+    return wrong
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+IMAGES = """[...document.images].filter(i => { i.loading = 'eager'; return i.offsetParent !== null; })
+    .filter(i => !(i.complete && i.naturalWidth > 0)).map(i => i.src)"""
+FORMULAS = """[...document.querySelectorAll('math')].filter(m => { const r = m.getBoundingClientRect();
+    return r.width < 2 || r.height < 2; }).length"""
+
+
+def visited(folder: Path, shots: Path | None) -> list[str]:
+    wrong: list[str] = []
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(folder)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    home = f"http://127.0.0.1:{server.server_port}"
+    names = sorted(str(path.relative_to(folder)) for path in folder.rglob("*.html"))
+    names = [name for name in names if not name.startswith(("crates/", "_", "genindex", "search")) and name != "py-modindex.html"]
+    program = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, headless=True, args=flags)
+        for width in WIDTHS:
+            for scheme in SCHEMES:
+                context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+                page = context.new_page()
+                heard: list[str] = []
+                page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)
+                page.on("pageerror", lambda error: heard.append(str(error)))
+                page.on("request", lambda request: heard.append(f"asks for {request.url}") if not request.url.startswith((home, "data:")) else None)
+                page.on("requestfailed", lambda request: heard.append(f"{request.url} failed"))
+                for name in names:
+                    heard.clear()
+                    page.goto(f"{home}/{name}", wait_until="load")
+                    page.wait_for_load_state("networkidle")
+                    where = f"{name} at {width}, {scheme}"
+                    wrong += [f"{where}: {told}" for told in heard]
+                    if (wide := page.evaluate(OVERFLOW)) > 1:
+                        wrong.append(f"{where}: {wide} pixels wider than the window")
+                    wrong += [f"{where}: the image {source} is not there" for source in page.evaluate(IMAGES)]
+                    if empty := page.evaluate(FORMULAS):
+                        wrong.append(f"{where}: {empty} formulas are empty")
+                    if shots and name in SHOTS:
+                        shots.mkdir(parents=True, exist_ok=True)
+                        page.screenshot(path=shots / f"{name.replace('/', '-')[:-5]}-{width}-{scheme}.png", full_page=name == "index.html")
+                context.close()
+        page = browser.new_page()
+        for word, wanted in SEARCHES.items():
+            page.goto(f"{home}/search.html?q={word.replace('*', '%2A')}")
+            page.wait_for_selector("#search-results ul.search li a", timeout=20000)
+            page.wait_for_timeout(500)
+            found = page.eval_on_selector_all("#search-results ul.search li > a", "all => all.map(a => a.getAttribute('href'))")
+            first = list(dict.fromkeys(link.split("#")[0].split("?")[0] for link in found))[:FIRST]
+            if wanted not in first:
+                wrong.append(f"search for {word!r}: {wanted} is not among the first {FIRST}: {', '.join(first)}")
+        browser.close()
+    server.shutdown()
+    print(f"{len(names)} pages, {len(WIDTHS)} widths, {len(SCHEMES)} schemes, {len(SEARCHES)} searches")
+    return wrong
+
+
+def main() -> int:
+    folder = Path(sys.argv[1]).resolve()
+    wrong = links(folder) + visited(folder, Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    print("\n".join(wrong) or "no link, page or search is wrong")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
