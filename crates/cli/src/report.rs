@@ -52,8 +52,13 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
     let kinds = "contact, path or kappa-sweep";
-    let kind = Kind::of(&reader)
-        .ok_or_else(|| Failure::Input(format!("{} is no result file; it must be one of {kinds}", file.display())))?;
+    let kind = Kind::of(&reader).ok_or_else(|| {
+        let name = file.display();
+        let surface = reader.contains("/surface/height");
+        let other = format!("; gfmd surface --surface {name} --report PAGE.html makes the page of a surface");
+        let other = if surface { &*other } else { "" };
+        Failure::Input(format!("{name} is no result file; it must be one of {kinds}{other}"))
+    })?;
     // Numbers of a damaged file are not shown.
     let intact = reader.is_intact().unwrap_or(Some(false));
     if intact == Some(false) {
@@ -71,7 +76,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if same(output.path()).is_some_and(|out| Some(out) == same(file)) {
         return Err(Failure::value("--out", out.display(), "another file than the result"));
     }
-    check_replaceable(output.path())?;
+    check_replaceable("--out", output.path())?;
     let mut page = match kind {
         Kind::Contact => gfmd_report::contact::page(&reader)?,
         Kind::Path => gfmd_report::path::page(&reader)?,
@@ -103,16 +108,16 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
 
 /// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a
 /// user may have written a page of that name.
-fn check_replaceable(path: &Path) -> Result<(), Failure> {
+pub(crate) fn check_replaceable(flag: &str, path: &Path) -> Result<(), Failure> {
     let mut start = Vec::new();
     match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(Failure::input("--out", format!("{}: {error}", path.display()))),
+        Err(error) => return Err(Failure::input(flag, format!("{}: {error}", path.display()))),
         Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(gfmd_report::MARK) => return Ok(()),
         Ok(_) => {}
     }
     let reason = "the file exists and is no page that gfmd report made, which alone is replaced";
-    Err(Failure::input("--out", format!("{}: {reason}; it must be another name", path.display())))
+    Err(Failure::input(flag, format!("{}: {reason}; it must be another name", path.display())))
 }
 
 /// The number of bytes at the start of a page within which its mark stands.

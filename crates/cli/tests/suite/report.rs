@@ -250,3 +250,81 @@ fn only_pages_of_this_command_are_replaced() {
         assert_eq!(page(folder, "other.html"), made);
     }
 }
+
+/// The page of a surface: of a generated one, of the file that it was written to, of a scan with a hole, of a profile.
+#[test]
+fn surfaces_have_pages_and_functions() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let words = |text: &str| -> Vec<String> { text.split_whitespace().map(str::to_owned).collect() };
+    let run = |text: &str| {
+        let words = words(text);
+        json(folder, &words.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let made =
+        run("surface --n 48,32 --length 3,2 --eps-f-inv 4 --statistics --out h.h5 --report h.html --plots h --json -q");
+    assert_eq!(made["boundary"], "periodic");
+    // Map, profile, spectrum, autocorrelation and its map, three distributions, slopes, curvatures, bearing curve.
+    let text = page(folder, "h.html");
+    check_page(&text);
+    let sections = ["answer", "asked", "figures", "numbers", "repeat", "cite"];
+    assert_eq!(outline(&text), (sections.to_vec(), 11, 1));
+    assert!(text.contains("<span class=\"word\">3,2</span>") && text.contains("<code>sal</code>"));
+    assert_eq!(made["plots"].as_array().unwrap().len(), 18);
+    for name in ["autocorrelation", "correlation-map", "distributions", "slopes", "curvatures", "bearing"] {
+        assert!(folder.join(format!("h-{name}.svg")).exists(), "{name}");
+    }
+    // JSON, the file and identities between them.
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let file = gfmd_files::Reader::open(folder.join("h.h5")).unwrap();
+    for (key, part) in [
+        ("autocorrelation", "radial"),
+        ("autocorrelation", "y"),
+        ("distributions", "slope_y"),
+        ("scale_dependence", "curvature_x"),
+    ] {
+        let stored = made[key][part].as_object().unwrap().iter().filter(|(_, value)| value.is_array());
+        for (name, value) in stored {
+            let values: Vec<f64> = file.values(&format!("/{key}/{part}/{name}")).unwrap();
+            assert_eq!(values, numbers(value), "{key} {part} {name}");
+        }
+    }
+    let bearing = numbers(&made["bearing_curve"]["height"]);
+    assert_eq!((bearing.len(), bearing[0]), (201, made["sp"].as_f64().unwrap()));
+    assert_eq!(file.values::<f64>("/bearing_curve/sk").unwrap()[0], made["bearing_curve"]["sk"].as_f64().unwrap());
+    let difference = numbers(&made["autocorrelation"]["x"]["difference"])[1];
+    let slope = numbers(&made["scale_dependence"]["slope_x"]["slope"])[0];
+    assert!((slope * 3.0 / 48.0 - (2.0 * difference).sqrt()).abs() < 1e-12);
+    assert!(made.get("undefined").is_none(), "{}", made["undefined"]);
+
+    // What was written is read; a file does not tell that its surface repeats.
+    let read = run("surface --surface h.h5 --report again.html --json -q");
+    assert_eq!((&read["boundary"], read.get("psd")), (&"free".into(), None));
+    assert_eq!(read["report"], "again.html");
+    check_page(&page(folder, "again.html"));
+    let same = run("surface --surface h.h5 --statistics --boundary periodic --json -q");
+    assert_eq!(same["autocorrelation"], made["autocorrelation"]);
+
+    std::fs::write(folder.join("scan.txt"), "1 2 nan 3\n2 4 3 1\n0 1 2 2\n3 1 2 5\n").unwrap();
+    run("surface --surface scan.txt --fill nearest --report scan.html --json -q");
+    let text = page(folder, "scan.html");
+    check_page(&text);
+    assert!(text.contains("1 of 16 (6.25 %), filled: nearest") && text.contains("SHA-256"), "{text}");
+
+    let line = run("surface --n 64 --dim 2 --statistics --report line.html --json -q");
+    assert!(line["autocorrelation"].get("y").is_none() && line["distributions"].get("slope_y").is_none());
+    check_page(&page(folder, "line.html"));
+    let flat = "0 0 0 0\n0 0 0 0\n0 0 0 0\n";
+    std::fs::write(folder.join("flat.txt"), flat).unwrap();
+    let flat = run("surface --surface flat.txt --statistics --report flat.html --json -q");
+    assert_eq!(flat["undefined"]["autocorrelation.sal"], "the surface is flat");
+    assert!(flat["autocorrelation"]["sal"].is_null() && flat["bearing_curve"]["sk"].is_null());
+
+    // A page that is not of this program stays; one in no folder is refused before the heights are made.
+    std::fs::write(folder.join("mine.html"), "<p>mine</p>").unwrap();
+    assert_eq!(make(folder, "surface --n 16 --report mine.html -q"), Some(2));
+    assert_eq!(page(folder, "mine.html"), "<p>mine</p>");
+    assert_eq!(make(folder, "surface --n 16 --report none/page.html -q"), Some(2));
+}
