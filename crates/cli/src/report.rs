@@ -11,7 +11,7 @@ use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
 use crate::session::list_files;
-use crate::{contact, path};
+use crate::{body, contact, path, punch, slide};
 use gfmd_report::quoted;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{Configuration, Kind};
@@ -23,7 +23,7 @@ use gfmd_run::session::Session;
   gfmd report kappa.h5
   gfmd report contact.h5 --out contact-page.html")]
 pub struct Args {
-    /// Result of contact, path or kappa-sweep
+    /// Result of contact, path, slide, punch, body or kappa-sweep
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Write the page to this file; default: beside the result, with the ending .html
@@ -51,7 +51,7 @@ pub struct Report {
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
-    let kinds = "contact, path or kappa-sweep";
+    let kinds = "contact, path, slide, punch, body or kappa-sweep";
     let kind = Kind::of(&reader).ok_or_else(|| {
         let name = file.display();
         let surface = reader.contains("/surface/height");
@@ -81,10 +81,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         Kind::Contact => gfmd_report::contact::page(&reader)?,
         Kind::Path => gfmd_report::path::page(&reader)?,
         Kind::KappaSweep => gfmd_report::kappa::page(&reader, session)?,
-        Kind::Slide | Kind::Punch | Kind::Body => {
-            let text = format!("{} is a result of {}; it must be one of {kinds}", file.display(), kind.name());
-            return Err(Failure::Input(text));
-        }
+        Kind::Slide => gfmd_report::slide::page(&reader)?,
+        Kind::Punch => gfmd_report::punch::page(&reader)?,
+        Kind::Body => gfmd_report::body::page(&reader)?,
     };
     page.remarks.splice(0..0, gfmd_report::warnings(&reader));
     let text = gfmd_report::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
@@ -100,7 +99,9 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
         Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
         Kind::Path => Configuration::read::<path::Args>(kind, &text),
         Kind::KappaSweep => return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into()),
-        Kind::Slide | Kind::Punch | Kind::Body => return None,
+        Kind::Slide => Configuration::read::<slide::Args>(kind, &text),
+        Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
+        Kind::Body => Configuration::read::<body::Args>(kind, &text),
     };
     let words: Vec<String> = config.ok()?.told().iter().map(|word| quoted(word)).collect();
     Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))

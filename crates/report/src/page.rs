@@ -10,7 +10,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::figures::Drawn;
 
-pub(crate) use about::{command, page_of};
+pub(crate) use about::{body, command, page_of};
 pub use about::{warnings, whole_page};
 pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
 pub use write::quoted;

@@ -208,15 +208,15 @@ fn files_that_are_damaged_or_no_result_make_no_page() {
         assert!([Some(1), Some(2)].contains(&make(folder, "report changed.h5 -q")));
         assert!(!folder.join("changed.html").exists());
     }
-    assert_eq!(make(folder, "punch --n 24 --out punch.h5 -q"), Some(0));
-    for words in ["report punch.h5", "report absent.h5", "report c.h5 --out c.h5", "report c.h5 --out absent/c.html"] {
+    assert_eq!(make(folder, "surface --n 24 --out rough.h5 -q"), Some(0));
+    for words in ["report rough.h5", "report absent.h5", "report c.h5 --out c.h5", "report c.h5 --out absent/c.html"] {
         let output = gfmd(folder, &words.split(' ').collect::<Vec<_>>());
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{words}: {message}");
         assert_eq!(message.lines().count(), 1, "{words}: {message}");
     }
     assert_eq!(std::fs::read(folder.join("c.h5")).unwrap(), whole);
-    assert!(!folder.join("punch.html").exists());
+    assert!(!folder.join("rough.html").exists());
 }
 
 /// A page of an earlier run is replaced, by default and by name; what a user has written under that name is not.
@@ -327,4 +327,55 @@ fn surfaces_have_pages_and_functions() {
     assert_eq!(make(folder, "surface --n 16 --report mine.html -q"), Some(2));
     assert_eq!(page(folder, "mine.html"), "<p>mine</p>");
     assert_eq!(make(folder, "surface --n 16 --report none/page.html -q"), Some(2));
+}
+
+/// Pages of punches, of fields below them, and of sliding, with the numbers of their files.
+#[test]
+fn punches_bodies_and_slides_have_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let certified = ["answer", "asked", "figures", "numbers", "certificates", "cost", "repeat", "cite"];
+    let plain = ["answer", "asked", "figures", "numbers", "cost", "repeat", "cite"];
+    let line = "punch --dim 2 --n 64 --contact frictionless --out l.h5";
+    for (words, file, sections, figures, tables) in [
+        // Pressure, three displacements, two cuts.
+        ("punch --n 24 --out p.h5", "p", &certified[..], 6, 2),
+        (line, "l", &certified, 2, 2),
+        // Two curves against the depth; von Mises stress, displacement, stress and energy density on a section, or a plane.
+        ("body --surface p.h5 --levels 5 --slice y=0.5 --out b.h5", "b", &plain, 13, 1),
+        ("body --surface p.h5 --slice z=1 --out z.h5", "z", &plain, 11, 1),
+        ("body --surface l.h5 --levels 5 --out s.h5", "s", &plain, 10, 1),
+        // Of uneven depths there is no section.
+        ("body --surface l.h5 --depths 0,0.1,0.5 --out u.h5", "u", &plain, 2, 1),
+        // Friction, area; pressure, gap, section, heights.
+        (
+            "slide --n 32 --eps-f-inv 4 --prony 0.1:0.5 --p-star 0.05,0.1 --velocity 0.1,1,10 --out v.h5",
+            "v",
+            &certified,
+            6,
+            2,
+        ),
+        ("slide --n 32 --eps-f-inv 4 --prony 0.1:0.5 --p-star 0.05 --velocity 1 --out w.h5", "w", &certified, 4, 2),
+    ] {
+        assert_eq!(make(folder, &format!("{words} -q")), Some(0), "{words}");
+        assert_eq!(make(folder, &format!("report {file}.h5 -q")), Some(0), "{words}");
+        let text = page(folder, &format!("{file}.html"));
+        check_page(&text);
+        let cited = text.contains("id=\"cite\"");
+        let wanted: Vec<&str> = sections.iter().copied().filter(|section| *section != "cite" || cited).collect();
+        assert_eq!(outline(&text), (wanted, figures, tables), "{words}");
+        assert!(
+            text.contains(&format!("gfmd check {file}.h5 --rerun")) && !text.contains("Not every residual"),
+            "{words}"
+        );
+    }
+    let reader = gfmd_files::Reader::open(folder.join("p.h5")).unwrap();
+    let mean = reader.values::<f64>("/punch/mean_pressure").unwrap()[0];
+    assert!(page(folder, "p.html").contains(&format!("Mean pressure {mean:.6}")), "{mean}");
+    let reader = gfmd_files::Reader::open(folder.join("v.h5")).unwrap();
+    let friction = reader.values::<f64>("/states/friction").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(page(folder, "v.html").contains(&format!("Coefficient of friction {friction:.5}")), "{friction}");
+    let reader = gfmd_files::Reader::open(folder.join("s.h5")).unwrap();
+    let stress = reader.values::<f64>("/fields/von_mises").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(page(folder, "s.html").contains(&format!("von Mises {stress:.5}")), "{stress}");
 }
