@@ -19,6 +19,7 @@
 
 pub mod body;
 pub mod check;
+pub mod completions;
 pub mod contact;
 pub mod damping;
 pub mod green;

@@ -16,8 +16,8 @@ use serde::Serialize;
 
 use crate::session::Common;
 use crate::{
-    body, check, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session, slide, surface,
-    theory,
+    body, check, completions, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session,
+    slide, surface, theory,
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
@@ -65,6 +65,8 @@ pub enum Command {
     Check(Box<check::Args>),
     /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
     Report(Box<report::Args>),
+    /// Print a script by which a shell completes commands and flags
+    Completions(completions::Args),
 }
 
 /// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
@@ -217,6 +219,7 @@ impl Command {
             Self::Theory(args) => whole(theory::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),
             Self::Report(args) => whole(report::run(args, session)?),
+            Self::Completions(args) => whole(Plain(completions::run(args, named(Line::<Self>::command(), "gfmd")))),
         })
     }
 

@@ -11,7 +11,7 @@ use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
 use crate::session::list_files;
-use crate::{contact, path};
+use crate::{body, contact, path, punch, slide};
 use gfmd_report::quoted;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{Configuration, Kind};
@@ -23,7 +23,7 @@ use gfmd_run::session::Session;
   gfmd report kappa.h5
   gfmd report contact.h5 --out contact-page.html")]
 pub struct Args {
-    /// Result of contact, path or kappa-sweep
+    /// Result of contact, path, slide, punch, body or kappa-sweep
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Write the page to this file; default: beside the result, with the ending .html
@@ -51,9 +51,14 @@ pub struct Report {
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
-    let kinds = "contact, path or kappa-sweep";
-    let kind = Kind::of(&reader)
-        .ok_or_else(|| Failure::Input(format!("{} is no result file; it must be one of {kinds}", file.display())))?;
+    let kinds = "contact, path, slide, punch, body or kappa-sweep";
+    let kind = Kind::of(&reader).ok_or_else(|| {
+        let name = file.display();
+        let surface = reader.contains("/surface/height");
+        let other = format!("; gfmd surface --surface {name} --report PAGE.html makes the page of a surface");
+        let other = if surface { &*other } else { "" };
+        Failure::Input(format!("{name} is no result file; it must be one of {kinds}{other}"))
+    })?;
     // Numbers of a damaged file are not shown.
     let intact = reader.is_intact().unwrap_or(Some(false));
     if intact == Some(false) {
@@ -71,15 +76,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if same(output.path()).is_some_and(|out| Some(out) == same(file)) {
         return Err(Failure::value("--out", out.display(), "another file than the result"));
     }
-    check_replaceable(output.path())?;
+    check_replaceable("--out", output.path())?;
     let mut page = match kind {
         Kind::Contact => gfmd_report::contact::page(&reader)?,
         Kind::Path => gfmd_report::path::page(&reader)?,
         Kind::KappaSweep => gfmd_report::kappa::page(&reader, session)?,
-        Kind::Slide | Kind::Punch | Kind::Body => {
-            let text = format!("{} is a result of {}; it must be one of {kinds}", file.display(), kind.name());
-            return Err(Failure::Input(text));
-        }
+        Kind::Slide => gfmd_report::slide::page(&reader)?,
+        Kind::Punch => gfmd_report::punch::page(&reader)?,
+        Kind::Body => gfmd_report::body::page(&reader)?,
     };
     page.remarks.splice(0..0, gfmd_report::warnings(&reader));
     let text = gfmd_report::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
@@ -95,7 +99,9 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
         Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
         Kind::Path => Configuration::read::<path::Args>(kind, &text),
         Kind::KappaSweep => return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into()),
-        Kind::Slide | Kind::Punch | Kind::Body => return None,
+        Kind::Slide => Configuration::read::<slide::Args>(kind, &text),
+        Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
+        Kind::Body => Configuration::read::<body::Args>(kind, &text),
     };
     let words: Vec<String> = config.ok()?.told().iter().map(|word| quoted(word)).collect();
     Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
@@ -103,16 +109,16 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
 
 /// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a
 /// user may have written a page of that name.
-fn check_replaceable(path: &Path) -> Result<(), Failure> {
+pub(crate) fn check_replaceable(flag: &str, path: &Path) -> Result<(), Failure> {
     let mut start = Vec::new();
     match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(Failure::input("--out", format!("{}: {error}", path.display()))),
+        Err(error) => return Err(Failure::input(flag, format!("{}: {error}", path.display()))),
         Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(gfmd_report::MARK) => return Ok(()),
         Ok(_) => {}
     }
     let reason = "the file exists and is no page that gfmd report made, which alone is replaced";
-    Err(Failure::input("--out", format!("{}: {reason}; it must be another name", path.display())))
+    Err(Failure::input(flag, format!("{}: {reason}; it must be another name", path.display())))
 }
 
 /// The number of bytes at the start of a page within which its mark stands.

@@ -1,27 +1,38 @@
 //! `surface`: make a surface or measure one.
 
-mod figures;
+mod curves;
 mod file;
 mod listing;
 
 use std::fmt;
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
+use gfmd_contact::Boundary;
 use gfmd_field::Grid;
-use gfmd_surface::{Areal, HurstFit, Normalisation, PowerSpectrum, RollOff, RollOffShape, Statistics, window};
+use gfmd_files::{Output, Provenance};
+use gfmd_report::surface::{About, Number, Subject};
+use gfmd_surface::{
+    Areal, HurstFit, Normalisation, Periodisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics,
+    Texture, window,
+};
 use gfmd_unit::Units;
+use ndarray::Array2;
 use serde::Serialize;
 
+use crate::report::check_replaceable;
 use crate::session::list_files;
 use gfmd_problem::options::Method;
 use gfmd_problem::options::given::Given;
+use gfmd_problem::options::parse_choice;
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use gfmd_run::source::scan::Scan;
 use gfmd_run::source::{Second, SourceArgs};
 
+pub use curves::Curves;
 use file::Target;
 use listing::Listing;
 
@@ -34,7 +45,8 @@ use listing::Listing;
   gfmd surface --surface scan.txt --detrend plane --periodise mirror --out h.h5
   gfmd surface --surface scan.sur --list
   gfmd surface --surface scan.sur --channel 1 --detrend plane --fill harmonic --window hann --plots scan
-  gfmd surface --surface scan.opd --fill nearest --out scan.x3p")]
+  gfmd surface --surface scan.opd --fill nearest --out scan.x3p
+  gfmd surface --surface scan.opd --fill harmonic --detrend plane --unit um --report scan.html")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
@@ -50,17 +62,33 @@ pub struct Args {
     #[serde(skip_serializing_if = "Window::is_none")]
     window: Window,
     /// List the channels of the file with their units and points, and do nothing else
-    #[arg(long, requires = "surface", conflicts_with_all = ["out", "plots", "channel"])]
+    #[arg(long, requires = "surface", conflicts_with_all = ["out", "plots", "channel", "statistics", "report"])]
     #[serde(skip)]
     list: bool,
     /// Write the heights to this file, .npy, .x3p or .h5; a .h5 file also has statistics and radially averaged spectrum
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the heights, a profile through them and the spectrum: PREFIX-map, PREFIX-profile, PREFIX-spectrum (.svg, .png)
+    /// Draw the heights, a profile through them and the spectrum: PREFIX-map, PREFIX-profile, PREFIX-spectrum (.svg,
+    /// .png); with --statistics also PREFIX-autocorrelation, -correlation-map, -distributions, -slopes, -curvatures and
+    /// -bearing
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
+    /// Add spectrum, autocorrelation with Sal and Str, distributions of height, slope and curvature, both against
+    /// distance, bearing curve with Sk, to JSON, a .h5 file and figures
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    statistics: bool,
+    /// Boundary of the surface for these functions: periodic, or free, with differences between points inside alone
+    /// [default: periodic for a surface of method psd and for a mirrored one, else free]
+    #[arg(long, value_parser = parse_choice::<Boundary>())]
+    #[serde(skip)]
+    boundary: Option<Boundary>,
+    /// Write a page of HTML about the surface: its numbers, all figures of --statistics, and their definitions
+    #[arg(long, value_name = "FILE.html")]
+    #[serde(skip)]
+    report: Option<PathBuf>,
 }
 
 /// The windows that make the spectrum of a scan that is not periodic.
@@ -141,6 +169,12 @@ pub struct Report {
     #[serde(flatten)]
     pub second: Option<Second>,
     pub asked: Option<Asked>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<&'static str>,
+    #[serde(flatten)]
+    pub curves: Option<Curves>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<PathBuf>,
     pub out: Option<PathBuf>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plots: Vec<PathBuf>,
@@ -175,6 +209,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
 
 fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
+    let page = args.report.as_deref().map(claim_page).transpose()?;
     let surface = args.source.surface(session)?;
     let name = args.source.name();
     let (grid, statistics) = (surface.grid, &surface.statistics);
@@ -205,18 +240,89 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     (report.scan, report.second) = (surface.scan, surface.second);
     (report.asked, report.hurst_range, report.window) = (asked, range, args.window);
     let radial = spectrum.radial();
+    let boundary = args.boundary.unwrap_or_else(|| args.source_boundary());
+    let texture = (args.statistics || page.is_some())
+        .then(|| Texture::of(&surface.heights, &grid, boundary == Boundary::Periodic))
+        .transpose()
+        .map_err(refused)?;
+    if let Some(texture) = &texture {
+        report.boundary = Some(boundary.name());
+        report.curves = Some(Curves::of(texture, &radial, &grid));
+    }
+    let resolved = Args { source: args.source.resolved()?, ..args.clone() };
+    let config = toml::to_string(&resolved)
+        .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
+    let provenance = session.provenance(config);
+    // A page has the functions without being asked for them; JSON and file do not.
+    let of_page = report.curves.take_if(|_| !args.statistics);
     if let Some(target) = out {
-        let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-        let config = toml::to_string(&resolved)
-            .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
-        target.write(&surface.heights, &grid, &radial, &report, &session.provenance(config))?;
+        target.write(&surface.heights, &grid, &radial, &report, &provenance)?;
         report.out.clone_from(&args.out);
     }
+    let (mut plots, shown) = (Vec::new(), texture.as_ref().filter(|_| args.statistics));
     if let Some(prefix) = &args.plots {
-        report.plots = figures::draw(prefix, &surface.heights, &grid, &radial, &report)?;
+        plots = report.subject(&surface.heights, &grid, &radial, shown).draw(prefix)?;
     }
+    if let Some(page) = page {
+        let origin = surface.origin.as_ref().map(|(file, sum)| (file.as_str(), sum.as_str()));
+        let warnings = provenance.warnings.list().into_iter().map(|warning| warning.text).collect();
+        let of_page = of_page.or_else(|| report.curves.clone());
+        let report = Report { curves: of_page, ..report.clone() };
+        let subject = report.subject(&surface.heights, &grid, &radial, texture.as_ref());
+        report.write_page(&page, &subject, (&*name, origin, Some(again()), warnings), &provenance)?;
+    }
+    report.plots = plots;
+    report.report.clone_from(&args.report);
     Ok(report)
 }
+
+/// The page to write, claimed before the heights are made.
+fn claim_page(path: &std::path::Path) -> Result<Output, Failure> {
+    let output = Output::claim(path).map_err(|error| Failure::input("--report", error))?;
+    check_replaceable("--report", output.path())?;
+    Ok(output)
+}
+
+/// Writes the page about heights in memory, which come from a `source` in words.
+///
+/// # Errors
+/// Heights without numbers; a page that cannot be written.
+pub fn write_report(
+    heights: &Array2<f64>,
+    grid: &Grid,
+    (unit, source): (Option<String>, String),
+    boundary: Boundary,
+    path: &std::path::Path,
+    session: &Session,
+) -> Result<(), Failure> {
+    let page = claim_page(path)?;
+    let refused = |error| Failure::input("surface", error);
+    let spectrum = PowerSpectrum::of(heights, grid).map_err(refused)?;
+    let range = whole_band(grid);
+    let fit = spectrum.fit_hurst(range[0], range[1]).ok();
+    let statistics = Statistics::of(heights, grid).map_err(refused)?;
+    let areal = Areal::of(heights, grid).map_err(refused)?;
+    let texture = Texture::of(heights, grid, boundary == Boundary::Periodic).map_err(refused)?;
+    let radial = spectrum.radial();
+    let report = Report {
+        source,
+        unit,
+        boundary: Some(boundary.name()),
+        curves: Some(Curves::of(&texture, &radial, grid)),
+        ..Report::new(&statistics, &areal, fit, &spectrum, grid)
+    };
+    let subject = report.subject(heights, grid, &radial, Some(&texture));
+    report.write_page(&page, &subject, ("array", None, None, Vec::new()), &session.provenance(String::new()))
+}
+
+/// The command line of the program, as a shell reads it.
+fn again() -> String {
+    let words: Vec<String> = std::env::args().skip(1).map(|word| gfmd_report::quoted(&word)).collect();
+    format!("gfmd {}", words.join(" "))
+}
+
+/// The name of a page's subject, the file that was read with its SHA-256, the command that makes the page, warnings.
+type Told<'a> = (&'a str, Option<(&'a str, &'a str)>, Option<String>, Vec<String>);
 
 impl Args {
     /// Returns the numbers asked of the generator, and the wavelengths between which its spectrum is a power law.
@@ -249,6 +355,16 @@ impl Args {
             },
         );
         Ok((Some(asked), range))
+    }
+}
+
+impl Args {
+    /// The boundary of the surface as far as its origin tells it.
+    fn source_boundary(&self) -> Boundary {
+        let source = &self.source;
+        let made = source.surface.is_none() && source.generator.method == Method::Psd;
+        let mirrored = source.periodise == Periodisation::Mirror;
+        if (made && source.second_surface.is_none()) || mirrored { Boundary::Periodic } else { Boundary::Free }
     }
 }
 
@@ -308,14 +424,84 @@ impl Report {
             scan: None,
             second: None,
             asked: None,
+            boundary: None,
+            curves: None,
+            report: None,
             out: None,
             plots: Vec::new(),
         }
     }
 
-    /// The scalars: name, value, unit as a power of length, meaning.
-    fn scalars(&self) -> [(&'static str, Option<f64>, i32, &'static str); 24] {
-        [
+    /// The surface for figures and pages.
+    pub fn subject<'a>(
+        &'a self,
+        heights: &'a Array2<f64>,
+        grid: &'a Grid,
+        spectrum: &'a [RadialBin],
+        texture: Option<&'a Texture>,
+    ) -> Subject<'a> {
+        Subject {
+            heights,
+            grid,
+            unit: self.unit.as_deref(),
+            spectrum,
+            window: (!self.window.is_none()).then_some("Hann"),
+            resolved: self.scan.as_ref().map(|scan| scan.resolves),
+            hurst: self.hurst.map(|hurst| (hurst, self.hurst_range)),
+            texture,
+        }
+    }
+
+    /// Writes the page about the surface.
+    ///
+    /// # Errors
+    /// A page that cannot be written.
+    pub fn write_page(
+        &self,
+        output: &Output,
+        subject: &Subject,
+        (name, file, again, remarks): Told,
+        provenance: &Provenance,
+    ) -> Result<(), Failure> {
+        let numbers: Vec<Number> = self.scalars().into_iter().chain(self.listed()).collect();
+        let mut facts = Vec::new();
+        let mut remarks = remarks;
+        if let Some(scan) = &self.scan {
+            facts.push(("format", scan.format.to_owned()));
+            facts.extend(scan.channel.iter().map(|channel| ("channel", channel.clone())));
+            if scan.undefined > 0 {
+                let [nx, ny] = scan.n;
+                let share = 100.0 * scan.undefined as f64 / (nx * ny) as f64;
+                let fill = scan.fill.unwrap_or("none");
+                let text =
+                    format!("{} of {} ({share:.2} %), filled: {fill}; all numbers count them", scan.undefined, nx * ny);
+                facts.push(("points without a height", text));
+            }
+            facts.extend(scan.conversion.iter().map(|text| ("conversion", text.clone())));
+            facts.extend(
+                scan.details.iter().take(DETAILS).map(|(key, value)| ("instrument", format!("{key}: {value}"))),
+            );
+            remarks.extend(scan.notes.iter().cloned());
+        }
+        if let Some(asked) = &self.asked {
+            facts.push(("seed", asked.seed.to_string()));
+        }
+        let repeats = self.boundary == Some(Boundary::Periodic.name());
+        let about =
+            About { name, source: &self.source, facts: &facts, repeats, numbers: &numbers, again, file, remarks };
+        let (text, _) = subject.page(&about, provenance);
+        Ok(output.write(|file| file.write_all(text.as_bytes()))?)
+    }
+
+    /// The numbers of the functions, without those of the distributions, which a table cannot name.
+    fn listed(&self) -> impl Iterator<Item = Number> + '_ {
+        let own = ["sal", "str", "sk", "spk", "svk", "smr1", "smr2"];
+        self.curves.iter().flat_map(Curves::numbers).filter(move |number| own.contains(&number.name))
+    }
+
+    /// The scalars.
+    fn scalars(&self) -> Vec<Number> {
+        let all = [
             ("rms_height", Some(self.rms_height), 1, "root-mean-square height about the mean: Sq of ISO 25178"),
             ("mean", Some(self.mean), 1, "mean height"),
             ("lowest", Some(self.lowest), 1, "lowest height"),
@@ -345,19 +531,27 @@ impl Report {
             ("hurst", self.hurst, 0, "fitted Hurst exponent"),
             ("longest_wavelength", self.longest_wavelength, 1, "longest wavelength with power"),
             ("shortest_wavelength", self.shortest_wavelength, 1, "shortest wavelength with power"),
-        ]
+        ];
+        all.into_iter().map(|(name, value, power, meaning)| Number { name, value, power, meaning }).collect()
     }
 
     /// The unit of a quantity that is a power of length.
     fn unit_of(&self, power: i32) -> String {
-        let unit = self.unit.as_deref().unwrap_or("length");
-        match power {
-            0 => "1".into(),
-            1 => unit.into(),
-            -1 => format!("1/{unit}"),
-            power if power < 0 => format!("1/{unit}^{}", -power),
-            power => format!("{unit}^{power}"),
-        }
+        unit_of(self.unit.as_deref().unwrap_or("length"), power)
+    }
+}
+
+/// The number of details of an instrument that a page shows.
+const DETAILS: usize = 12;
+
+/// The unit of a power of a length in this unit.
+fn unit_of(unit: &str, power: i32) -> String {
+    match power {
+        0 => "1".into(),
+        1 => unit.into(),
+        -1 => format!("1/{unit}"),
+        power if power < 0 => format!("1/{unit}^{}", -power),
+        power => format!("{unit}^{power}"),
     }
 }
 
@@ -383,7 +577,7 @@ impl fmt::Display for Report {
                 _ => None,
             }
         };
-        for (name, value, power, meaning) in self.scalars() {
+        for Number { name, value, power, meaning } in self.scalars().into_iter().chain(self.listed()) {
             let Some(value) = value else { continue };
             let kind = match power {
                 0 => "1".to_owned(),
@@ -411,7 +605,8 @@ impl fmt::Display for Report {
         if !self.window.is_none() {
             writeln!(f, "spectrum and fit under a Hann window")?;
         }
-        list_files(f, self.out.as_deref(), &self.plots)
+        list_files(f, self.out.as_deref(), &self.plots)?;
+        self.report.iter().try_for_each(|page| writeln!(f, "page:    {}", page.display()))
     }
 }
 

@@ -32,6 +32,8 @@ pub struct Map<'a> {
     pub shape: [usize; 2],
     /// Length along x and y.
     pub size: [f64; 2],
+    /// The coordinates of the lower left corner.
+    pub origin: [f64; 2],
     /// Label of the x axis.
     pub x: String,
     /// Label of the y axis.
@@ -99,8 +101,8 @@ impl<'a> Map<'a> {
     pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
         let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
         let (scale, colours) = (Scale::default(), Colours::default());
-        let (below, range, bar) = (None, None, true);
-        Self { values, shape, size, x, y, label, scale, colours, below, range, bar, width: COLUMN }
+        let (origin, below, range, bar) = ([0.0; 2], None, None, true);
+        Self { values, shape, size, origin, x, y, label, scale, colours, below, range, bar, width: COLUMN }
     }
 
     fn is_coloured(&self, value: f64) -> bool {
@@ -181,13 +183,14 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     // The height follows from the width, and the final ticks from the height. The margin is computed from preliminary
     // ticks, whose labels have about the width of the final ones.
     let right = 3.0 * GAP + BAR + (GAP + bar_labels + LABEL + 2.0 * GAP).max(GAP + below_label);
-    let left = EDGE + left_margin(&ticks([0.0, map.size[1]], 4.0)?, &y_label);
+    let [along_x, along_y] = [0, 1].map(|axis| [map.origin[axis], map.origin[axis] + map.size[axis]]);
+    let left = EDGE + left_margin(&ticks(along_y, 4.0)?, &y_label);
     let width = (map.width - left - right - EDGE).max(40.0);
     // A flat map is stretched so that the labels along y fit, that of the bar beside its coloured part.
     let beside = Text::new(&map.label, LABEL).width() + swatch(map) + beyond.map(point).iter().sum::<f64>();
     let lowest = Text::new(&map.y, LABEL).width().max(beside).min(width);
     let height = (width * map.size[1] / map.size[0]).clamp(lowest, 3.0 * width);
-    let (x, y) = (ticks([0.0, map.size[0]], width / 40.0)?, ticks([0.0, map.size[1]], height / 40.0)?);
+    let (x, y) = (ticks(along_x, width / 40.0)?, ticks(along_y, height / 40.0)?);
     let top = EDGE + if bar_ticks.factor.is_empty() && y.factor.is_empty() { 0.5 * TICK } else { TICK + 2.0 * GAP };
 
     let frame = Frame { left, top, width, height, x, y };

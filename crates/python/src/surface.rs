@@ -1,6 +1,8 @@
 //! Surfaces: made, read, prepared, measured.
 
-use gfmd_cli::surface::{Report, whole_band};
+use std::path::Path;
+
+use gfmd_cli::surface::{Curves, Report, whole_band, write_report};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::Topography;
@@ -8,8 +10,12 @@ use gfmd_problem::options::{GeneratorArgs, Method};
 use gfmd_run::failure::Failure;
 use gfmd_run::json;
 use gfmd_run::memory;
+use gfmd_run::session::Session;
 use gfmd_run::source::composed;
-use gfmd_surface::{Areal, Fill, Interpolation, PowerSpectrum, Statistics, finer as finer_heights};
+use gfmd_surface::{
+    Areal, Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Statistics,
+    finer as finer_heights,
+};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -220,6 +226,51 @@ pub(crate) fn psd(
     })?;
     let spectrum = found.map_err(|error| refused(py, &error))?;
     Ok(spectrum.radial().into_iter().map(|bin| (bin.wavenumber, bin.density)).unzip())
+}
+
+/// A function of the heights by its name, as JSON as `gfmd surface --statistics` prints it; of the autocorrelation also the map of
+/// height differences.
+#[pyfunction]
+pub(crate) fn texture<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    part: &str,
+    repeats: bool,
+) -> PyResult<(String, Option<Array<'py>>)> {
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let found = quick(py, || {
+        Ok::<_, gfmd_surface::SurfaceError>(match part {
+            "autocorrelation" => {
+                let found = Autocorrelation::of(&heights, &grid, repeats)?;
+                (Curves::autocorrelation(&found, &grid), Some(found.map()))
+            }
+            "distributions" => (Curves::distributions(&Distributions::of(&heights, &grid, repeats)?, &grid), None),
+            "scale_dependence" => (Curves::scale_dependence(&Scales::of(&heights, &grid, repeats)?), None),
+            _ => (Curves::bearing_curve(&Bearing::of(&heights, &grid)?), None),
+        })
+    })?;
+    let (curves, map) = found.map_err(|error| refused(py, &error))?;
+    let text = json::to_string(&curves).map_err(|error| refused(py, &error))?;
+    Ok((text, map.map(|map| map.into_pyarray(py))))
+}
+
+/// Writes the page about the heights, which come from a `source` in words.
+#[pyfunction]
+pub(crate) fn surface_report(
+    py: Python<'_>,
+    heights: PyReadonlyArray2<'_, f64>,
+    lengths: [f64; 2],
+    words: (Option<String>, String),
+    boundary: &str,
+    path: &str,
+) -> PyResult<()> {
+    let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
+    let heights = heights.as_array().to_owned();
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let done = quick(py, || write_report(&heights, &grid, words, boundary, Path::new(path), &Session::guest()))?;
+    done.map_err(|failure| failed(py, &failure))
 }
 
 /// The grid of an array in a cell.

@@ -1,7 +1,7 @@
 //! The arrays that statistics add to a load, each once: patches, distributions, spectra.
 
 use gfmd_contact::Boundary;
-use gfmd_field::{Grid, Transform};
+use gfmd_field::Grid;
 use gfmd_measure::{Distribution, Patches, density_over_decades};
 use gfmd_surface::PowerSpectrum;
 use ndarray::ArrayView2;
@@ -225,15 +225,7 @@ fn spectra(grid: &Grid, pressure: ArrayView2<'_, f64>) -> Result<Spectra, Unmeas
     let unusable = |error: &dyn std::fmt::Display| Unmeasured(error.to_string());
     let spectrum = PowerSpectrum::of(&pressure.to_owned(), grid).map_err(|error| unusable(&error))?;
     let radial = spectrum.radial().into_iter().map(|bin| [bin.wavenumber, bin.density]).collect();
-    let mut power = spectrum.power().to_vec();
-    // The mean has no part in it.
-    power[0] = 0.0;
-    // The transform of the power is its convolution with a unit at the origin.
-    let transform = Transform::new(*grid);
-    let (mut unit, mut correlation) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
-    unit[0] = 1.0;
-    let made = transform.convolve(&power, &unit, &mut correlation, &mut transform.workspace());
-    made.map_err(|error| unusable(&error))?;
+    let correlation = spectrum.correlation().map_err(|error| unusable(&error))?;
     let [nx, ny] = grid.points();
     let relative = |index: usize| if correlation[0] > 0.0 { correlation[index] / correlation[0] } else { f64::NAN };
     let along_x = (0..=nx / 2).map(|i| relative(i % nx * ny)).collect();

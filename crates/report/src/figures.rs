@@ -46,7 +46,7 @@ pub fn check_names(prefix: &Path) -> Result<(), String> {
 }
 
 /// The longest name of a figure after its prefix.
-const LONGEST_NAME: &str = "lower-traction";
+const LONGEST_NAME: &str = "correlation-map";
 
 /// The file `PREFIX-what` of a prefix.
 pub fn named(stem: &Path, what: &str) -> PathBuf {

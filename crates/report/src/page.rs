@@ -10,10 +10,11 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::figures::Drawn;
 
+pub(crate) use about::{body, command, page_of};
 pub use about::{warnings, whole_page};
 pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
 pub use write::quoted;
-pub(crate) use write::{given, interval, number, of, text, whole};
+pub(crate) use write::{given, interval, number, of, powers, text, whole};
 
 /// The contents of a page about a result; what is common to all kinds of results is added when it is written.
 #[derive(Default)]
@@ -97,7 +98,18 @@ impl Page {
     }
 
     fn figure(&mut self, title: &str, caption: &Markup, draw: impl FnOnce(&str) -> Result<String, PlotError>) {
-        match draw(&format!("figure{}", self.figures.len() + 1)) {
+        let drawn = draw(&self.next_name());
+        self.drawn(drawn, title, caption);
+    }
+
+    /// The name of the next figure.
+    pub(crate) fn next_name(&self) -> String {
+        format!("figure{}", self.figures.len() + 1)
+    }
+
+    /// Adds a figure that was drawn under the next name.
+    pub(crate) fn drawn(&mut self, drawn: Result<String, PlotError>, title: &str, caption: &Markup) {
+        match drawn {
             Ok(svg) => self.figures.push(Figure { svg, caption: caption.clone() }),
             Err(error) => self.remarks.push(format!("no figure of {title}: {error}")),
         }
@@ -113,7 +125,8 @@ impl Page {
 pub(super) struct Common {
     pub(super) kicker: String,
     pub(super) dated: String,
-    pub(super) checksum: &'static str,
+    /// The words about the checksum of the result file; `None` of a page without certificates.
+    pub(super) checksum: Option<&'static str>,
     pub(super) config: String,
     pub(super) cost: Vec<Fact>,
     pub(super) repeat: Markup,
@@ -153,13 +166,16 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                         h2 id="answer-h" { "Result" }
                         @for said in &page.answer { (said) }
                         p.seal {
-                            @if certified { "Every residual is within its bound." }
-                            @else { strong { "Not every residual is within its bound." } }
-                            " " a href="#certificates" { "Certificates" }
+                            @if common.checksum.is_some() {
+                                @if certified { "Every residual is within its bound." }
+                                @else { strong { "Not every residual is within its bound." } }
+                                " " a href="#certificates" { "Certificates" }
+                                @if !page.remarks.is_empty() { " · " }
+                            }
                             @match page.remarks.len() {
                                 0 => {}
-                                1 => { " · " a href="#remarks" { "1 warning" } }
-                                count => { " · " a href="#remarks" { (count) " warnings" } }
+                                1 => { a href="#remarks" { "1 warning" } }
+                                count => { a href="#remarks" { (count) " warnings" } }
                             }
                         }
                     }
@@ -186,13 +202,15 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                             @for one in &page.tables { (table(one)) }
                         }
                     }
-                    section #certificates aria-labelledby="certificates-h" {
-                        h2 id="certificates-h" { "Convergence and certificates" }
-                        p {
-                            "The residuals of the contact conditions are recomputed from the final fields. The table has the "
-                            "largest of the file. " (common.checksum)
+                    @if let Some(checksum) = common.checksum {
+                        section #certificates aria-labelledby="certificates-h" {
+                            h2 id="certificates-h" { "Convergence and certificates" }
+                            p {
+                                "The residuals of the contact conditions are recomputed from the final fields. The table "
+                                "has the largest of the file. " (checksum)
+                            }
+                            (certificates(&page.certificates))
                         }
-                        (certificates(&page.certificates))
                     }
                     @if !page.remarks.is_empty() {
                         section #remarks aria-labelledby="remarks-h" {
@@ -200,16 +218,20 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                             ul { @for remark in &page.remarks { li { (text(remark)) } } }
                         }
                     }
-                    section #cost aria-labelledby="cost-h" {
-                        h2 id="cost-h" { "Cost" }
-                        (facts(&page.cost))
-                        (facts(&common.cost))
+                    @if !(page.cost.is_empty() && common.cost.is_empty()) {
+                        section #cost aria-labelledby="cost-h" {
+                            h2 id="cost-h" { "Cost" }
+                            (facts(&page.cost))
+                            (facts(&common.cost))
+                        }
                     }
                     section #repeat aria-labelledby="repeat-h" {
                         h2 id="repeat-h" { "To repeat it" }
                         (common.repeat)
-                        h3 { "Configuration" }
-                        pre tabindex="0" { code { (text(&common.config)) } }
+                        @if !common.config.is_empty() {
+                            h3 { "Configuration" }
+                            pre tabindex="0" { code { (text(&common.config)) } }
+                        }
                     }
                     section #cite aria-labelledby="cite-h" {
                         h2 id="cite-h" { "To cite" }

@@ -7,6 +7,8 @@
 //! | the grid for these ε_t, ε_f, ε_c                   | [`Discretisation`]                           |
 //! | rms height, gradient, curvature, Nayak's parameter | [`Statistics`]                               |
 //! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
+//! | height parameters of ISO 25178                     | [`Areal`]                                    |
+//! | autocorrelation, distributions, bearing curve      | [`Texture`]                                  |
 //! | a measured scan: take out tilt, make it periodic   | [`remove`], [`periodise`]                    |
 //! | two rough surfaces that face each other            | [`composite`]                                |
 //! | points of a scan without a height                  | [`remove_from_defined`], [`fill`]            |
@@ -50,6 +52,7 @@ mod pair;
 mod power;
 mod preparation;
 mod statistics;
+mod texture;
 
 mod error;
 mod names;
@@ -67,3 +70,4 @@ pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defin
 pub use real_space::{Displaced, RealSpace};
 pub use self_affine::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
 pub use statistics::{Seam, Statistics};
+pub use texture::{Autocorrelation, Bearing, Core, CorrelationLengths, Density, Distributions, Scales, Texture};

@@ -103,6 +103,22 @@ impl PowerSpectrum {
             .collect()
     }
 
+    /// The mean of (h(x) − ⟨h⟩)(h(x+d) − ⟨h⟩) over all points of the period at every distance d, laid out as the heights; length².
+    ///
+    /// # Errors
+    /// None of a spectrum of heights.
+    pub fn correlation(&self) -> Result<Vec<f64>, SurfaceError> {
+        let mut power = self.power.clone();
+        // The mean has no part in it.
+        power[0] = 0.0;
+        // The transform of the power is its convolution with a point at the origin.
+        let transform = Transform::new(self.grid);
+        let (mut unit, mut correlation) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
+        unit[0] = self.grid.len() as f64;
+        transform.convolve(&power, &unit, &mut correlation, &mut transform.workspace())?;
+        Ok(correlation)
+    }
+
     /// The longest and shortest wavelengths of modes that carry power, which are the cut-offs of the heights; length.
     /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; in a non-periodic scan all modes do.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use gfmd_contact::Fields as _;
 use gfmd_measure::Scales;
-use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use gfmd_report::figures::named;
+use gfmd_report::slide::{Sliding, chart};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Head;
 use gfmd_viscoelastic::{SlidingState, Velocity};
@@ -107,31 +107,14 @@ impl State {
 impl Report {
     /// Draws friction and area against the velocity, one curve for each load, of so many `velocities`.
     pub(super) fn draw(&self, prefix: &Path, velocities: usize) -> Result<Vec<PathBuf>, Failure> {
-        let curves = |of: fn(&State) -> f64, theory: fn(&State) -> f64| -> Vec<Series> {
-            let curve = |(hue, states): (usize, &[State])| {
-                let points = |of: fn(&State) -> f64| states.iter().map(|s| Point::new(s.velocity, of(s))).collect();
-                let label = format!("*p*\\* = {:.3}", states[0].p_star);
-                [
-                    Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points(of)) },
-                    Series {
-                        mark: Mark::Line,
-                        ..Series::points(if hue == 0 { "Persson" } else { "" }, hue, points(theory))
-                    },
-                ]
-            };
-            self.states.chunks(velocities).enumerate().flat_map(curve).collect()
+        let state = |state: &State| Sliding {
+            velocity: state.velocity,
+            p_star: state.p_star,
+            friction: [state.friction, state.persson.friction],
+            area: [state.area_fraction, state.persson.area_fraction],
         };
-        let panel = |label: &str, series: Vec<Series>| Panel {
-            x: if velocities > 1 { Axis::log("velocity") } else { Axis::linear("velocity") },
-            y: Axis::linear(label),
-            series,
-            ..Panel::default()
-        };
-        let panels = vec![
-            panel("friction", curves(|s| s.friction, |s| s.persson.friction)),
-            panel("contact area", curves(|s| s.area_fraction, |s| s.persson.area_fraction)),
-        ];
-        let chart = Chart { share_y: false, ..Chart::new(panels) };
+        let states: Vec<Sliding> = self.states.iter().map(state).collect();
+        let chart = chart(&states, velocities);
         Ok(chart.save(&named(prefix, "friction"))?.into())
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, X3p, axes, contiguous, npy};
+use gfmd_report::surface::Number;
 use gfmd_surface::RadialBin;
 use ndarray::{Array2, Axis};
 
@@ -96,7 +97,7 @@ impl Target {
         archive.write("/surface/height", &height, &contiguous(heights))?;
         archive.attribute("/surface", "source", report.source.as_str())?;
         report.scan.iter().try_for_each(|scan| scan.write(&mut archive, "/surface"))?;
-        for (name, value, power, meaning) in report.scalars() {
+        for Number { name, value, power, meaning } in report.scalars() {
             let units = report.unit_of(power);
             let scalar = Variable { dimensions: &[], units: &units, long_name: meaning };
             archive.write(&format!("/statistics/{name}"), &scalar, &[value.unwrap_or(f64::NAN)])?;
@@ -110,6 +111,10 @@ impl Target {
         archive.write("/spectrum/density", &density, &spectrum.iter().map(|bin| bin.density).collect::<Vec<_>>())?;
         let modes = Variable { dimensions: &[&q], units: "1", long_name: "modes in the ring, of the full spectrum" };
         archive.write("/spectrum/modes", &modes, &spectrum.iter().map(|bin| bin.modes).collect::<Vec<_>>())?;
+        if let Some(curves) = &report.curves {
+            curves.write(&mut archive, &unit)?;
+            archive.attribute("/autocorrelation", "boundary", report.boundary.unwrap_or_default())?;
+        }
         archive.finish()?;
         Ok(())
     }

@@ -593,16 +593,16 @@ fn prefixes_that_are_too_long_for_the_names_of_figures_are_refused() {
         assert!(stderr.contains(flag) && stderr.contains("the longest name of a figure"), "{words}: {stderr}");
         assert_eq!(names(folder.path()), before, "{words}: something was written");
     };
-    // The longest end is -lower-traction.svg.
-    for length in [237, 245, 255, 256] {
+    // The longest end is -correlation-map.svg.
+    for length in [236, 245, 255, 256] {
         let prefix = "n".repeat(length);
         for command in ["contact --n 8 --eps-f-inv 2 --p-star 0.05", "surface --n 8 --eps-f-inv 2", "punch --n 8"] {
             refused("--plots", &format!("{command} --plots {prefix}"));
         }
     }
     // The figures of a sweep are named after its file, which may have this name itself.
-    refused("--out", &format!("kappa-sweep --preset smoke --out {}.h5", "n".repeat(237)));
-    let (status, _, stderr) = run(&format!("contact --n 8 --eps-f-inv 2 --p-star 0.05 --plots {}", "n".repeat(236)));
+    refused("--out", &format!("kappa-sweep --preset smoke --out {}.h5", "n".repeat(236)));
+    let (status, _, stderr) = run(&format!("contact --n 8 --eps-f-inv 2 --p-star 0.05 --plots {}", "n".repeat(235)));
     assert_eq!(status, Some(0), "{stderr}");
     assert!(names(folder.path()).len() > before.len());
 }

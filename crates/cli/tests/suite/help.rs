@@ -27,6 +27,7 @@ fn every_command_has_examples_under_the_name_of_the_program() {
         "law",
         "theory",
         "report",
+        "completions",
     ] {
         assert!(all.contains(&format!("\n  {command} ")), "{command}: {all}");
         let text = help(&[command, "--help"]);
@@ -41,4 +42,23 @@ fn choices_are_explained() {
     for row in ["- plateau:", "- gaussian:", "- mirror:", "[default: as-is]"] {
         assert!(text.contains(row), "{row}: {text}");
     }
+}
+
+/// The scripts know all commands and a flag of one of them; bash reads its own without an error.
+#[test]
+fn shells_complete_commands_and_flags() {
+    for shell in ["bash", "zsh", "fish"] {
+        let script = help(&["completions", shell]);
+        for word in ["kappa-sweep", "surface", "p-star", "rms-gradient"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("gfmd.bash");
+    let ask = "\nCOMP_WORDS=(gfmd surface --rep) COMP_CWORD=2\n_gfmd gfmd --rep surface\necho \"${COMPREPLY[@]}\"\n";
+    std::fs::write(&script, help(&["completions", "bash"]) + ask).unwrap();
+    let output = std::process::Command::new("bash").arg(&script).output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "--report", "{output:?}");
+    let refused = gfmd(Path::new("."), &["completions", "tcsh"]);
+    assert_eq!(refused.status.code(), Some(2));
 }

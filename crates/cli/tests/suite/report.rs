@@ -208,15 +208,15 @@ fn files_that_are_damaged_or_no_result_make_no_page() {
         assert!([Some(1), Some(2)].contains(&make(folder, "report changed.h5 -q")));
         assert!(!folder.join("changed.html").exists());
     }
-    assert_eq!(make(folder, "punch --n 24 --out punch.h5 -q"), Some(0));
-    for words in ["report punch.h5", "report absent.h5", "report c.h5 --out c.h5", "report c.h5 --out absent/c.html"] {
+    assert_eq!(make(folder, "surface --n 24 --out rough.h5 -q"), Some(0));
+    for words in ["report rough.h5", "report absent.h5", "report c.h5 --out c.h5", "report c.h5 --out absent/c.html"] {
         let output = gfmd(folder, &words.split(' ').collect::<Vec<_>>());
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{words}: {message}");
         assert_eq!(message.lines().count(), 1, "{words}: {message}");
     }
     assert_eq!(std::fs::read(folder.join("c.h5")).unwrap(), whole);
-    assert!(!folder.join("punch.html").exists());
+    assert!(!folder.join("rough.html").exists());
 }
 
 /// A page of an earlier run is replaced, by default and by name; what a user has written under that name is not.
@@ -249,4 +249,133 @@ fn only_pages_of_this_command_are_replaced() {
         assert_eq!(make(folder, "report c.h5 --out other.html -q"), Some(0));
         assert_eq!(page(folder, "other.html"), made);
     }
+}
+
+/// The page of a surface: of a generated one, of the file that it was written to, of a scan with a hole, of a profile.
+#[test]
+fn surfaces_have_pages_and_functions() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let words = |text: &str| -> Vec<String> { text.split_whitespace().map(str::to_owned).collect() };
+    let run = |text: &str| {
+        let words = words(text);
+        json(folder, &words.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let made =
+        run("surface --n 48,32 --length 3,2 --eps-f-inv 4 --statistics --out h.h5 --report h.html --plots h --json -q");
+    assert_eq!(made["boundary"], "periodic");
+    // Map, profile, spectrum, autocorrelation and its map, three distributions, slopes, curvatures, bearing curve.
+    let text = page(folder, "h.html");
+    check_page(&text);
+    let sections = ["answer", "asked", "figures", "numbers", "repeat", "cite"];
+    assert_eq!(outline(&text), (sections.to_vec(), 11, 1));
+    assert!(text.contains("<span class=\"word\">3,2</span>") && text.contains("<code>sal</code>"));
+    assert_eq!(made["plots"].as_array().unwrap().len(), 18);
+    for name in ["autocorrelation", "correlation-map", "distributions", "slopes", "curvatures", "bearing"] {
+        assert!(folder.join(format!("h-{name}.svg")).exists(), "{name}");
+    }
+    // JSON, the file and identities between them.
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let file = gfmd_files::Reader::open(folder.join("h.h5")).unwrap();
+    for (key, part) in [
+        ("autocorrelation", "radial"),
+        ("autocorrelation", "y"),
+        ("distributions", "slope_y"),
+        ("scale_dependence", "curvature_x"),
+    ] {
+        let stored = made[key][part].as_object().unwrap().iter().filter(|(_, value)| value.is_array());
+        for (name, value) in stored {
+            let values: Vec<f64> = file.values(&format!("/{key}/{part}/{name}")).unwrap();
+            assert_eq!(values, numbers(value), "{key} {part} {name}");
+        }
+    }
+    let bearing = numbers(&made["bearing_curve"]["height"]);
+    assert_eq!((bearing.len(), bearing[0]), (201, made["sp"].as_f64().unwrap()));
+    assert_eq!(file.values::<f64>("/bearing_curve/sk").unwrap()[0], made["bearing_curve"]["sk"].as_f64().unwrap());
+    let difference = numbers(&made["autocorrelation"]["x"]["difference"])[1];
+    let slope = numbers(&made["scale_dependence"]["slope_x"]["slope"])[0];
+    assert!((slope * 3.0 / 48.0 - (2.0 * difference).sqrt()).abs() < 1e-12);
+    assert!(made.get("undefined").is_none(), "{}", made["undefined"]);
+
+    // What was written is read; a file does not tell that its surface repeats.
+    let read = run("surface --surface h.h5 --report again.html --json -q");
+    assert_eq!((&read["boundary"], read.get("psd")), (&"free".into(), None));
+    assert_eq!(read["report"], "again.html");
+    check_page(&page(folder, "again.html"));
+    let same = run("surface --surface h.h5 --statistics --boundary periodic --json -q");
+    assert_eq!(same["autocorrelation"], made["autocorrelation"]);
+
+    std::fs::write(folder.join("scan.txt"), "1 2 nan 3\n2 4 3 1\n0 1 2 2\n3 1 2 5\n").unwrap();
+    run("surface --surface scan.txt --fill nearest --report scan.html --json -q");
+    let text = page(folder, "scan.html");
+    check_page(&text);
+    assert!(text.contains("1 of 16 (6.25 %), filled: nearest") && text.contains("SHA-256"), "{text}");
+
+    let line = run("surface --n 64 --dim 2 --statistics --report line.html --json -q");
+    assert!(line["autocorrelation"].get("y").is_none() && line["distributions"].get("slope_y").is_none());
+    check_page(&page(folder, "line.html"));
+    let flat = "0 0 0 0\n0 0 0 0\n0 0 0 0\n";
+    std::fs::write(folder.join("flat.txt"), flat).unwrap();
+    let flat = run("surface --surface flat.txt --statistics --report flat.html --json -q");
+    assert_eq!(flat["undefined"]["autocorrelation.sal"], "the surface is flat");
+    assert!(flat["autocorrelation"]["sal"].is_null() && flat["bearing_curve"]["sk"].is_null());
+
+    // A page that is not of this program stays; one in no folder is refused before the heights are made.
+    std::fs::write(folder.join("mine.html"), "<p>mine</p>").unwrap();
+    assert_eq!(make(folder, "surface --n 16 --report mine.html -q"), Some(2));
+    assert_eq!(page(folder, "mine.html"), "<p>mine</p>");
+    assert_eq!(make(folder, "surface --n 16 --report none/page.html -q"), Some(2));
+}
+
+/// Pages of punches, of fields below them, and of sliding, with the numbers of their files.
+#[test]
+fn punches_bodies_and_slides_have_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let certified = ["answer", "asked", "figures", "numbers", "certificates", "cost", "repeat", "cite"];
+    let plain = ["answer", "asked", "figures", "numbers", "cost", "repeat", "cite"];
+    let line = "punch --dim 2 --n 64 --contact frictionless --out l.h5";
+    for (words, file, sections, figures, tables) in [
+        // Pressure, three displacements, two cuts.
+        ("punch --n 24 --out p.h5", "p", &certified[..], 6, 2),
+        (line, "l", &certified, 2, 2),
+        // Two curves against the depth; von Mises stress, displacement, stress and energy density on a section, or a plane.
+        ("body --surface p.h5 --levels 5 --slice y=0.5 --out b.h5", "b", &plain, 13, 1),
+        ("body --surface p.h5 --slice z=1 --out z.h5", "z", &plain, 11, 1),
+        ("body --surface l.h5 --levels 5 --out s.h5", "s", &plain, 10, 1),
+        // Of uneven depths there is no section.
+        ("body --surface l.h5 --depths 0,0.1,0.5 --out u.h5", "u", &plain, 2, 1),
+        // Friction, area; pressure, gap, section, heights.
+        (
+            "slide --n 32 --eps-f-inv 4 --prony 0.1:0.5 --p-star 0.05,0.1 --velocity 0.1,1,10 --out v.h5",
+            "v",
+            &certified,
+            6,
+            2,
+        ),
+        ("slide --n 32 --eps-f-inv 4 --prony 0.1:0.5 --p-star 0.05 --velocity 1 --out w.h5", "w", &certified, 4, 2),
+    ] {
+        assert_eq!(make(folder, &format!("{words} -q")), Some(0), "{words}");
+        assert_eq!(make(folder, &format!("report {file}.h5 -q")), Some(0), "{words}");
+        let text = page(folder, &format!("{file}.html"));
+        check_page(&text);
+        let cited = text.contains("id=\"cite\"");
+        let wanted: Vec<&str> = sections.iter().copied().filter(|section| *section != "cite" || cited).collect();
+        assert_eq!(outline(&text), (wanted, figures, tables), "{words}");
+        assert!(
+            text.contains(&format!("gfmd check {file}.h5 --rerun")) && !text.contains("Not every residual"),
+            "{words}"
+        );
+    }
+    let reader = gfmd_files::Reader::open(folder.join("p.h5")).unwrap();
+    let mean = reader.values::<f64>("/punch/mean_pressure").unwrap()[0];
+    assert!(page(folder, "p.html").contains(&format!("Mean pressure {mean:.6}")), "{mean}");
+    let reader = gfmd_files::Reader::open(folder.join("v.h5")).unwrap();
+    let friction = reader.values::<f64>("/states/friction").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(page(folder, "v.html").contains(&format!("Coefficient of friction {friction:.5}")), "{friction}");
+    let reader = gfmd_files::Reader::open(folder.join("s.h5")).unwrap();
+    let stress = reader.values::<f64>("/fields/von_mises").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(page(folder, "s.html").contains(&format!("von Mises {stress:.5}")), "{stress}");
 }

@@ -36,6 +36,8 @@ __all__ = [
     "self_affine",
     "solve",
     "statistics",
+    "surface_report",
+    "texture",
     "unit_name",
 ]
 VERSION: str
@@ -97,6 +99,10 @@ def read(name: str, channel: Optional[str] = None) -> tuple[_Array, Optional[tup
 def fill(heights: _Array, lengths: tuple[float, float], how: str) -> _Array: ...
 def detrend(heights: _Array, trend: str) -> _Array: ...
 def periodise(heights: _Array, lengths: tuple[float, float], way: str) -> tuple[_Array, tuple[float, float]]: ...
+def texture(heights: _Array, lengths: tuple[float, float], part: str, repeats: bool) -> tuple[str, Optional[_Array]]: ...
+def surface_report(
+    heights: _Array, lengths: tuple[float, float], words: tuple[Optional[str], str], boundary: str, path: str
+) -> None: ...
 def finer(heights: _Array, lengths: tuple[float, float], times: int) -> _Array: ...
 def composite(
     first: _Array, second: _Array, lengths: tuple[float, float], shift: tuple[float, float], boundary: str

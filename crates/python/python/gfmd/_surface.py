@@ -15,6 +15,9 @@ from ._record import Record, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
+# How a surface goes on beyond its edges; as it is known of the surface by default.
+Boundary = Optional[Literal["periodic", "free"]]
+
 
 class Statistics(Record):
     """The numbers of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
@@ -69,10 +72,11 @@ class Statistics(Record):
 
 
 class _Origin(NamedTuple):
-    """Where heights come from: in words, and what their file says."""
+    """Where heights come from: in words, and what their file says; and if they are known to repeat."""
 
     description: str
     file: dict[str, Any]
+    periodic: bool = False
 
     def after(self, step: str) -> _Origin:
         return self._replace(description=f"{self.description}, {step}")
@@ -113,17 +117,17 @@ class Surface:
     _statistics: Optional[Statistics]
 
     def __init__(self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None, fill: Optional[str] = None) -> None:
-        description = "array"
+        description, periodic = "array", False
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
+            description, periodic = "SurfaceTopography", getattr(heights, "is_periodic", False) is True
             heights, lengths, told = _taken_over(heights)
             size = lengths if size is None else size
             unit = told if unit is None else unit
-            description = "SurfaceTopography"
         copy, undefined = _check.heights(heights)
         unit = None if unit is None else _gfmd.canonical(word("unit", unit))
         cell = _check.size(size, (int(copy.shape[0]), int(copy.shape[1])), unit)
         copy = _check.whole("heights", copy, undefined, cell, fill)
-        origin = _Origin(_filled(description, undefined, fill), {"undefined": undefined})
+        origin = _Origin(_filled(description, undefined, fill), {"undefined": undefined}, periodic)
         self._set(copy, cell, unit, origin)
 
     def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin) -> None:
@@ -165,6 +169,11 @@ class Surface:
     def unit(self) -> Optional[str]:
         """The unit of heights and lengths, if it is known."""
         return self._unit
+
+    @property
+    def is_periodic(self) -> bool:
+        """True if the origin of the heights tells that they repeat: a spectrum, a mirror, a periodic Topography."""
+        return self._origin.periodic
 
     @property
     def description(self) -> str:
@@ -273,6 +282,126 @@ class Surface:
         wavenumber, density = _gfmd.psd(self._heights, self._size, window)
         return Record({"wavenumber": frozen(np.array(wavenumber)), "density": frozen(np.array(density))})
 
+    def autocorrelation(self, *, boundary: Boundary = None) -> Record:
+        """Returns the autocorrelation of the heights: that of `gfmd surface --statistics`.
+
+        Args:
+            boundary: "periodic" takes the mean over all points, "free" over the pairs of points inside; as `is_periodic` says by default.
+
+        Returns:
+            A `Record` of `radial` (mean over rings), `x` and, but of a profile, `y`, each with the arrays `distance` (length, up to half of
+            the cell), `difference` (half of the mean square height difference, length², which SurfaceTopography calls the
+            autocorrelation) and `autocorrelation` (1 less the difference over the mean square height, f_ACF of ISO 25178 for heights
+            that repeat); `sal` (length) and `str`, Sal and Str of ISO 25178, NaN if there is none; `map`, the autocorrelation
+            [x, y] at distances of up to half of the cell in both directions, zero in the middle.
+
+        Raises:
+            InputError: another boundary.
+
+        Example:
+            >>> a = s.autocorrelation()
+            >>> float(a.radial.autocorrelation[0]), a.map.shape, a.sal < 0.5
+            (1.0, (65, 65), True)
+        """
+        found, differences = self._texture("autocorrelation", boundary)
+        square = float(np.var(self._heights))
+        assert differences is not None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            relative = np.where(square > 0.0, 1.0 - differences / square, np.nan)
+        return Record({**found, "map": frozen(np.ascontiguousarray(relative))})
+
+    def distributions(self, *, boundary: Boundary = None) -> Record:
+        """Returns the distributions of height, slope and curvature: those of `gfmd surface --statistics`.
+
+        Args:
+            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as `is_periodic` says by default.
+
+        Returns:
+            A `Record` of `height` (above the mean, length), `slope_x`, `slope_y` (forward differences) and `curvature` (central
+            second differences, the mean of those along x and y, 1/length), without those whose values are all equal. Each has the
+            arrays `value` (middles of 100 bins, at most 6 standard deviations from the mean), `density` (over all values) and
+            `gaussian` (of the same mean and deviation), and the numbers `mean`, `deviation`, `outside` (share of values beyond the bins).
+
+        Raises:
+            InputError: another boundary.
+
+        Example:
+            >>> d = s.distributions().height
+            >>> round(float(np.sum(d.density) * (d.value[1] - d.value[0])) + d.outside, 12)
+            1.0
+        """
+        return Record(self._texture("distributions", boundary)[0])
+
+    def scale_dependence(self, *, boundary: Boundary = None) -> Record:
+        """Returns rms slope and curvature against the distance over which they are measured: those of `gfmd surface --statistics`.
+
+        Args:
+            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as `is_periodic` says by default.
+
+        Returns:
+            A `Record` of `slope_x`, `slope_y`, `curvature_x`, `curvature_y`, each with the arrays `distance` (length of the difference
+            between its outer points, as of `scale_dependent_statistical_property` of SurfaceTopography; whole grid steps up to half of the
+            side) and `slope`, or `curvature` (1/length).
+
+        Raises:
+            InputError: another boundary.
+
+        Example:
+            >>> found = s.scale_dependence()
+            >>> bool(found.slope_x.slope[0] > found.slope_x.slope[-1])
+            True
+        """
+        return Record(self._texture("scale_dependence", boundary)[0])
+
+    def bearing_curve(self) -> Record:
+        """Returns the bearing curve of Abbott and Firestone and its parameters: those of `gfmd surface --statistics`.
+
+        Returns:
+            A `Record` of the arrays `ratio` (material ratio, the share of points at or above a height) and `height` (above the mean,
+            length), and of `sk`, `spk`, `svk` (length), `smr1`, `smr2`, the parameters Sk to Smr2 of ISO 25178; NaN of a flat surface.
+
+        Example:
+            >>> b = s.bearing_curve()
+            >>> bool(b.height[0] == s.heights.max() - s.heights.mean()), 0 < b.smr1 < b.smr2 < 1
+            (True, True)
+        """
+        return Record(self._texture("bearing_curve", None)[0])
+
+    def report(self, path: Union[str, "os.PathLike[str]"], *, boundary: Boundary = None) -> None:
+        """Writes the page of HTML that `gfmd surface --report` makes: all numbers and figures of the surface.
+
+        Args:
+            path: the name of the page.
+            boundary: "periodic" or "free", as of `autocorrelation`.
+
+        Raises:
+            InputError: a page that cannot be written, another boundary.
+
+        Example:
+            >>> s.report("surface.html")
+        """
+        words = (self._unit, self.description)
+        way = "periodic" if self._repeats(boundary) else "free"
+        _gfmd.surface_report(self._heights, self._size, words, way, _check.path("path", path))
+
+    def _repeats(self, boundary: Boundary) -> bool:
+        if boundary not in (None, "periodic", "free"):
+            raise InputError(f"boundary is {_check.shown(boundary)}; it must be 'periodic' or 'free'")
+        return self.is_periodic if boundary is None else boundary == "periodic"
+
+    def _texture(self, part: str, boundary: Boundary) -> tuple[dict[str, Any], Optional[Array]]:
+        """A function of the heights by its name, with arrays and NaN in place of lists and null."""
+        text, field = _gfmd.texture(self._heights, self._size, part, self._repeats(boundary))
+
+        def told(value: Any) -> Any:
+            if isinstance(value, dict):
+                return Record({name: told(entry) for name, entry in value.items()})
+            if isinstance(value, list):
+                return frozen(np.array(value, dtype=np.float64))
+            return np.nan if value is None else value
+
+        return {name: told(value) for name, value in parsed(text)[part].items()}, field
+
     def detrend(self, trend: str = "plane") -> Surface:
         """Returns a surface without its trend.
 
@@ -305,7 +434,7 @@ class Surface:
             (128, 128)
         """
         heights, size = _gfmd.periodise(self._heights, self._size, word("way", way))
-        return _surface(heights, size, self._unit, self._origin.after(way))
+        return _surface(heights, size, self._unit, self._origin.after(way)._replace(periodic=way == "mirror" or self.is_periodic))
 
     def finer(self, times: int = 2) -> Surface:
         """Returns the surface on a finer grid of the same cell: heights between the points follow from the waves of the periodic surface.
@@ -365,7 +494,9 @@ class Surface:
             raise InputError(f"shift is {shift!r}; it must be X or (X, Y)")
         by = (moved[0], moved[1] if len(moved) == 2 else 0.0)
         heights, size = _gfmd.composite(self._heights, second.heights, self._size, by, word("boundary", boundary))
-        return _surface(heights, size, self._unit or second.unit, self._origin.after(f"against {second.description} moved by {by}"))
+        periodic = boundary == "periodic" and self.is_periodic and second.is_periodic
+        origin = self._origin.after(f"against {second.description} moved by {by}")._replace(periodic=periodic)
+        return _surface(heights, size, self._unit or second.unit, origin)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws a map of the heights, or the profile, with matplotlib. Returns the axes.
@@ -528,7 +659,8 @@ def self_affine(
         roll_off_shape=word("roll_off_shape", roll_off_shape),
         amplitudes=word("amplitudes", amplitudes),
     )
-    return _surface(heights, lengths, None if unit is None else _gfmd.canonical(word("unit", unit)), description)
+    origin = _Origin(description, {}, method == "psd")
+    return _surface(heights, lengths, None if unit is None else _gfmd.canonical(word("unit", unit)), origin)
 
 
 def read(

@@ -1,6 +1,6 @@
 //! The parts of a page that every result has: where it comes from, what it cost, how to repeat and to cite it.
 
-use gfmd_files::Reader;
+use gfmd_files::{Provenance, Reader};
 use maud::{Markup, html};
 use serde::Deserialize as _;
 
@@ -21,11 +21,7 @@ pub fn warnings(reader: &Reader) -> Vec<String> {
 pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>, again: Option<&str>) -> Markup {
     let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
     let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
-    let created = root("created");
-    let dated = match created.split_once('T') {
-        Some((day, time)) => format!("{day}, {} UTC", time.split(['.', 'Z']).next().unwrap_or_default()),
-        None => created.clone(),
-    };
+    let dated = dated(&root("created"));
     let threads = reader.number("/", "threads").map(|threads| format!(", {threads} threads")).unwrap_or_default();
     let mut cost = Vec::new();
     if !root("machine").is_empty() {
@@ -40,14 +36,12 @@ pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>
     let common = Common {
         kicker: format!("gfmd {} · {file}", kind.name()),
         dated,
-        checksum,
+        // Fields below a surface follow from it without a search: `check` compares their means.
+        checksum: (kind != Kind::Body).then_some(checksum),
         repeat: repeat(reader, kind, again, &file),
         config: whole,
         cost,
-        own: html! {
-            "The gfmd developers, " cite { "gfmd: Green’s function molecular dynamics of rough contact" }
-            ", version " (version) " (commit " (commit.chars().take(12).collect::<String>()) ")."
-        },
+        own: own(&version, &commit),
         version: format!(
             "Computed by {} {version}, commit {commit}; page made by gfmd {} from {file}, layout {}.",
             root("program"),
@@ -58,11 +52,48 @@ pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>
     render(page, &common)
 }
 
+/// The page about something that is no result file, by a program of this `provenance`. `repeat` says how it is made again.
+pub(crate) fn page_of(page: &Page, kicker: String, provenance: &Provenance, repeat: Markup) -> Markup {
+    let Provenance { program, version, git_commit, created, .. } = provenance;
+    render(
+        page,
+        &Common {
+            kicker,
+            dated: dated(created),
+            checksum: None,
+            config: provenance.config.clone(),
+            cost: Vec::new(),
+            repeat,
+            own: own(version, git_commit),
+            version: format!("Computed, and the page made, by {program} {version}, commit {git_commit}."),
+        },
+    )
+}
+
+/// A time in words.
+fn dated(created: &str) -> String {
+    match created.split_once('T') {
+        Some((day, time)) => format!("{day}, {} UTC", time.split(['.', 'Z']).next().unwrap_or_default()),
+        None => created.into(),
+    }
+}
+
+/// The program as a work to cite.
+fn own(version: &str, commit: &str) -> Markup {
+    html! {
+        "The gfmd developers, " cite { "gfmd: Green’s function molecular dynamics of rough contact" }
+        ", version " (version) " (commit " (commit.chars().take(12).collect::<String>()) ")."
+    }
+}
+
+/// A command whose lines end between two flags, not within one.
+pub(crate) fn command(words: &str) -> Markup {
+    html! { @for word in text(words).split(' ') { span.word { (word) } " " } }
+}
+
 /// The command that repeats the run, the recorded one, and the check.
 fn repeat(reader: &Reader, kind: Kind, again: Option<&str>, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
-    // A line may end between two flags, not within one.
-    let lines = |command: &str| html! { @for word in text(command).split(' ') { span.word { (word) } " " } };
     let from_file = reader.text("/surface", "file").ok().map(|path| {
         let sum = reader.text("/surface", "file_sha256").unwrap_or_default();
         html! { p { "The surface was read from " code { (text(&path)) } ", SHA-256 " code { (text(&sum)) } "." } }
@@ -73,14 +104,14 @@ fn repeat(reader: &Reader, kind: Kind, again: Option<&str>, file: &str) -> Marku
                 @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
                 @else { "All flags are written out:" }
             }
-            pre tabindex="0" { code { (lines(again)) } }
+            pre tabindex="0" { code { (command(again)) } }
         }
         @if let Some(from_file) = from_file { (from_file) }
         p { "To recompute every number of the file from its inputs, and to run it again:" }
         pre tabindex="0" { code { "gfmd check " (quoted(file)) " --rerun" } }
         @if !recorded.is_empty() {
             p { "The command as it was given:" }
-            pre tabindex="0" { code { (lines(&recorded)) } }
+            pre tabindex="0" { code { (command(&recorded)) } }
         }
     }
 }

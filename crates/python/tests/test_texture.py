@@ -1,0 +1,201 @@
+"""The functions that describe a surface, beside SurfaceTopography's with its conventions, and NumPy's where that has none."""
+
+import re
+
+import gfmd
+import numpy as np
+import pytest
+
+# Points and spacings differ along x and y. The second is no power of two, and does not repeat.
+PERIODIC = gfmd.self_affine(n=(96, 64), eps_f_inv=8, hurst=0.7, size=(3.0, 2.3457), seed=2)
+_ROUGH = np.random.default_rng(5).standard_normal((45, 30)).cumsum(axis=0).cumsum(axis=1)
+SCAN = gfmd.Surface(_ROUGH - _ROUGH.mean(), size=(9.0, 3.0), unit="um")
+LINE = gfmd.self_affine(n=256, dim=2, eps_f_inv=16, size=4.0, seed=3)
+SURFACES = {"periodic": PERIODIC, "scan": SCAN, "line": LINE, "open line": gfmd.Surface(SCAN.heights[:, 3], size=9.0)}
+
+
+def topography(surface):
+    package = pytest.importorskip("SurfaceTopography")
+    heights = np.array(surface.heights)
+    if surface.n[1] == 1:
+        return package.UniformLineScan(heights[:, 0], surface.size[0], periodic=surface.is_periodic)
+    return package.Topography(heights, surface.size, periodic=surface.is_periodic)
+
+
+def close(found, wanted, tolerance=1e-9):
+    found, wanted = np.asarray(found), np.asarray(wanted)
+    assert found.shape == wanted.shape
+    assert np.abs(found - wanted).max() <= tolerance * np.abs(wanted).max()
+
+
+def test_a_surface_knows_whether_it_repeats():
+    assert PERIODIC.is_periodic and not SCAN.is_periodic and SCAN.periodise().is_periodic
+    assert gfmd.Surface(topography(PERIODIC)).is_periodic and not gfmd.Surface(topography(SCAN)).is_periodic
+    assert PERIODIC.flip().finer(2).is_periodic and not PERIODIC.against(SCAN.heights[:1, :1] + np.zeros((96, 64))).is_periodic
+    assert not gfmd.self_affine(n=64, method="rmd").is_periodic
+    for name in ("autocorrelation", "distributions", "scale_dependence"):
+        with pytest.raises(gfmd.InputError, match="boundary is 'open'; it must be 'periodic' or 'free'"):
+            getattr(SCAN, name)(boundary="open")
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_the_autocorrelation_along_x(name):
+    """Its `difference` is the height-difference autocorrelation of SurfaceTopography, A(r) = <(h(x+r) - h(x))^2>/2."""
+    surface = SURFACES[name]
+    distance, wanted = topography(surface).autocorrelation_from_profile(resampling_method=None, reliable=False)
+    found = surface.autocorrelation().x
+    count = min(len(distance), len(found.distance))
+    assert count >= surface.n[0] // 2
+    close(found.distance[:count], distance[:count])
+    close(found.difference[:count], wanted[:count])
+    close(found.autocorrelation, 1.0 - found.difference / np.var(surface.heights), 1e-12)
+
+
+def test_the_radial_autocorrelation():
+    """In the same rings, SurfaceTopography has the same distances and values."""
+    found = PERIODIC.autocorrelation().radial
+    step = max(size / n for size, n in zip(PERIODIC.size, PERIODIC.n))
+    edges = (np.arange(len(found.distance)) + 0.5) * step
+    distance, wanted = topography(PERIODIC).autocorrelation_from_area(collocation=edges, reliable=False)
+    close(found.distance[1:-1], distance[: len(edges) - 2])
+    close(found.difference[1:-1], wanted[: len(edges) - 2])
+
+
+def test_the_areal_autocorrelation_of_a_scan():
+    """SurfaceTopography has the quadrant of positive distances."""
+    found = SCAN.autocorrelation()
+    _, _, wanted = topography(SCAN).autocorrelation_from_area(return_map=True, reliable=False)
+    relative = 1.0 - wanted[:23, :16] / np.var(SCAN.heights)
+    close(found.map[22:, 15:], relative)
+    close(found.map[::-1, ::-1], found.map, 1e-12)
+    assert found.map.shape == (45, 31) and found.map[22, 15] == 1.0
+    close(found.y.autocorrelation, found.map[22, 15:], 1e-12)
+
+
+def test_correlation_lengths():
+    """Sal is the shortest distance to the line of 0.2, Str is one of an isotropic surface, and half of one stretched twice."""
+    found = gfmd.self_affine(n=256, eps_t_inv=8, eps_f_inv=8, seed=4)
+    once, twice = found.autocorrelation(), gfmd.Surface(found.heights, size=(1.0, 2.0)).autocorrelation(boundary="periodic")
+    first = np.interp(0.2, once.x.autocorrelation[:16][::-1], once.x.distance[:16][::-1])
+    assert 0.75 * first < once.sal <= first * (1 + 1e-9) and 0.7 < once.str <= 1.0
+    assert twice.sal == pytest.approx(once.sal, rel=0.3) and 0.35 < twice.str < 0.72
+    flat = gfmd.Surface(np.zeros((8, 8))).autocorrelation()
+    assert np.isnan(flat.sal) and np.isnan(flat.map).all()
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_the_roughness_against_distance(name):
+    """Distances and values are those of `scale_dependent_statistical_property`, with the mean square as its func, of every line of points."""
+    package = pytest.importorskip("SurfaceTopography")
+    surface = SURFACES[name]
+    found = surface.scale_dependence()
+    for axis, along in enumerate("xy"[: 1 if surface.n[1] == 1 else 2]):
+        lines = np.moveaxis(np.array(surface.heights), axis, -1)
+        lines = [package.UniformLineScan(np.array(line), surface.size[axis], periodic=surface.is_periodic) for line in lines]
+        for order, quantity in ((1, "slope"), (2, "curvature")):
+            own = found[f"{quantity}_{along}"]
+            assert len(own.distance) >= 6 and own.distance[-1] <= surface.size[axis] / 2 * (1 + 1e-12)
+
+            def mean_square(line, distance, n=order):
+                property_of = line.scale_dependent_statistical_property
+                return property_of(lambda dx: np.mean(dx**2), n=n, distance=[distance], reliable=False)[1][0]
+
+            for distance, value in list(zip(own.distance, own[quantity]))[::4]:
+                assert value == pytest.approx(np.sqrt(np.mean([mean_square(line, distance) for line in lines])), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_distributions(name):
+    """The values are those of `derivative` of SurfaceTopography, the bins those of NumPy."""
+    surface = SURFACES[name]
+    other, found = topography(surface), surface.distributions()
+    heights = np.array(surface.heights)
+    first, second = other.derivative(n=1), other.derivative(n=2)
+    values = {"height": heights - heights.mean()}
+    if surface.n[1] == 1:
+        values.update(slope_x=first, curvature=second)
+        assert "slope_y" not in found
+    else:
+        x, y = second
+        # SurfaceTopography leaves the last row and column out of both slopes of a surface that does not repeat.
+        values.update(curvature=(x + y) / 2)
+        if surface.is_periodic:
+            values.update(slope_x=first[0], slope_y=first[1])
+        else:
+            (dx, dy) = (size / n for size, n in zip(surface.size, surface.n))
+            values.update(slope_x=np.diff(heights, axis=0) / dx, slope_y=np.diff(heights, axis=1) / dy)
+            close(values["slope_x"][:, : first[0].shape[1]], first[0])
+    for part, all_values in values.items():
+        own, all_values = found[part], np.ravel(all_values)
+        assert own.mean == pytest.approx(all_values.mean(), abs=1e-9 * all_values.std()) and own.deviation == pytest.approx(all_values.std())
+        half = (own.value[1] - own.value[0]) / 2
+        low, high = own.value[0] - half, own.value[-1] + half
+        assert low == pytest.approx(max(all_values.min(), own.mean - 6 * own.deviation), abs=1e-9 * own.deviation)
+        counts, _ = np.histogram(all_values, bins=100, range=(low, high))
+        # A value on an edge may be on either side of it.
+        assert np.abs(own.density * all_values.size * 2 * half - counts).sum() <= 4.0
+        wanted = np.exp(-(((own.value - own.mean) / own.deviation) ** 2) / 2) / np.sqrt(2 * np.pi) / own.deviation
+        close(own.gaussian, wanted)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_the_bearing_curve(name):
+    """SurfaceTopography joins the points by triangles, of which the ratio of points is a sum with an error of the grid."""
+    surface = SURFACES[name]
+    found, other = surface.bearing_curve(), topography(surface)
+    heights = np.sort(np.ravel(surface.heights))[::-1] - surface.heights.mean()
+    place = found.ratio * (heights.size - 1)
+    close(found.height, np.interp(place, np.arange(heights.size), heights), 1e-12)
+    wanted = other.bearing_area()(np.ascontiguousarray(found.height + surface.heights.mean()))
+    # Points of a scan at the edge have less weight in triangles.
+    assert np.abs(wanted - found.ratio).max() < (0.02 if surface.is_periodic else 0.06)
+
+
+def test_the_core_of_a_gaussian_surface():
+    """Of the normal distribution Sk is 2 z(0.7)/0.4, and the rest follows from its integrals."""
+    heights = np.random.default_rng(1).standard_normal((600, 600))
+    core = gfmd.Surface(heights).bearing_curve()
+    for found, wanted in ((core.sk, 2.6220), (core.spk, 0.9377), (core.svk, 0.9377), (core.smr1, 0.0949), (core.smr2, 0.9051)):
+        assert found == pytest.approx(wanted, abs=0.03)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_the_spectrum(name):
+    """SurfaceTopography's density is (2 pi)^2 times ours, of a profile 2 pi times; the rings are those of multiples of 2 pi over the side."""
+    surface = SURFACES[name]
+    found, other = surface.psd(), topography(surface)
+    if surface.n[1] == 1:
+        q, wanted = other.power_spectrum_from_profile(window="None", resampling_method=None, reliable=False)
+        count = len(q) - 1
+        close(found.wavenumber[:count], q[1:])
+        close(found.density[:count] * 2 * np.pi, wanted[1:], 1e-9)
+    else:
+        step = 2 * np.pi / min(surface.size)
+        edges = (np.arange(len(found.wavenumber) + 1) + 0.5) * step
+        q, wanted = other.power_spectrum_from_area(window="None", collocation=edges, reliable=False)
+        # The last ring of ours is cut by the Nyquist wavenumber, that of theirs by its edge.
+        rings = slice(1, len(edges) - 3)
+        close(found.wavenumber[found.wavenumber > edges[0]][rings], q[rings])
+        close(found.density[found.wavenumber > edges[0]][rings] * (2 * np.pi) ** 2, wanted[rings])
+
+
+def test_heights_of_iso_25178():
+    """Sq and the rms curvature as SurfaceTopography has them."""
+    other, found = topography(SCAN), SCAN.statistics()
+    assert found.rms_height == pytest.approx(other.rms_height_from_area(), rel=1e-12)
+    heights = SCAN.heights - SCAN.heights.mean()
+    assert found.sa == pytest.approx(np.abs(heights).mean()) and found.sku == pytest.approx((heights**4).mean() / found.rms_height**4)
+
+
+def test_the_page_of_a_surface(tmp_path):
+    for name, surface in SURFACES.items():
+        page = tmp_path / f"{name}.html"
+        surface.report(page)
+        text = page.read_text()
+        figures = 7 if surface.n[1] == 1 else 11
+        # Curves: heights, profile, spectrum, autocorrelation, its map, three or four distributions, slopes, curvatures, bearing.
+        assert text.startswith("<!DOCTYPE html>") and text.count("<figure>") == len(re.findall("<figcaption>", text))
+        assert text.count("<figure>") >= figures and "<script" not in text and "certificates" not in text
+        assert ("not periodic" in text) == (not surface.is_periodic)
+    with pytest.raises(gfmd.InputError, match="no-such-folder"):
+        SCAN.report(tmp_path / "no-such-folder" / "page.html")

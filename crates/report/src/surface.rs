@@ -1,0 +1,336 @@
+//! Figures of a surface, and the page about it.
+
+mod figures;
+
+use std::path::{Path, PathBuf};
+
+use gfmd_field::Grid;
+use gfmd_files::Provenance;
+use gfmd_plot::PlotError;
+use gfmd_surface::{RadialBin, Texture};
+use gfmd_unit::Units;
+use maud::{Markup, html};
+use ndarray::Array2;
+
+use crate::figures::{named, sides};
+use crate::page::{Fact, Page, Table, command, given, number, page_of, powers, text};
+use gfmd_run::failure::Failure;
+
+const CITED: [&str; 4] = [
+    "ISO 25178-2:2021, Geometrical product specifications (GPS), Surface texture: Areal, Part 2: Terms, definitions \
+     and surface texture parameters.",
+    "T. D. B. Jacobs, T. Junge, L. Pastewka, Quantitative characterization of surface topography using spectral \
+     analysis, Surface Topography: Metrology and Properties 5, 013001 (2017).",
+    "A. Wang, M. H. Müser, On the usefulness of the height-difference-autocorrelation function for contact mechanics, \
+     Tribology International 123, 224–233 (2018).",
+    "A. Sanner, W. G. Nöhring, L. A. Thimons, T. D. B. Jacobs, L. Pastewka, Scale-dependent roughness parameters for \
+     topography analysis, Applied Surface Science Advances 7, 100190 (2022).",
+];
+
+/// A surface with its numbers.
+pub struct Subject<'a> {
+    /// Heights, `[x, y]`.
+    pub heights: &'a Array2<f64>,
+    /// Their grid.
+    pub grid: &'a Grid,
+    /// The unit of heights and lengths, if it is known.
+    pub unit: Option<&'a str>,
+    /// The radially averaged power spectral density.
+    pub spectrum: &'a [RadialBin],
+    /// The name of the window under which it was computed, if there was one.
+    pub window: Option<&'a str>,
+    /// The longest and the shortest wavelengths that the points of a scan resolve.
+    pub resolved: Option<[f64; 2]>,
+    /// The fitted Hurst exponent, and the longest and shortest wavelengths of the fit.
+    pub hurst: Option<(f64, [f64; 2])>,
+    /// Autocorrelation, distributions, slopes against distance, bearing curve; if they were asked for.
+    pub texture: Option<&'a Texture>,
+}
+
+/// A number of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number {
+    /// The key in JSON.
+    pub name: &'static str,
+    /// The value, if it has one.
+    pub value: Option<f64>,
+    /// The unit as a power of length.
+    pub power: i32,
+    /// The definition.
+    pub meaning: &'static str,
+}
+
+/// The words of a page about a surface.
+pub struct About<'a> {
+    /// The name of the file or of the array, or words for a generated surface.
+    pub name: &'a str,
+    /// The origin of the heights, and how they were prepared.
+    pub source: &'a str,
+    /// Further facts: terms and their values.
+    pub facts: &'a [(&'static str, String)],
+    /// True if the heights repeat: differences then cross the edges of the cell.
+    pub repeats: bool,
+    /// All numbers.
+    pub numbers: &'a [Number],
+    /// The command that makes the page again, if there is one.
+    pub again: Option<String>,
+    /// The file that was read, and its SHA-256.
+    pub file: Option<(&'a str, &'a str)>,
+    /// Warnings.
+    pub remarks: Vec<String>,
+}
+
+impl Subject<'_> {
+    fn unit(&self) -> &str {
+        self.unit.unwrap_or("length")
+    }
+
+    /// Draws `PREFIX-map` (not of a profile), `PREFIX-profile` and `PREFIX-spectrum`; with a texture also
+    /// `PREFIX-autocorrelation`, `PREFIX-correlation-map` (not of a profile), `PREFIX-distributions`, `PREFIX-slopes`,
+    /// `PREFIX-curvatures`, `PREFIX-bearing`.
+    ///
+    /// # Errors Files that cannot be written; heights that cannot be drawn.
+    pub fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
+        let mut files = Vec::new();
+        let mut keep = |made: Option<Result<[PathBuf; 2], PlotError>>| -> Result<(), Failure> {
+            if let Some(made) = made {
+                files.extend(made?);
+            }
+            Ok(())
+        };
+        keep(self.map(|map| map.save(&named(prefix, "map"))))?;
+        keep(Some(self.profile().save(&named(prefix, "profile"))))?;
+        keep(self.spectrum().map(|chart| chart.save(&named(prefix, "spectrum"))))?;
+        if let Some(texture) = self.texture {
+            keep(self.autocorrelation(texture).map(|chart| chart.save(&named(prefix, "autocorrelation"))))?;
+            keep(self.correlation_map(texture, |map| map.save(&named(prefix, "correlation-map"))))?;
+            keep(self.distributions(texture).map(|chart| chart.save(&named(prefix, "distributions"))))?;
+            let [slopes, curvatures] = self.scales(texture);
+            keep(slopes.map(|chart| chart.save(&named(prefix, "slopes"))))?;
+            keep(curvatures.map(|chart| chart.save(&named(prefix, "curvatures"))))?;
+            keep(self.bearing(texture).map(|chart| chart.save(&named(prefix, "bearing"))))?;
+        }
+        Ok(files)
+    }
+
+    /// The page about the surface, as HTML, and the number of its figures.
+    pub fn page(&self, about: &About, provenance: &Provenance) -> (String, usize) {
+        let mut page = Page { title: "Rough surface".into(), cited: CITED.to_vec(), ..Page::default() };
+        if self.grid.is_line() {
+            page.title = "Profile of a rough surface".into();
+        }
+        page.remarks.clone_from(&about.remarks);
+        self.answer(&mut page, about);
+        self.asked(&mut page, about);
+        self.figures(&mut page, about);
+        page.tables.push(self.table(about));
+        let repeat = html! {
+            @if let Some(again) = &about.again {
+                p { "To make this page again:" }
+                pre tabindex="0" { code { (command(again)) } }
+            } @else { p { "The page was made by the Python package, from heights in memory." } }
+            @if let Some((file, sum)) = about.file {
+                p { "The surface was read from " code { (text(file)) } ", SHA-256 " code { (text(sum)) } "." }
+            }
+        };
+        let name = Path::new(about.name).file_name().map_or(about.name.into(), |name| name.to_string_lossy());
+        let made = page_of(&page, format!("gfmd surface · {}", text(&name)), provenance, repeat);
+        (made.into_string(), page.figures())
+    }
+
+    /// A number with its unit.
+    fn shown(&self, value: f64, power: i32) -> Markup {
+        let known = Units::new(self.unit, None).shown(&kind(power), value);
+        match known {
+            Some(shown) => html! { (number(value * shown.factor)) " " (shown.name) },
+            None if power == 0 => number(value),
+            None => html! { (number(value)) " " (unit_of(self.unit(), power)) },
+        }
+    }
+
+    fn answer(&self, page: &mut Page, about: &About) {
+        let of = |name: &str| about.numbers.iter().find(|number| number.name == name);
+        let value = |name: &str| of(name).and_then(|number| number.value).unwrap_or(f64::NAN);
+        let shown = |name: &str| of(name).map(|number| self.shown(number.value.unwrap_or(f64::NAN), number.power));
+        let (gradient, way) = match about.repeats {
+            true => ("rms_gradient", "from the spectrum"),
+            false => ("rms_gradient_inside", "by differences inside"),
+        };
+        let quantity = if self.grid.is_line() { "slope" } else { "gradient" };
+        page.answer.push(html! {
+            p.headline {
+                "Rms height " i { "S" } sub { "q" } " = " (shown("rms_height").unwrap_or_default())
+                ", rms " (quantity) " " (number(value(gradient))) " " span { (way) }
+            }
+        });
+        page.answer.push(html! {
+            p {
+                "Mean distance from the mean height " i { "S" } sub { "a" } " = " (shown("sa").unwrap_or_default())
+                ", highest less lowest point " i { "S" } sub { "z" } " = "
+                (shown("peak_to_valley").unwrap_or_default()) ". "
+                @if value("ssk").is_finite() {
+                    "Skewness " (number(value("ssk"))) ", kurtosis " (number(value("sku")))
+                    " (0 and 3 of a Gaussian surface). "
+                }
+                @if let Some((hurst, [longest, shortest])) = self.hurst {
+                    "Hurst exponent " (number(hurst)) ", fitted between wavelengths of " (self.shown(longest, 1))
+                    " and " (self.shown(shortest, 1)) ". "
+                }
+                @match value("sal") {
+                    sal if sal.is_finite() => {
+                        "The autocorrelation falls to 0.2 within " (self.shown(sal, 1)) " (" i { "S" } sub { "al" } ")."
+                    }
+                    _ => {
+                        "The autocorrelation does not fall to 0.2 within half of the cell: the surface has no "
+                        "correlation length that it resolves."
+                    }
+                }
+            }
+        });
+    }
+
+    fn asked(&self, page: &mut Page, about: &About) {
+        let ([nx, ny], [lx, ly]) = (self.grid.points(), self.grid.lengths());
+        let read = sides(self.grid, self.unit());
+        let (lx, ly) = (lx * read.factor, ly * read.factor);
+        let unit = if self.unit.is_none() { "" } else { &*read.name };
+        page.asked.push(Fact::new("surface", about.source));
+        page.asked.push(Fact(
+            html! { "grid" },
+            if self.grid.is_line() {
+                html! { (nx) " points on a line of " (given(lx)) " " (unit) }
+            } else {
+                html! { (nx) " × " (ny) " points on " (given(lx)) " × " (given(ly)) " " (unit) }
+            },
+        ));
+        page.asked.extend(about.facts.iter().map(|(term, said)| Fact::new(term, said)));
+        let way = match about.repeats {
+            true => "periodic: differences and distances cross the edges of the cell",
+            false => {
+                "not periodic: differences and distances are between points inside, the spectrum is that of one period"
+            }
+        };
+        page.asked.push(Fact::new("boundary", way));
+        page.asked.push(Fact::new("window of the spectrum", self.window.unwrap_or("none")));
+        if self.unit.is_none() {
+            page.asked.push(Fact::new("unit", "unknown; numbers are in the unit of the heights"));
+        }
+    }
+
+    fn figures(&self, page: &mut Page, about: &About) {
+        let caption =
+            html! { "Heights. The colours leave out a thousandth of the points at either end if these lie far away." };
+        if let Some(map) = self.map(|map| map.clone().element(&page.next_name(), "map of the heights")) {
+            page.drawn(map, "map of the heights", &caption);
+        }
+        let row = if self.grid.is_line() {
+            html! { "The profile." }
+        } else {
+            html! { "Heights along the row of points through the middle." }
+        };
+        page.chart(&self.profile(), "profile", &row);
+        if let Some(chart) = self.spectrum() {
+            let of = if self.grid.is_line() { "line" } else { "plane" };
+            let caption = html! {
+                "Power spectral density, " @if !self.grid.is_line() { "averaged over rings of wave vectors; " }
+                "its integral over the " (of) " of wave vectors is " i { "S" } sub { "q" } "²."
+                @if self.resolved.is_some() { " The broken lines bound the band that the points resolve." }
+            };
+            page.chart(&chart, "power spectral density", &caption);
+        }
+        let Some(texture) = self.texture else { return };
+        if let Some(chart) = self.autocorrelation(texture) {
+            let caption = html! {
+                "Autocorrelation " i { "f" } " = 1 − ⟨(" i { "h" } "(" i { "x" } " + " i { "d" } ") − " i { "h" } "("
+                i { "x" } "))²⟩/2"
+                i { "S" } sub { "q" } "², "
+                @if about.repeats { "over all points. " } @else { "over the pairs of points inside. " }
+                "It ends a correlated distance where it falls to 0.2."
+            };
+            page.chart(&chart, "autocorrelation", &caption);
+        }
+        let name = page.next_name();
+        if let Some(map) = self.correlation_map(texture, |map| map.element(&name, "map of the autocorrelation")) {
+            page.drawn(
+                map,
+                "map of the autocorrelation",
+                &html! { "Autocorrelation in all directions, up to half of the cell." },
+            );
+        }
+        if let Some(chart) = self.distributions(texture) {
+            let caption = html! {
+                "Distribution over 100 bins, beside the Gaussian of the same mean and standard deviation; slopes are "
+                "forward differences, "
+                "curvatures central second differences"
+                @if !self.grid.is_line() { ", the mean of those along x and y" } "."
+            };
+            page.chart(&chart, "distribution", &caption);
+        }
+        let [slopes, curvatures] = self.scales(texture);
+        if let Some(chart) = slopes {
+            let caption = html! { "Rms slope against the distance between the two points of the difference." };
+            page.chart(&chart, "slope against distance", &caption);
+        }
+        if let Some(chart) = curvatures {
+            let caption =
+                html! { "Rms curvature against the distance between the outer points of the second difference." };
+            page.chart(&chart, "curvature against distance", &caption);
+        }
+        if let Some(chart) = self.bearing(texture) {
+            let caption = html! {
+                "Bearing curve: the share of points at or above a height above the mean. The broken line is the "
+                "core of height "
+                i { "S" } sub { "k" } ", through the least steep 40 %."
+            };
+            page.chart(&chart, "bearing curve", &caption);
+        }
+    }
+
+    fn table(&self, about: &About) -> Table {
+        let row = |of: &Number| {
+            let value = of.value.unwrap_or(f64::NAN);
+            let known = Units::new(self.unit, None).shown(&kind(of.power), value);
+            let (factor, unit) = match known {
+                Some(shown) => (shown.factor, shown.name),
+                None if of.power == 0 => (1.0, String::new()),
+                None => (1.0, unit_of(self.unit(), of.power)),
+            };
+            let meaning = html! { span.meaning { (of.meaning) } };
+            vec![html! { code { (of.name) } }, powers_of(value * factor), html! { (unit) }, meaning]
+        };
+        Table {
+            caption: html! {
+                "All numbers, under their names in " code { "gfmd surface --json" } "; a dash has no value."
+            },
+            head: vec![html! { "number" }, html! { "value" }, html! { "unit" }, html! { span.meaning { "meaning" } }],
+            rows: about.numbers.iter().map(row).collect(),
+        }
+    }
+}
+
+/// A number as a table shows it.
+fn powers_of(value: f64) -> Markup {
+    if value.is_finite() && value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
+        return powers(&format!("{value:.4e}"));
+    }
+    number(value)
+}
+
+/// The kind of a power of length.
+fn kind(power: i32) -> String {
+    match power {
+        0 => "1".into(),
+        power if power > 0 => format!("length^{power}"),
+        power => format!("1/length^{}", -power),
+    }
+}
+
+/// The unit of a power of a length in this unit.
+fn unit_of(unit: &str, power: i32) -> String {
+    match power {
+        1 => unit.into(),
+        -1 => format!("1/{unit}"),
+        power if power < 0 => format!("1/{unit}^{}", -power),
+        power => format!("{unit}^{power}"),
+    }
+}
