@@ -8,9 +8,9 @@ use gfmd_cli::contact::{Args, measure, stiffness};
 use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors, Drive, Load, Progress, Refusal};
 use gfmd_green::Height;
 use gfmd_interface::Kept;
-use gfmd_law::Kind;
-use gfmd_problem::options::BodyArgs;
+use gfmd_law::Law;
 use gfmd_problem::options::flags::{self, keys, of_keys};
+use gfmd_problem::options::{BodyArgs, LawArgs};
 use gfmd_problem::{Accuracy, Facts, Posed, Rest};
 use gfmd_record::{At, NOT_SOLVED, Record, STATISTICS};
 use gfmd_run::accuracy;
@@ -42,11 +42,34 @@ pub(crate) fn options() -> Vec<String> {
     keys::<ContactArgs>().into_iter().filter(|key| !others.contains(key)).collect()
 }
 
-/// Checks the name and the parameters of a law.
+/// A law by its name, its parameters and the rows of its table.
+fn law_of(py: Python<'_>, name: &str, param: Vec<(String, f64)>, law_table: Vec<[f64; 2]>) -> PyResult<Box<dyn Law>> {
+    let law = name.parse().map_err(|error| refused(py, &error))?;
+    LawArgs { law, param, law_table, coarse: false }.build().map_err(|error| refused(py, &error))
+}
+
+/// Checks the name and the parameters of a law, or its table.
 #[pyfunction]
-pub(crate) fn check_law(py: Python<'_>, name: &str, parameters: Vec<(String, f64)>) -> PyResult<()> {
-    let kind: Kind = name.parse().map_err(|error| refused(py, &error))?;
-    kind.with(&parameters).map(|_| ()).map_err(|error| refused(py, &error))
+pub(crate) fn check_law(
+    py: Python<'_>,
+    name: &str,
+    parameters: Vec<(String, f64)>,
+    table: Vec<[f64; 2]>,
+) -> PyResult<()> {
+    law_of(py, name, parameters, table).map(|_| ())
+}
+
+/// The normal traction of a law at gaps.
+#[pyfunction]
+pub(crate) fn law_traction(
+    py: Python<'_>,
+    name: &str,
+    parameters: Vec<(String, f64)>,
+    table: Vec<[f64; 2]>,
+    gaps: Vec<f64>,
+) -> PyResult<Vec<f64>> {
+    let law = law_of(py, name, parameters, table)?;
+    Ok(gaps.into_iter().map(|gap| law.opening(gap).traction).collect())
 }
 
 /// The description of a contact: a dictionary with the keys of its options, and that of those that are arrays.
