@@ -5,7 +5,9 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use gfmd_cli::contact::{Args, measure, stiffness};
-use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors, Drive, Load, Progress, Refusal};
+use gfmd_contact::{
+    Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
+};
 use gfmd_green::Height;
 use gfmd_interface::Kept;
 use gfmd_law::Law;
@@ -292,6 +294,39 @@ impl Problem {
             })
         });
         Ok((json::to_string(&record).map_err(|error| refused(py, &error))?, arrays.collect()))
+    }
+
+    /// The derivatives of a number with respect to heights, load, modulus, and their relative error: from its own
+    /// derivatives by the fields and numbers of a state under a mean pressure, or under an approach if that `is_driven`.
+    fn vjp<'py>(
+        &self,
+        py: Python<'py>,
+        state: &State,
+        is_driven: bool,
+        fields: BTreeMap<String, PyReadonlyArray2<'py, f64>>,
+        numbers: BTreeMap<String, f64>,
+    ) -> PyResult<(Array<'py>, f64, f64, f64)> {
+        let field = |name: &str| fields.get(name).map(|field| field.as_array().to_owned());
+        let number = |name: &str| numbers.get(name).copied().unwrap_or(0.0);
+        let of = Cotangents {
+            pressure: field("pressure"),
+            gap: field("gap"),
+            approach: number("approach"),
+            mean_pressure: number("mean_pressure"),
+            mean_gap: number("mean_gap"),
+            elastic_energy: number("elastic_energy"),
+        };
+        let load = if is_driven {
+            Load::Approach(state.rest.approach())
+        } else {
+            Load::MeanPressure(state.rest.mean_pressure())
+        };
+        let found = quick(py, || {
+            self.prepared.facts.check_gradient()?;
+            self.contact.gradient(&state.rest, load, &of)
+        })?;
+        let found = found.map_err(|error| refused(py, &error))?;
+        Ok((found.heights.into_pyarray(py), found.load, found.modulus, found.error))
     }
 
     /// The options with their defaults, as JSON, but those of the surface beside its size.
