@@ -28,6 +28,8 @@ pub enum Kind {
     HarmonicCosine,
     /// [`Dugdale`].
     Dugdale,
+    /// [`Tabulated`](crate::Tabulated), made of its rows and not of parameters.
+    Table,
 }
 
 /// A parameter of a law.
@@ -69,7 +71,7 @@ const CURVATURE: [Parameter; 2] = [positive("gamma", "stress*length"), positive(
 
 impl Kind {
     /// All laws.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::HardWall,
         Self::XuNeedleman,
         Self::BoschSchreursGeers,
@@ -80,6 +82,7 @@ impl Kind {
         Self::Exponential,
         Self::HarmonicCosine,
         Self::Dugdale,
+        Self::Table,
     ];
 
     /// The name on a command line.
@@ -95,18 +98,14 @@ impl Kind {
             Self::Exponential => "exponential",
             Self::HarmonicCosine => "harmonic-cosine",
             Self::Dugdale => "dugdale",
+            Self::Table => "table",
         }
-    }
-
-    /// True if the surfaces of the law cannot penetrate each other ([`Law::has_wall`]).
-    pub fn has_wall(self) -> bool {
-        matches!(self, Self::HardWall | Self::Exponential | Self::Dugdale)
     }
 
     /// The parameters, in the order of [`Kind::with`].
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
-            Self::HardWall => &[],
+            Self::HardWall | Self::Table => &[],
             Self::XuNeedleman => &XU_NEEDLEMAN,
             Self::BoschSchreursGeers | Self::CoupledExponential | Self::Npb | Self::Npc => &SEPARATION,
             Self::Morse | Self::Exponential | Self::Dugdale => &RANGE,
@@ -117,7 +116,8 @@ impl Kind {
     /// The law with the parameters `given` by name.
     ///
     /// # Errors
-    /// A name that the law does not know, a parameter given twice, missing, or out of its range.
+    /// A name that the law does not know, a parameter given twice, missing, or out of its range; the law of a table, which has rows
+    /// in place of parameters.
     pub fn with(self, given: &[(impl AsRef<str>, f64)]) -> Result<Box<dyn Law>, LawError> {
         if let Some((found, _)) =
             given.iter().find(|(name, _)| self.parameters().iter().all(|p| p.name != name.as_ref()))
@@ -146,6 +146,7 @@ impl Kind {
             Self::Exponential => Box::new(Exponential::new(a, b)?),
             Self::HarmonicCosine => Box::new(HarmonicCosine::new(a, b)?),
             Self::Dugdale => Box::new(Dugdale::new(a, b)?),
+            Self::Table => return Err(LawError::NoTable),
         })
     }
 

@@ -6,6 +6,7 @@
 //! | [`HardWall`]                               | normal             | yes             | yes       |
 //! | [`Morse`], [`HarmonicCosine`]              | normal             | yes             | no        |
 //! | [`Exponential`], [`Dugdale`]               | normal             | yes             | yes       |
+//! | [`Tabulated`]                              | normal             | yes             | if it begins at gap 0 |
 //! | [`XuNeedleman`]                            | normal, tangential | yes             | no        |
 //! | [`BoschSchreursGeers`], [`Npc`]            | normal, tangential | if φ_n = φ_t    | no        |
 //! | [`CoupledExponential`] (C3D), [`Npb`]      | normal, tangential | no              | no        |
@@ -41,6 +42,7 @@ mod law;
 mod normal;
 mod npc;
 mod separation;
+mod tabulated;
 mod xu_needleman;
 
 pub use bosch_schreurs_geers::BoschSchreursGeers;
@@ -52,4 +54,5 @@ pub use law::{Jacobian, Law, MixedMode, Opening, Response};
 pub use normal::{Dugdale, Exponential, HardWall, HarmonicCosine, Morse};
 pub use npc::Npc;
 pub use separation::{LawError, Separation};
+pub use tabulated::Tabulated;
 pub use xu_needleman::XuNeedleman;

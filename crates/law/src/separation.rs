@@ -102,6 +102,20 @@ pub enum LawError {
         /// The missing parameter.
         parameter: Parameter,
     },
+    /// A table through which no curve goes.
+    #[error("the table has {0}")]
+    Curve(#[from] gfmd_curve::CurveError),
+    /// A table that is no law.
+    #[error("the {found}; it must be {allowed}")]
+    Table {
+        /// The part of the table and its value.
+        found: String,
+        /// The allowed values, after "it must be".
+        allowed: &'static str,
+    },
+    /// The law of a table without one.
+    #[error("the law table needs its rows: gaps and tractions")]
+    NoTable,
     /// A parameter with two values.
     #[error("the parameter {name} is given more than once")]
     Twice {

@@ -44,8 +44,7 @@ impl Adhesion {
     /// The numbers of a law on a surface with these `moments` on `grid`, on a body of this contact modulus. `None` without an
     /// attraction, or if a number of it is too large or too small.
     pub fn of(args: &LawArgs, law: &dyn Law, grid: &Grid, moments: &Moments, contact_modulus: f64) -> Option<Self> {
-        let named = |name: &str| args.param.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
-        let work = named("gamma").or_else(|| named("phi_n"))?;
+        let work = args.work()?;
         let steepness = law.steepness();
         let range = (work / steepness).sqrt();
         let process_zone = 0.25 * PI * contact_modulus / steepness;

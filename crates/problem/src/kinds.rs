@@ -1,8 +1,8 @@
 //! The kinds of contact.
 
 use gfmd_contact::{
-    Contact, Drive, FullContact, FullSolution, Load, Refusal, RigidSurface, Solution, SqueezedContact,
-    SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+    Contact, Cotangents, Drive, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface, Solution,
+    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
     FrictionState, FrictionalContact, Interface, Kept, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,
@@ -11,6 +11,7 @@ use gfmd_interface::{
 use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
 use ndarray::ArrayRef2;
 
+use crate::Unusable;
 use crate::posed::{Kind, NoStiffness};
 
 /// The fields of the basis of a kind, of which there are `N`.
@@ -49,6 +50,10 @@ impl Kind for Contact {
             let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
             NoStiffness::Inexact(reached, text)
         })
+    }
+
+    fn gradient(&self, state: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+        Contact::gradient(self, state, load, of).map_err(|error| Unusable::of(error.to_string()))
     }
 }
 

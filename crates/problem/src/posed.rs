@@ -1,12 +1,14 @@
 use std::any::Any;
 
 use gfmd_contact::{
-    Budget, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, SolveError, Solver, Stiffness,
-    Visit, Watch,
+    Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Refusal, Resumable, RigidSurface,
+    SolveError, Solver, Stiffness, Visit, Watch,
 };
 use gfmd_interface::{Kept, Loss, Quasistatic, Reading, Trapping};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
+
+use crate::Unusable;
 
 /// A kind of contact: all that solvers, paths and files need of it. A new kind implements this trait, once.
 pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
@@ -37,6 +39,16 @@ pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static 
     /// # Errors
     /// The reason why there is none, or why it is less exact than it should be.
     fn stiffness(&self, state: &Self::State) -> Result<Stiffness, NoStiffness>;
+
+    /// The derivatives of a number of a state, whose own derivatives are given, under a load of this kind.
+    ///
+    /// # Errors
+    /// The reason why there are none.
+    fn gradient(&self, _state: &Self::State, _load: Load, _of: &Cotangents) -> Result<Gradient, Unusable> {
+        Err(Unusable::of(
+            "derivatives are those of a hard wall in u_z alone; those of this contact are not implemented",
+        ))
+    }
 
     /// The forces, the places and the energy of a state, for the balance of a path.
     fn reading(&self, state: &Self::State) -> Reading {
@@ -183,6 +195,7 @@ trait Erased: Send + Sync {
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal>;
     fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal>;
     fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness>;
+    fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
     fn reading(&self, state: &Rest) -> Reading;
     fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool;
     fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64;
@@ -246,6 +259,13 @@ impl<K: Kind> Erased for K {
         match state.get() {
             Some(state) => Kind::stiffness(self, state),
             None => Err(NoStiffness::Undefined("the state is of another kind of contact")),
+        }
+    }
+
+    fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+        match state.get() {
+            Some(state) => Kind::gradient(self, state, load, of),
+            None => Err(Unusable::of("the state is of another kind of contact")),
         }
     }
 
@@ -313,6 +333,15 @@ impl Posed {
     /// The reason why there is none, or why it is less exact than it should be.
     pub fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness> {
         self.0.stiffness(state)
+    }
+
+    /// The derivatives of a number of a state, whose own derivatives are `of`, under a `load` of this kind; see
+    /// [`Facts::check_gradient`](crate::Facts::check_gradient).
+    ///
+    /// # Errors
+    /// The reason why there are none.
+    pub fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+        self.0.gradient(state, load, of)
     }
 
     /// The warning that the law is too steep for the grid, if it is.

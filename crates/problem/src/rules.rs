@@ -4,6 +4,7 @@ use gfmd_contact::Boundary;
 use gfmd_green::BaseKind;
 use gfmd_viscoelastic::Relaxes;
 
+use crate::Unusable;
 use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 use crate::grid_error::GridError;
 use crate::unknown::Unknown;
@@ -255,6 +256,26 @@ impl Facts {
             Some(rule) => Err(Clash { rule: *rule, facts: *self }),
             None => Ok(()),
         }
+    }
+}
+
+/// The parts beside which there are no derivatives.
+const WITHOUT_GRADIENT: [Part; 7] = {
+    use Part::*;
+    [Law, Hardness, All, FiniteSlope, Lower, MovedBase, Several]
+};
+
+impl Facts {
+    /// Checks that the derivatives of a state are known.
+    ///
+    /// # Errors
+    /// The first part beside which they are not.
+    pub fn check_gradient(&self) -> Result<(), Unusable> {
+        let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self));
+        found.map_or(Ok(()), |part| {
+            let (flag, found, _) = part.told(self);
+            Err(Unusable::of(format!("{flag} is {found}; it must be left out for derivatives (not implemented)")))
+        })
     }
 }
 

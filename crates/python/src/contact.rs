@@ -5,12 +5,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use gfmd_cli::contact::{Args, measure, stiffness};
-use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors, Drive, Load, Progress, Refusal};
+use gfmd_contact::{
+    Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
+};
 use gfmd_green::Height;
 use gfmd_interface::Kept;
-use gfmd_law::Kind;
-use gfmd_problem::options::BodyArgs;
+use gfmd_law::Law;
 use gfmd_problem::options::flags::{self, keys, of_keys};
+use gfmd_problem::options::{BodyArgs, LawArgs};
 use gfmd_problem::{Accuracy, Facts, Posed, Rest};
 use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
 use gfmd_run::accuracy;
@@ -42,11 +44,34 @@ pub(crate) fn options() -> Vec<String> {
     keys::<ContactArgs>().into_iter().filter(|key| !others.contains(key)).collect()
 }
 
-/// Checks the name and the parameters of a law.
+/// A law by its name, its parameters and the rows of its table.
+fn law_of(py: Python<'_>, name: &str, param: Vec<(String, f64)>, law_table: Vec<[f64; 2]>) -> PyResult<Box<dyn Law>> {
+    let law = name.parse().map_err(|error| refused(py, &error))?;
+    LawArgs { law, param, law_table, coarse: false }.build().map_err(|error| refused(py, &error))
+}
+
+/// Checks the name and the parameters of a law, or its table.
 #[pyfunction]
-pub(crate) fn check_law(py: Python<'_>, name: &str, parameters: Vec<(String, f64)>) -> PyResult<()> {
-    let kind: Kind = name.parse().map_err(|error| refused(py, &error))?;
-    kind.with(&parameters).map(|_| ()).map_err(|error| refused(py, &error))
+pub(crate) fn check_law(
+    py: Python<'_>,
+    name: &str,
+    parameters: Vec<(String, f64)>,
+    table: Vec<[f64; 2]>,
+) -> PyResult<()> {
+    law_of(py, name, parameters, table).map(|_| ())
+}
+
+/// The normal traction of a law at gaps.
+#[pyfunction]
+pub(crate) fn law_traction(
+    py: Python<'_>,
+    name: &str,
+    parameters: Vec<(String, f64)>,
+    table: Vec<[f64; 2]>,
+    gaps: Vec<f64>,
+) -> PyResult<Vec<f64>> {
+    let law = law_of(py, name, parameters, table)?;
+    Ok(gaps.into_iter().map(|gap| law.opening(gap).traction).collect())
 }
 
 /// The description of a contact: a dictionary with the keys of its options, and that of those that are arrays.
@@ -269,6 +294,39 @@ impl Problem {
             })
         });
         Ok((json::to_string(&record).map_err(|error| refused(py, &error))?, arrays.collect()))
+    }
+
+    /// The derivatives of a number with respect to heights, load, modulus, and their relative error: from its own
+    /// derivatives by the fields and numbers of a state under a mean pressure, or under an approach if that `is_driven`.
+    fn vjp<'py>(
+        &self,
+        py: Python<'py>,
+        state: &State,
+        is_driven: bool,
+        fields: BTreeMap<String, PyReadonlyArray2<'py, f64>>,
+        numbers: BTreeMap<String, f64>,
+    ) -> PyResult<(Array<'py>, f64, f64, f64)> {
+        let field = |name: &str| fields.get(name).map(|field| field.as_array().to_owned());
+        let number = |name: &str| numbers.get(name).copied().unwrap_or(0.0);
+        let of = Cotangents {
+            pressure: field("pressure"),
+            gap: field("gap"),
+            approach: number("approach"),
+            mean_pressure: number("mean_pressure"),
+            mean_gap: number("mean_gap"),
+            elastic_energy: number("elastic_energy"),
+        };
+        let load = if is_driven {
+            Load::Approach(state.rest.approach())
+        } else {
+            Load::MeanPressure(state.rest.mean_pressure())
+        };
+        let found = quick(py, || {
+            self.prepared.facts.check_gradient()?;
+            self.contact.gradient(&state.rest, load, &of)
+        })?;
+        let found = found.map_err(|error| refused(py, &error))?;
+        Ok((found.heights.into_pyarray(py), found.load, found.modulus, found.error))
     }
 
     /// The options with their defaults, as JSON, but those of the surface beside its size.

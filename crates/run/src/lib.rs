@@ -28,5 +28,6 @@ pub mod session;
 pub mod source;
 pub mod statistics;
 pub mod sweep;
+mod table;
 pub mod trace;
 pub mod units;

@@ -6,11 +6,12 @@ use std::ffi::OsString;
 use clap::Command;
 use gfmd_files::{Reader, Topography, split_dataset};
 use gfmd_problem::options::given::{Arrays, Given};
-use gfmd_problem::options::quantities::{Sought, takes_units, text_in_units, value_in_units};
+use gfmd_problem::options::quantities::{Sought, columns, is_rows, takes_units, text_in_units, value_in_units};
 use gfmd_unit::Units;
 use toml::{Table, Value};
 
 use crate::failure::Failure;
+use crate::table;
 
 /// The key and the flag of the unit of lengths.
 const UNIT: &str = "unit";
@@ -69,10 +70,11 @@ pub fn units_of_result(reader: &Reader) -> Option<Units> {
 }
 
 /// The words of a command line, of which the first is the program, with bare numbers in place of quantities with a
-/// unit.
+/// unit, and the rows of tables in place of their files.
 ///
 /// # Errors
-/// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit.
+/// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit; a table that cannot
+/// be read.
 pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
     let Some(sub) = words.iter().find_map(|word| command.find_subcommand(word)) else { return Ok(words) };
     // The place of each value, the key of its option, and what stands before it in its word.
@@ -101,6 +103,15 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
             open = (left > 1).then_some((key, left - 1));
         }
     }
+    let mut words = words;
+    for (index, key, before, text) in &mut values {
+        if let Some(columns) = columns(key).filter(|_| !is_rows(text)) {
+            let flag = format!("--{}", key.replace('_', "-"));
+            // The numbers of a command without units are those of the table, whatever its units.
+            *text = table::rows(&flag, text, columns, !without_units(sub.get_name()))?;
+            words[*index] = format!("{before}{text}").into();
+        }
+    }
     let mut sought = Sought::default();
     for (_, key, _, text) in &values {
         text_in_units(key, text, &mut sought)?;
@@ -124,7 +135,6 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
         channel: value_of("channel"),
     };
     let units = source.units()?;
-    let mut words = words;
     for (index, key, before, text) in &values {
         if let Some(text) = text_in_units(key, text, &mut &units)? {
             words[*index] = format!("{before}{text}").into();

@@ -18,7 +18,7 @@ use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveErro
 use gfmd_field::Grid;
 use gfmd_green::Complex64;
 use gfmd_interface::{FrictionState, FrictionalContact, Interface, State};
-use gfmd_law::{Kind, Law, Limit};
+use gfmd_law::{Kind, Law, LawError, Limit, Tabulated};
 use gfmd_mixed::{Method, MixedError, MixedProblem, Prescribed};
 use gfmd_relax::Budget;
 use gfmd_response::Components;
@@ -156,8 +156,22 @@ fn hard_wall(case: &Case, random: &mut Random) -> Verdict {
     checked.map(|()| "wall: solved").map_err(|text| format!("{solver} {load:?}: {text}"))
 }
 
+/// A law from a table of up to 12 random tractions behind a wall.
+fn table(case: &Case, random: &mut Random) -> Result<Box<dyn Law>, LawError> {
+    let (energy, range) =
+        (case.stress * case.length * random.decade(-5.0, 1.0), case.length * random.decade(-2.0, 1.0));
+    let rows = 4 + (random.decade(0.0, 0.9) as usize).min(8);
+    let mut table: Vec<[f64; 2]> =
+        (0..rows).map(|row| [range * row as f64, energy / range * (random.decade(-1.0, 1.0) - 0.5)]).collect();
+    table[rows - 1][1] = 0.0;
+    Ok(Box::new(Tabulated::new(&table)?))
+}
+
 fn law(case: &Case, random: &mut Random) -> Result<Box<dyn Law>, String> {
     let kind = random.one_of(&Kind::ALL);
+    if kind == Kind::Table {
+        return table(case, random).map_err(|error| format!("{}: {error}", kind.name()));
+    }
     let energy = |random: &mut Random| case.stress * case.length * random.decade(-5.0, 1.0);
     let range = |random: &mut Random| case.length * random.decade(-2.0, 1.0);
     let values: Vec<(&str, f64)> = kind

@@ -64,6 +64,9 @@ fn with_units(words: &[String]) -> Vec<String> {
             };
             return format!("{name}={}", number(value, unit));
         }
+        if let ("--law-table", Some((gap, traction))) = (flag, text.split_once(':')) {
+            return format!("{}:{}", number(gap, "um"), number(traction, "Pa"));
+        }
         let unit = match flag {
             "--young" | "--e-star" | "--base-young" | "--pressure" | "--shear-strength" | "--hardness" => "Pa",
             "--height" | "--length" | "--shift" | "--rms-height" | "--displacement" | "--lateral"

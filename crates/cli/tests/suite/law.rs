@@ -67,6 +67,115 @@ fn an_adhesive_contact_holds_under_tension_and_is_kept_in_the_file() {
     assert!((a - b).abs() < 1e-7 * b, "{a} {b}");
 }
 
+/// A table of the exponential law, as a file.
+fn write_table(folder: &std::path::Path, name: &str, heads: &str, [gap_unit, stress_unit]: [f64; 2]) {
+    let (gamma, range) = (2e-5, 1.2e-3);
+    let mut text = format!("{heads}\n");
+    for k in 0..=200 {
+        let x = f64::from(k) / 200.0;
+        let gap = range * (25.0 * x * x * x + 2.0 * x);
+        let traction = if k == 200 { 0.0 } else { gamma / range * (-gap / range).exp() };
+        text += &format!("{:e},{:e}\n", gap / gap_unit, traction / stress_unit);
+    }
+    std::fs::write(folder.join(name), text).unwrap();
+}
+
+#[test]
+fn a_law_from_a_table_is_kept_in_the_file_and_gives_the_numbers_of_the_law_it_is_of() {
+    let folder = tempfile::tempdir().unwrap();
+    write_table(folder.path(), "law.csv", "gap,traction", [1.0, 1.0]);
+    let problem = "--n 64 --eps-f-inv 8";
+    let law = "--law exponential --param gamma=2e-5,range=1.2e-3";
+    let [wanted, found] = [law, "--law table --law-table law.csv"]
+        .map(|law| run(folder.path(), &format!("contact {problem} {law} --pressure 0.005,-0.0001 --out a.h5")));
+    for (found, wanted) in found["loads"].as_array().unwrap().iter().zip(wanted["loads"].as_array().unwrap()) {
+        for name in ["displacement", "mean_gap", "elastic_energy", "interface_energy", "max_pressure"] {
+            let [found, wanted] = [found, wanted].map(|load| number(load, name));
+            assert!((found / wanted - 1.0).abs() < 1e-4, "{name}: {found} {wanted}");
+        }
+        assert_eq!(found["area_fraction"], wanted["area_fraction"]);
+    }
+    for (name, wanted) in wanted["adhesion"].as_object().unwrap() {
+        let (found, wanted) = (number(&found["adhesion"], name), wanted.as_f64().unwrap());
+        assert!((found / wanted - 1.0).abs() < 1e-2, "{name}: {found} {wanted}");
+    }
+    // The file has the rows: the table is needed no more.
+    std::fs::remove_file(folder.path().join("law.csv")).unwrap();
+    for command in ["check a.h5", "check a.h5 --rerun"] {
+        assert_eq!(run(folder.path(), command)["differing"], 0);
+    }
+    let config: toml::Table =
+        Reader::open(folder.path().join("a.h5")).unwrap().text("/", "config").unwrap().parse().unwrap();
+    assert_eq!(config["law_table"].as_array().unwrap().len(), 201);
+    assert!(gfmd(folder.path(), &["report", "a.h5", "-q"]).status.success());
+    // On a path that is continued, and with longer ranges first.
+    write_table(folder.path(), "law.csv", "gap,traction", [1.0, 1.0]);
+    let path = format!("path {problem} --law table --law-table law.csv --pressure 0.005,-0.0001 --steps 2");
+    let whole = run(folder.path(), &format!("{path} --out p.h5"));
+    assert_eq!(run(folder.path(), "check p.h5 --rerun")["differing"], 0);
+    let again = run(folder.path(), &format!("{path} --out p.h5 --resume"));
+    for (again, whole) in again["steps"].as_array().unwrap().iter().zip(whole["steps"].as_array().unwrap()) {
+        assert_eq!((&again["displacement"], &again["mean_gap"]), (&whole["displacement"], &whole["mean_gap"]));
+    }
+    let walked = run(
+        folder.path(),
+        &format!("contact {problem} --law table --law-table law.csv --range-continuation --pressure 0.005"),
+    );
+    assert!(
+        (number(&walked["loads"][0], "displacement") / number(&found["loads"][0], "displacement") - 1.0).abs() < 1e-6
+    );
+}
+
+#[test]
+fn a_table_has_units_by_its_heads_and_is_refused_by_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem = "contact --n 32 --eps-f-inv 4 --unit um --length 1um --young 1Pa --pressure 0.005Pa --law table";
+    write_table(folder.path(), "bare.csv", "gap,traction", [1.0, 1.0]);
+    write_table(folder.path(), "nano.csv", "gap [nm],traction [MPa]", [1e-3, 1e6]);
+    let [bare, nano] = ["bare", "nano"].map(|name| run(folder.path(), &format!("{problem} --law-table {name}.csv")));
+    for name in ["displacement", "interface_energy"] {
+        let [bare, nano] = [&bare, &nano].map(|report| number(&report["loads"][0], name));
+        assert!((bare / nano - 1.0).abs() < 1e-9, "{name}: {bare} {nano}");
+    }
+    // `law` draws a table in its own units.
+    let drawn = run(folder.path(), "law --law table --law-table nano.csv --normal 0,1.2 --plot t");
+    assert!((drawn["points"][0]["traction"][0].as_f64().unwrap() / (2e-5 / 1.2e-3 / 1e6) - 1.0).abs() < 1e-12);
+    assert_eq!(drawn["wall"], true);
+    assert!(folder.path().join("t.svg").exists());
+    for (name, text) in [
+        ("order.csv", "0,1\n2,0.5\n1,0.2\n3,0\n"),
+        ("end.csv", "0,1\n1,0.5\n2,0.2\n3,0.1\n"),
+        ("words.csv", "0,1\n1,x\n"),
+        ("kind.csv", "gap [nm],traction [nm]\n0,1\n1,0.5\n2,0.2\n3,0\n"),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let before = std::fs::read_dir(folder.path()).unwrap().count();
+    for (flags, words) in [
+        ("--law table --law-table none.csv", &["--law-table", "none.csv"][..]),
+        ("--law table --law-table order.csv", &["--law-table", "row 3 begins with 1", "above"]),
+        ("--law table --law-table end.csv", &["--law-table", "largest gap", "1e-1", "it must be 0"]),
+        ("--law table --law-table words.csv", &["--law-table", "line 2", "1,x"]),
+        ("--law table --law-table 0:1,1:0.5,2:0", &["--law-table", "3 rows", "at least 4"]),
+        ("--law table --law-table 0.5:1,1:0.5,2:0.2,3:0", &["--law-table", "smallest gap is 5e-1"]),
+        ("--law table --law-table=-1:1,1:0.5,2:0.2,3:0", &["--law-table", "smallest gap", "a repulsion"]),
+        ("--law table", &["--law-table", "needs its rows"]),
+        ("--law table --param gamma=1 --law-table order.csv", &["--param", "gamma", "left out"]),
+        ("--law-table end.csv", &["--law-table", "hard-wall", "--law table"]),
+        ("--unit um --young 1Pa --law table --law-table kind.csv", &["--law-table", "a stress"]),
+        ("--law table --law-table nano.csv", &["--law-table", "--unit"]),
+    ] {
+        let flags = format!("contact --n 16 --eps-f-inv 4 --p-star 0.1 {flags} -q");
+        let output = gfmd(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{flags}: {text}");
+        for word in words {
+            assert!(text.contains(word), "{flags}: no {word:?} in {text}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), before);
+}
+
 #[test]
 fn surfaces_that_part_are_a_failure_of_the_computation() {
     let folder = tempfile::tempdir().unwrap();

@@ -20,3 +20,4 @@ mod stiffness;
 fn long() -> bool {
     std::env::var_os("GFMD_LONG").is_some()
 }
+mod gradient;

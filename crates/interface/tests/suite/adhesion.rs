@@ -8,7 +8,7 @@ use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load, Progress
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{Interface, Kept, State};
-use gfmd_law::{Dugdale, Exponential, HardWall, HarmonicCosine, Law, Morse, Npc, Separation};
+use gfmd_law::{Dugdale, Exponential, HardWall, HarmonicCosine, Law, Morse, Npc, Separation, Tabulated};
 use gfmd_measure::theory::AdhesiveSphere;
 use ndarray::Array2;
 
@@ -105,6 +105,23 @@ fn maugis_pull_off(lambda: f64) -> f64 {
         lowest = lowest.min(low.powi(3) - lambda * low * low * (root + m * m * arc));
     }
     -lowest
+}
+
+#[test]
+fn a_sphere_is_pulled_off_a_table_of_a_law_as_off_the_law() {
+    let (work, range) = (2.17e-4, 9e-3);
+    let wanted = pull_off(32, work, Exponential::new(work, range).unwrap());
+    let found = [12, 24, 48].map(|rows| {
+        let law = Exponential::new(work, range).unwrap();
+        let mut table: Vec<[f64; 2]> = (0..=rows)
+            .map(|k| 12.0 * range * f64::from(k) / f64::from(rows))
+            .map(|gap| [gap, law.opening(gap).traction])
+            .collect();
+        table[rows as usize][1] = 0.0;
+        (pull_off(32, work, Tabulated::new(&table).unwrap()) / wanted - 1.0).abs()
+    });
+    assert!(found[2] < 1e-3, "{found:?}");
+    assert!(found.windows(2).all(|pair| pair[1] < 0.25 * pair[0]), "{found:?}");
 }
 
 #[test]

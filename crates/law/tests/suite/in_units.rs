@@ -6,7 +6,7 @@ use gfmd_law::{InUnits, Kind, Law as _, Parameter};
 #[test]
 fn units_of_the_law_and_of_its_parameters_agree_to_the_bit() {
     let (stress, length) = (2.0_f64.powi(80), 2.0_f64.powi(-60));
-    for kind in Kind::ALL {
+    for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::Table) {
         let in_unit = |p: &Parameter| match p.units {
             "stress*length" => stress * length,
             "length" => length,

@@ -3,3 +3,4 @@
 mod in_units;
 mod law;
 mod properties;
+mod tabulated;

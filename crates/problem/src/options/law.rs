@@ -1,18 +1,21 @@
 //! The law across the gap.
 
 use clap::Args;
-use gfmd_law::{Kind, Law, LawError};
+use gfmd_law::{Kind, Law, LawError, Tabulated};
 use serde::{Deserialize, Serialize};
 
 use super::without_flags;
 use crate::Unusable;
+
+/// The largest number of rows of a table.
+pub(super) const LONGEST_TABLE: usize = 1000;
 
 /// Flags that choose a law.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LawArgs {
     /// Law of the tractions across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential,
-    /// harmonic-cosine, dugdale (docs/laws)
+    /// harmonic-cosine, dugdale, table (docs/laws)
     #[arg(long, default_value = "hard-wall", value_parser = parse_kind, value_name = "NAME")]
     #[serde(with = "name")]
     pub law: Kind,
@@ -20,6 +23,11 @@ pub struct LawArgs {
     #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub param: Vec<(String, f64)>,
+    /// Table of the law `table`: FILE of two columns, gap and traction, with attractions above zero, whose heads may have units, such as
+    /// gap_nm or "traction [MPa]"; or the rows, GAP:TRACTION,...
+    #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub law_table: Vec<[f64; 2]>,
     /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points jump
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -39,17 +47,56 @@ impl LawArgs {
     /// A parameter out of its range.
     pub fn with_range(&self, factor: f64) -> Result<Option<Box<dyn Law>>, Unusable> {
         let mut longer = self.clone();
-        let Some((_, range)) = longer.param.iter_mut().find(|(name, _)| name == "range") else { return Ok(None) };
-        *range *= factor;
+        match longer.param.iter_mut().find(|(name, _)| name == "range") {
+            Some((_, range)) => *range *= factor,
+            None if self.law == Kind::Table => {
+                longer
+                    .law_table
+                    .iter_mut()
+                    .for_each(|[gap, traction]| (*gap, *traction) = (*gap * factor, *traction / factor));
+            }
+            None => return Ok(None),
+        }
         longer.build().map(Some)
     }
 
     /// Makes the law.
     ///
     /// # Errors
-    /// A parameter that is unknown, missing or out of its range.
+    /// A parameter that is unknown, missing or out of its range; a table that is no law, or beside another law.
     pub fn build(&self) -> Result<Box<dyn Law>, Unusable> {
+        if let Some(table) = self.tabulated()? {
+            return Ok(Box::new(table));
+        }
         self.law.with(&self.param).map_err(|error| Unusable::input("--param", error))
+    }
+
+    /// The work of separation, stress × length; `None` of a law without one.
+    pub(crate) fn work(&self) -> Option<f64> {
+        let named = |name: &str| self.param.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
+        let of_table = || self.tabulated().ok().flatten().map(|table| table.work());
+        named("gamma").or_else(|| named("phi_n")).or_else(of_table)
+    }
+
+    /// The law of the table; `None` of other laws.
+    fn tabulated(&self) -> Result<Option<Tabulated>, Unusable> {
+        const FLAG: &str = "--law-table";
+        match (self.law, self.param.first(), self.law_table.len()) {
+            (Kind::Table, Some((name, _)), _) => {
+                Err(Unusable::value("--param", name, "left out with --law table, which has its rows"))
+            }
+            (Kind::Table, None, 0) => Err(Unusable::input(FLAG, LawError::NoTable)),
+            (Kind::Table, None, rows) if rows > LONGEST_TABLE => {
+                Err(Unusable::value(FLAG, format!("{rows} rows"), format!("at most {LONGEST_TABLE}")))
+            }
+            (Kind::Table, None, _) => {
+                Tabulated::new(&self.law_table).map(Some).map_err(|error| Unusable::input(FLAG, error))
+            }
+            (_, _, 0) => Ok(None),
+            (law, ..) => {
+                Err(Unusable::value(FLAG, "given", format!("left out with --law {}; --law table has it", law.name())))
+            }
+        }
     }
 }
 
@@ -61,6 +108,14 @@ fn parse_parameter(text: &str) -> Result<(String, f64), String> {
     let wrong = || "it must be NAME=VALUE".to_owned();
     let (name, value) = text.split_once('=').ok_or_else(wrong)?;
     Ok((name.to_owned(), value.parse().map_err(|_| wrong())?))
+}
+
+/// A row of two numbers, as a configuration in words has it.
+fn parse_row(text: &str) -> Result<[f64; 2], String> {
+    let wrong = || "it must be FILE, or rows A:B".to_owned();
+    let (first, second) = text.split_once(':').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse().map_err(|_| wrong());
+    Ok([number(first)?, number(second)?])
 }
 
 /// A law in a configuration, by its name.

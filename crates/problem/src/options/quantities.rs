@@ -24,6 +24,7 @@ const KINDS: &[(&str, &[&str])] = &[
     ("shear_strength", &["stress"]),
     ("hardness", &["stress"]),
     ("param", &["1"]),
+    ("law_table", &["length", "stress"]),
     ("length", &["length"]),
     ("shift", &["length"]),
     ("rms_height", &["length"]),
@@ -44,6 +45,21 @@ const KINDS: &[(&str, &[&str])] = &[
     ("qx", &["1/length"]),
     ("qy", &["1/length"]),
 ];
+
+/// The options that are tables of two columns, with the names of these: FILE, or rows of numbers with a colon between.
+const TABLES: &[(&str, [&str; 2])] = &[("law_table", ["gap", "traction"])];
+
+/// The names of the columns of an option that is a table.
+pub fn columns(key: &str) -> Option<[&'static str; 2]> {
+    TABLES.iter().find(|(other, _)| *other == key).map(|(_, names)| *names)
+}
+
+/// True if the value of an option is a table of two columns whose rows are written out.
+pub fn is_rows(text: &str) -> bool {
+    let is_number = |text: &str| text.trim().parse::<f64>().is_ok() || matches!(Quantity::parse(text), Ok(Some(_)));
+    let is_row = |row: &str| row.split_once(':').is_some_and(|(first, second)| is_number(first) && is_number(second));
+    text.split(',').all(is_row)
+}
 
 /// True if the numbers of an option may have a unit.
 pub fn takes_units(key: &str) -> bool {
@@ -132,7 +148,8 @@ pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Opti
             kinds[index % kinds.len()]
         };
         let mut parts = Vec::new();
-        for part in values.split(':') {
+        for (column, part) in values.split(':').enumerate() {
+            let kind = if columns(key).is_some() { kinds[column % kinds.len()] } else { kind };
             let found = number(key, part, kind, take)?;
             changed |= found.is_some();
             parts.push(found.map_or_else(|| part.to_owned(), |number| format!("{number:e}")));
@@ -207,6 +224,7 @@ mod tests {
             ("hardness", "2GPa", Some("2e9")),
             ("hardness", "2um.npy", None),
             ("lateral", "0,-2nm", Some("0,-2e0")),
+            ("law_table", "0nm:2MPa,1nm:1kPa,3:0", Some("0e0:2e6,1e0:1e3,3:0")),
         ] {
             assert_eq!(texts(key, text), Ok(found.map(str::to_owned)), "{key} {text}");
         }
@@ -233,7 +251,8 @@ mod tests {
         let units = Units::new(Some("µm"), Some("MPa"));
         let mut table: toml::Table = toml::from_str(
             "young = '70GPa'\nlayer = [['2GPa', 0.3, '3mm'], [1.0, 0.2, 0.5]]\nheight = 'inf'\npressure = ['1kPa', 2.0]\n\
-             param = [['gamma', '0.05J/m^2'], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1mm'\nlaw = 'morse'",
+             param = [['gamma', '0.05J/m^2'], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1mm'\nlaw = 'morse'\n\
+             law_table = [['2nm', '3MPa'], [1.0, 2.0]]",
         )
         .unwrap();
         for (key, value) in &mut table {
@@ -241,7 +260,8 @@ mod tests {
         }
         let wanted: toml::Table = toml::from_str(
             "young = 70000.0\nlayer = [[2000.0, 0.3, 3000.0], [1.0, 0.2, 0.5]]\nheight = 'inf'\npressure = [0.001, 2.0]\n\
-             param = [['gamma', 0.05], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1e3'\nlaw = 'morse'",
+             param = [['gamma', 0.05], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1e3'\nlaw = 'morse'\n\
+             law_table = [[0.002, 3.0], [1.0, 2.0]]",
         )
         .unwrap();
         assert_eq!(table, wanted);

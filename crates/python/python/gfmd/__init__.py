@@ -14,7 +14,7 @@ Example:
 from ._body import Body, Law, law
 from ._below import FieldsBelow, Green, Punch, green, interior, punch
 from ._cite import cite
-from ._contact import Contact, Contacts
+from ._contact import Contact, Contacts, Gradient
 from ._errors import Error, InputError, Interrupted, NotConverged
 from ._files import load
 from ._gfmd import VERSION as __version__
@@ -32,6 +32,7 @@ __all__ = [
     "Contacts",
     "Error",
     "FieldsBelow",
+    "Gradient",
     "Green",
     "InputError",
     "Interrupted",

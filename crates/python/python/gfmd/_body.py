@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, Literal, Optional
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
 
 from . import _gfmd
-from ._check import Quantity, in_units, number, quantity, shown, word
+from ._check import Array, Quantity, array, in_units, number, quantity, shown, word
 from ._errors import InputError
 from ._record import Record
 
@@ -241,7 +244,8 @@ def body_of(config: dict[str, Any]) -> Body:
 
 def law_of(config: dict[str, Any]) -> Law:
     """The law of a configuration."""
-    return Law(config.get("law", "hard-wall"), {key: math.nan if value is None else value for key, value in config.get("param", [])})
+    parameters = {key: math.nan if value is None else value for key, value in config.get("param", [])}
+    return Law(config.get("law", "hard-wall"), parameters, config.get("law_table", ()))
 
 
 _PARAMETERS: dict[str, str] = dict(_gfmd.law_kinds())
@@ -260,18 +264,52 @@ class Law(Record):
 
     name: str
 
-    def __init__(self, name: str, parameters: dict[str, Quantity]) -> None:
-        plain = [(key, in_units(key, value, _PARAMETERS.get(key, "1")) if isinstance(value, str) else value) for key, value in parameters.items()]
-        _gfmd.check_law(name, plain)
-        super().__init__({"name": name, **parameters})
+    def __init__(self, name: str, parameters: dict[str, Quantity], table: Sequence[Sequence[Quantity]] = ()) -> None:
+        rows = {"table": tuple((gap, traction) for gap, traction in table)} if table else {}
+        super().__init__({"name": name, **parameters, **rows})
+        _gfmd.check_law(name, self._plain(), self._rows())
+
+    def _plain(self) -> list[tuple[str, float]]:
+        """The parameters as numbers."""
+        return [(key, in_units(key, value, _PARAMETERS.get(key, "1"))) for key, value in self.parameters.items()]
+
+    def _rows(self) -> list[tuple[float, float]]:
+        """The table as numbers."""
+        return [(in_units("gap", gap, "length"), in_units("traction", traction, "stress")) for gap, traction in self.table]
 
     @property
     def parameters(self) -> dict[str, Quantity]:
-        """The parameters by name, in the units of `gfmd.law`."""
-        return {name: value for name, value in self._values.items() if name != "name"}
+        """The parameters by name, in the units of `gfmd.law`; none of a table."""
+        return {name: value for name, value in self._values.items() if name not in ("name", "table")}
+
+    @property
+    def table(self) -> tuple[tuple[Quantity, Quantity], ...]:
+        """The rows of a table, (gap, traction) in length and stress, shape [rows, 2]; none of a law with parameters."""
+        rows: tuple[tuple[Quantity, Quantity], ...] = self._values.get("table", ())
+        return rows
+
+    def traction(self, gap: npt.ArrayLike) -> Array:
+        """The normal traction without sliding, above zero where it attracts.
+
+        Args:
+            gap: gaps, length, a number or an array of any shape; of a law whose parameters are texts with units in m.
+
+        Returns:
+            The tractions, stress, in the shape of the gaps; of a law whose parameters are texts with units in Pa.
+
+        Raises:
+            InputError: gaps that are no numbers.
+
+        Example:
+            >>> gfmd.law("dugdale", gamma=1.0, range=0.5).traction([0.0, 0.4, 0.6])
+            array([2., 2., 0.])
+        """
+        gaps = array("gap", gap)
+        found = _gfmd.law_traction(self.name, self._plain(), self._rows(), gaps.ravel().tolist())
+        return np.asarray(found, dtype=np.float64).reshape(gaps.shape)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Law, (self.name, self.parameters)
+        return Law, (self.name, self.parameters, self.table)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Law) and other._values == self._values
@@ -280,23 +318,75 @@ class Law(Record):
         return hash(tuple(self._values.items()))
 
 
-def law(name: str, /, **parameters: Quantity) -> Law:
-    """A law of adhesion or cohesion by its name and its parameters.
+def law(
+    name: Union[str, npt.ArrayLike],
+    traction: Union[npt.ArrayLike, Callable[[Array], npt.ArrayLike], None] = None,
+    /,
+    *,
+    units: Optional[tuple[str, str]] = None,
+    **parameters: Quantity,
+) -> Law:
+    """A law of adhesion or cohesion: by its name and its parameters, or from a table.
 
     Args:
         name: "hard-wall"; "morse", "exponential", "dugdale" (`gamma`, `range`); "harmonic-cosine" (`gamma`, `curvature`);
-            "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first also `r`).
+            "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first also `r`); or the gaps of a table,
+            length, in rising order: at least four, from 0 (a hard wall stands there) or a negative one (where the traction repels).
+        traction: of a table, the traction at each gap, stress, above zero where it attracts, and 0 at the last one; or a function that
+            gives the tractions at an array of gaps. It is sampled at the gaps, and refused where it deviates from the law between
+            them by more than 1 % of its largest value.
+        units: of a table, the units of gaps and tractions, such as ("nm", "MPa"); numbers of the problem by default.
         parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without unit; or texts
             with a unit, such as gamma="0.05 J/m^2", range="2 nm".
 
     Raises:
-        InputError: an unknown name or parameter, a missing one, a value out of its range.
+        InputError: an unknown name or parameter, a missing one, a value out of its range; a table that is no law.
 
     Example:
         >>> gfmd.law("morse", gamma=2e-4, range=1.2e-3).range
         0.0012
+        >>> gaps = np.linspace(0.0, 1.0, 101)
+        >>> gfmd.law(gaps, lambda gap: (1.0 - gap) ** 2).traction(0.305).round(3)
+        np.float64(0.483)
     """
+    if not isinstance(name, str):
+        if parameters:
+            raise InputError(f"{next(iter(parameters))} is given; it must be left out of a table")
+        return _tabulated(name, traction, units)
+    if traction is not None or units is not None:
+        raise InputError(f"{'traction' if units is None else 'units'} is given; it must be left out of the law {name!r}, which has a name")
     return Law(word("law", name), {key: quantity(key, value, _PARAMETERS.get(key, "1")) for key, value in parameters.items()})
+
+
+# The largest deviation of a function from its table, over its largest value.
+_DEVIATION = 0.01
+
+
+def _tabulated(gap: Any, traction: Any, units: Optional[tuple[str, str]]) -> Law:
+    """The law of a table, or of a function that is sampled."""
+    gaps = array("gap", gap)
+    if gaps.ndim != 1:
+        raise InputError(f"gap has the shape {list(gaps.shape)}; it must have one dimension")
+    found = _sampled(traction, gaps) if callable(traction) else array("traction", traction)
+    if found.shape != gaps.shape:
+        raise InputError(f"traction has the shape {list(found.shape)}; it must be that of the gaps, {list(gaps.shape)}")
+    rows: list[tuple[Quantity, Quantity]] = list(zip(gaps.tolist(), found.tolist()))
+    plain = Law("table", {}, rows)
+    if callable(traction):
+        middle = 0.5 * (gaps[1:] + gaps[:-1])
+        off, most = np.abs(plain.traction(middle) - _sampled(traction, middle)), _DEVIATION * np.abs(found).max()
+        if not off.max() <= most:
+            at = float(middle[int(np.argmax(off))])
+            raise InputError(f"traction deviates by {float(off.max()):.1e} from its table at the gap {at:.3g}; it must be at most {most:.1e}, which closer gaps make it")
+    if units is None:
+        return plain
+    first, second = (word("units", unit) for unit in units)
+    return Law("table", {}, [(f"{gap!r} {first}", f"{value!r} {second}") for gap, value in rows])
+
+
+def _sampled(traction: Callable[[Array], npt.ArrayLike], gaps: Array) -> Array:
+    found = array("traction", traction(gaps.copy()))
+    return np.broadcast_to(found, gaps.shape) if found.shape == () else found
 
 
 def as_law(value: object) -> Law:

@@ -33,7 +33,8 @@ def relaxation_keys(body: Body) -> dict[str, Any]:
 
 def law_keys(law: Law) -> dict[str, Any]:
     """The keys of a law."""
-    return {"law": law.name, "param": [[name, value] for name, value in law.parameters.items()]}
+    table = {"law_table": [list(row) for row in law.table]} if law.table else {}
+    return {"law": law.name, "param": [[name, value] for name, value in law.parameters.items()], **table}
 
 
 def other_keys(values: Mapping[str, Any], layers: Sequence[Sequence[Any]]) -> dict[str, Any]:

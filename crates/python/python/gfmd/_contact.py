@@ -6,14 +6,14 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _gfmd
 from ._body import Body, Law
-from ._check import Array, Quantity, frozen, in_units, number, shown
+from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
 from ._command import records
 from ._errors import InputError
 from ._record import Record, Residual, json_of, of_load
@@ -48,6 +48,28 @@ def _metre(unit: Optional[str]) -> float:
 def _field(name: str, text: str) -> Optional[Array]:
     """A property: a field that some contacts have."""
     return property(lambda contact: contact._fields.get(name), doc=text)  # type: ignore[return-value]
+
+
+class Gradient(Record):
+    """The derivatives of a number L of a contact with respect to what was given, by `Contact.vjp`.
+
+    Attributes:
+        heights: with respect to the height of each point [x, y], 1 / length times the unit of L; read-only.
+        load: with respect to the mean pressure, or to the approach if that is `fixed`.
+        modulus: with respect to E*, stress, with all moduli of the body in proportion.
+        fixed: the quantity that is prescribed, "mean_pressure" or "approach".
+        error: relative error of the linear problem, at most 1e-8.
+
+    Example:
+        >>> c.vjp(elastic_energy=1.0).load > 0
+        True
+    """
+
+    heights: Array
+    load: float
+    modulus: float
+    fixed: str
+    error: float
 
 
 class Contact(Record):
@@ -315,11 +337,15 @@ class Contact(Record):
                 return f"{float(f'{value * unit[0]:.6g}'):g} {unit[1]}"
         return super()._text(name, value)
 
-    def _measured(self, **options: Any) -> tuple[dict[str, Any], dict[str, tuple[Array, Array]]]:
-        """The numbers that statistics and flow add, and the arrays of the statistics with the points of their axes, by their paths."""
+    def _posed(self) -> tuple[Any, Any]:
+        """The problem, posed again, and the state."""
         settings = self._settings
         problem = _gfmd.Problem({**settings.description, "unit": self.surface.unit}, {**settings.arrays, "surface": self.surface.heights}, 0)
-        state = problem.recall(self._fields, self.approach) if self._state is None else self._state
+        return problem, problem.recall(self._fields, self.approach) if self._state is None else self._state
+
+    def _measured(self, **options: Any) -> tuple[dict[str, Any], dict[str, tuple[Array, Array]]]:
+        """The numbers that statistics and flow add, and the arrays of the statistics with the points of their axes, by their paths."""
+        problem, state = self._posed()
         record, arrays = problem.measure(state, options)
         found = {entry["path"]: (frozen(np.array(entry["values"])), frozen(np.array(entry["axis"]))) for entry in arrays}
         return of_load(record), found
@@ -429,6 +455,62 @@ class Contact(Record):
         if not (0.0 < first < math.inf and 0.0 < second < math.inf):
             raise InputError(f"k1 and k2 are {k1!r}, {k2!r}; they must be positive and finite")
         return found / (1.0 / first + 1.0 / second) / _metre(self.surface.unit)
+
+    def vjp(
+        self,
+        *,
+        pressure: Optional[npt.ArrayLike] = None,
+        gap: Optional[npt.ArrayLike] = None,
+        approach: float = 0.0,
+        mean_pressure: float = 0.0,
+        mean_gap: float = 0.0,
+        elastic_energy: float = 0.0,
+        fixed: Optional[Literal["mean_pressure", "approach"] | str] = None,
+    ) -> Gradient:
+        """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
+
+        The arguments are the derivatives of L by the fields and numbers of the contact; the result is the vector-Jacobian product of
+        reverse-mode differentiation, by one linear problem on the points in contact, whatever the number of heights. The points
+        in contact are kept, as they are for almost all surfaces and loads; areas and counts of points have no derivatives.
+        `gfmd.torch` and `gfmd.jax` have the contact as a function of these packages.
+
+        Args:
+            pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by default, as all.
+            gap: derivative by the gap of each point [x, y]; points in contact have none.
+            approach: derivative by the approach.
+            mean_pressure: derivative by the mean pressure.
+            mean_gap: derivative by the mean gap.
+            elastic_energy: derivative by the elastic energy per area.
+            fixed: the quantity that is prescribed while heights and modulus change, "mean_pressure" or "approach"; by default that of
+                the contact ("mean_pressure" for `p_star`).
+
+        Raises:
+            InputError: arrays of another shape; a contact with a law, a hardness, finite slopes, all components, a lower surface or a base
+                that moves, which are not implemented; full contact under an approach that does not determine the pressure.
+
+        Example:
+            >>> round(c.vjp(approach=1.0).load * c.stiffness, 6)  # d(approach)/d(mean pressure)
+            1.0
+            >>> c.vjp(mean_gap=1.0).heights.shape
+            (64, 64)
+        """
+        driven = self._settings.load is not None and self._settings.load[0] == "displacement"
+        how = ("approach" if driven else "mean_pressure") if fixed is None else word("fixed", fixed)
+        if how not in ("mean_pressure", "approach"):
+            raise InputError(f"fixed is {how!r}; it must be 'mean_pressure' or 'approach'")
+        numbers = {"approach": approach, "mean_pressure": mean_pressure, "mean_gap": mean_gap, "elastic_energy": elastic_energy}
+        given = {"pressure": pressure, "gap": gap}
+        shape = self.pressure.shape
+        fields = {}
+        for name, value in given.items():
+            if value is not None:
+                found = array(name, value)
+                fields[name] = found.reshape(shape) if found.ndim == 1 and found.shape == shape[:1] and shape[1] == 1 else found
+                if fields[name].shape != shape:
+                    raise InputError(f"{name} has the shape {list(found.shape)}; it must be {list(shape)} as that of the contact")
+        problem, state = self._posed()
+        heights, load, modulus, error = problem.vjp(state, how == "approach", fields, {name: number(name, value) for name, value in numbers.items()})
+        return Gradient({"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error})
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.

@@ -117,7 +117,7 @@ impl Configuration {
                 Value::Array(lists) if lists.iter().any(Value::is_array) => {
                     let between = match key.as_str() {
                         "param" => "=",
-                        "prony" => ":",
+                        "prony" | "law_table" => ":",
                         _ => ",",
                     };
                     words.extend(

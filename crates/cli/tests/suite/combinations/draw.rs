@@ -117,6 +117,12 @@ pub(crate) enum Law {
         gamma: f64,
         curvature: f64,
     },
+    /// Tractions at equal steps of the gap, from the gap 0, with a wall, or from one step before it.
+    Table {
+        first: f64,
+        step: f64,
+        tractions: [f64; 5],
+    },
     /// One of the five cohesive laws, without sliding.
     Cohesive {
         name: &'static str,
@@ -146,6 +152,7 @@ impl Law {
                     _ => 0.0,
                 }
             }
+            Self::Table { first, step, tractions } => hermite(first, step, tractions, g),
             Self::Cohesive { work, range, .. } => work / range * (g / range) * (-g / range).exp(),
         }
     }
@@ -164,12 +171,27 @@ impl Law {
                     _ => 0.0,
                 }
             }
+            Self::Table { first, step, tractions } => {
+                // Simpson's rule is exact for cubics.
+                let last = first + 4.0 * step;
+                let inner = (0..5).map(|k| first + f64::from(k) * step).filter(|end| *end > g && *end < last);
+                let ends: Vec<f64> = [g].into_iter().chain(inner).chain([last]).filter(|end| *end <= last).collect();
+                let of = |g: f64| hermite(first, step, tractions, g);
+                let piece = |pair: &[f64]| {
+                    (pair[1] - pair[0]) / 6.0 * (of(pair[0]) + 4.0 * of(0.5 * (pair[0] + pair[1])) + of(pair[1]))
+                };
+                -ends.windows(2).map(piece).sum::<f64>()
+            }
             Self::Cohesive { .. } => return None,
         })
     }
 
     pub(crate) fn has_wall(&self) -> bool {
-        matches!(self, Self::Exponential { .. } | Self::Dugdale { .. })
+        match *self {
+            Self::Exponential { .. } | Self::Dugdale { .. } => true,
+            Self::Table { first, .. } => first == 0.0,
+            _ => false,
+        }
     }
 
     /// A gap at which the traction jumps.
@@ -185,11 +207,50 @@ impl Law {
             Self::HarmonicCosine { gamma, curvature } => {
                 format!("--law harmonic-cosine --param gamma={gamma},curvature={curvature}")
             }
+            Self::Table { first, step, tractions } => {
+                let row = |(k, traction): (i32, &f64)| format!("{}:{traction}", first + f64::from(k) * step);
+                let rows: Vec<String> = (0..).zip(tractions).map(row).collect();
+                format!("--law table --law-table={}", rows.join(","))
+            }
             Self::Cohesive { name, work, range } => {
                 format!("--law {name} --param phi_n={work},phi_t={work},delta_n={range},delta_t={range}")
             }
         }
     }
+}
+
+/// The cubics of Hermite through values at equal steps, with slopes of Fritsch and Butland; zero beyond the last one, the tangent before the
+/// first one.
+fn hermite(first: f64, step: f64, values: [f64; 5], x: f64) -> f64 {
+    let secant = |k: usize| (values[k + 1] - values[k]) / step;
+    let edge = |near: f64, next: f64| {
+        let slope = 1.5 * near - 0.5 * next;
+        match (slope * near > 0.0, near * next < 0.0 && slope.abs() > 3.0 * near.abs()) {
+            (false, _) => 0.0,
+            (true, true) => 3.0 * near,
+            (true, false) => slope,
+        }
+    };
+    let slope = |k: usize| match k {
+        0 => edge(secant(0), secant(1)),
+        4 => edge(secant(3), secant(2)),
+        _ if secant(k - 1) * secant(k) > 0.0 => 2.0 / (1.0 / secant(k - 1) + 1.0 / secant(k)),
+        _ => 0.0,
+    };
+    let t = (x - first) / step;
+    if t < 0.0 {
+        return values[0] + (x - first) * slope(0);
+    }
+    if t >= 4.0 {
+        return 0.0;
+    }
+    let k = t as usize;
+    let s = t - k as f64;
+    let rest = 1.0 - s;
+    values[k] * (1.0 + 2.0 * s) * rest * rest
+        + step * slope(k) * s * rest * rest
+        + values[k + 1] * s * s * (3.0 - 2.0 * s)
+        - step * slope(k + 1) * s * s * rest
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -422,9 +483,19 @@ impl Case {
             let range = short((gamma / modulus * plane.spacing()[0] * dice.scale(1.3, 12.0)).sqrt());
             let name = dice.of(&["xu-needleman", "bsg", "npb", "npc", "c3d"]);
             match dice.count(0, 9) {
-                0..=3 => Law::Exponential { gamma, range },
+                0..=2 => Law::Exponential { gamma, range },
+                3 => Law::Table {
+                    first: 0.0,
+                    step: 0.5 * range,
+                    tractions: [1.0, 0.8, 0.3, 0.1, 0.0].map(|t| t * gamma / range),
+                },
                 4 | 5 => Law::Dugdale { gamma, range },
-                6 | 7 => Law::Morse { gamma, range },
+                6 => Law::Morse { gamma, range },
+                7 => {
+                    let step = 0.75 * range;
+                    let tractions = [-1.5, 0.0, 0.5, 0.2, 0.0].map(|t| t * gamma / range);
+                    Law::Table { first: -step, step, tractions }
+                }
                 8 => Law::HarmonicCosine { gamma, curvature: short(gamma / (range * range)) },
                 _ => Law::Cohesive { name, work: gamma, range },
             }

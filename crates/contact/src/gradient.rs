@@ -1,0 +1,350 @@
+//! The derivative of a number of a contact with respect to heights, load and modulus, by one linear problem on the points in contact
+//! (theory.md, section 7.9).
+
+use gfmd_response::NormalTransforms;
+use gfmd_vector::{dot, for_each, total};
+use ndarray::{Array2, ArrayRef2};
+
+use crate::compliance::Compliance;
+use crate::{Contact, Effort, Load, Solution};
+
+/// The derivatives of a number L with respect to the fields and numbers of a contact: ∂L/∂p and ∂L/∂g of each point `[x, y]`, and those
+/// with respect to the numbers. Fields that are left out have none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cotangents {
+    /// With respect to the pressure of each point.
+    pub pressure: Option<Array2<f64>>,
+    /// With respect to the gap of each point.
+    pub gap: Option<Array2<f64>>,
+    /// With respect to the approach.
+    pub approach: f64,
+    /// With respect to the mean pressure.
+    pub mean_pressure: f64,
+    /// With respect to the mean gap.
+    pub mean_gap: f64,
+    /// With respect to the elastic energy per area.
+    pub elastic_energy: f64,
+}
+
+/// The derivatives of a number L with respect to the input of a contact, with the points in contact kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradient {
+    /// With respect to the height of each point, peaks towards the body.
+    pub heights: Array2<f64>,
+    /// With respect to the prescribed mean pressure, or the prescribed approach.
+    pub load: f64,
+    /// With respect to E*, with all moduli of the body in proportion, at the same mean pressure or approach.
+    pub modulus: f64,
+    /// The relative error of the linear problem, from its residual with fresh transforms.
+    pub error: f64,
+    /// Effort of the linear problem.
+    pub effort: Effort,
+}
+
+/// Reasons why a contact has no derivative.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GradientError {
+    /// A largest pressure.
+    #[error(
+        "the contact has a hardness; it must have none, since the derivative of a plastic contact is not implemented"
+    )]
+    Hardness,
+    /// Several processes.
+    #[error("several processes share the contact; it must be that of one")]
+    Shared,
+    /// A field of another shape.
+    #[error("the shape of the derivative by the {name} is {found:?}; it must be {expected:?} as that of the contact")]
+    Shape {
+        /// The field.
+        name: &'static str,
+        /// Its shape.
+        found: [usize; 2],
+        /// The shape of the contact.
+        expected: [usize; 2],
+    },
+    /// A derivative that is not finite.
+    #[error("the derivative by the {name} has {found}; it must be finite")]
+    Number {
+        /// The field or number.
+        name: &'static str,
+        /// The value.
+        found: f64,
+    },
+    /// An approach that is known up to a constant.
+    #[error(
+        "the derivative by the approach is {found}; it must be 0 for a profile whose approach is known up to a constant"
+    )]
+    NoLevel {
+        /// The derivative.
+        found: f64,
+    },
+    /// A load that does not determine the pressure.
+    #[error("{0}")]
+    Undetermined(&'static str),
+    /// A linear problem that was not solved.
+    #[error(
+        "the relative error of the derivative is {error:.1e} after {iterations} iterations; it must be at most 1e-8"
+    )]
+    Inexact {
+        /// The error.
+        error: f64,
+        /// The number of iterations.
+        iterations: u64,
+    },
+}
+
+/// The residual at which the iterations end, relative to that at the start.
+const TOLERANCE: f64 = 1e-11;
+
+/// The largest error of a result.
+const ERROR: f64 = 1e-8;
+
+/// Largest number of iterations. Some 20 to 40 are usual.
+const ITERATIONS: u64 = 2000;
+
+/// The part of the largest stiffness, per point in contact, below which that of a uniform displacement is a rounding error.
+const ROUNDING: f64 = 1e-8;
+
+impl Contact {
+    /// The derivatives of a number, whose own derivatives are `of`, in the state `solution` under a `load`, whose kind is that which is
+    /// prescribed. The points in contact are kept, which they are for almost all heights and loads.
+    ///
+    /// # Errors
+    /// A contact with a hardness, of several processes, without contact under a mean pressure, or in full contact under an approach that does
+    /// not determine its pressure; derivatives of another shape, or that are not finite; a linear problem that was not solved.
+    pub fn gradient(&self, solution: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
+        let grid = *self.response.grid();
+        let (shape, n) = (grid.points(), grid.len());
+        if self.hardness.is_some() {
+            return Err(GradientError::Hardness);
+        }
+        if self.share.own().len() != n {
+            return Err(GradientError::Shared);
+        }
+        self.check_cotangents(of, shape)?;
+        // All in the units of the solve.
+        let units = self.units();
+        let (stress, length, energy) = (units.stress(), units.length(), units.energy());
+        let in_units = |field: &ArrayRef2<f64>, unit: f64| -> Vec<f64> { field.iter().map(|x| x / unit).collect() };
+        let pressure = in_units(&solution.pressure, stress);
+        let sunk = in_units(&solution.displacement, -length);
+        let inside: Vec<f64> = pressure.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
+        let count = total(&inside);
+        let approach = of.approach * length;
+        let is_driven = matches!(load, Load::Approach(_));
+        if count == 0.0 && !is_driven {
+            return Err(GradientError::Undetermined(
+                "no point is in contact; there must be some under a mean pressure",
+            ));
+        }
+        if count == n as f64 && is_driven && self.free.is_none() && self.uniform_compliance() == 0.0 {
+            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not determine the pressure";
+            return Err(GradientError::Undetermined(reason));
+        }
+        // ∂L/∂g out of contact, where gaps change.
+        let open = |(i, inside): (usize, &f64)| {
+            let of_gap = of.gap.as_ref().map_or(0.0, |gap| gap[[i / shape[1], i % shape[1]]]);
+            (1.0 - inside) * length * (of_gap + of.mean_gap / n as f64)
+        };
+        let gap: Vec<f64> = inside.iter().enumerate().map(open).collect();
+        let opened = total(&gap);
+        let mut problem = Problem::new(self, &inside, is_driven);
+        // ∂L/∂p in contact, with all that follows from the pressure.
+        let mut source = vec![0.0; n];
+        problem.displace(&gap, &mut source);
+        for (i, source) in source.iter_mut().enumerate() {
+            let of_pressure = of.pressure.as_ref().map_or(0.0, |field| field[[i / shape[1], i % shape[1]]]) * stress;
+            let of_mean = if is_driven { of.mean_pressure * stress } else { 0.0 };
+            let of_all = of_pressure + (of_mean + of.elastic_energy * energy * sunk[i]) / n as f64;
+            *source = inside[i] * (*source + of_all);
+        }
+        let sum = if is_driven { None } else { Some(opened - approach) };
+        let Adjoint { pressure: adjoint, level, error } = problem.solve(&source, sum);
+        let effort = Effort { iterations: problem.iterations, transform_pairs: problem.pairs() };
+        if error.is_nan() || error > ERROR {
+            return Err(GradientError::Inexact { error, iterations: problem.iterations });
+        }
+        let mut heights: Vec<f64> = adjoint.iter().zip(&gap).map(|(adjoint, gap)| adjoint - gap).collect();
+        let by_approach = total(&adjoint) - opened;
+        // The approach counts from the highest point.
+        let clearance = self.scaled.clearance();
+        let lowest = clearance.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
+        heights[lowest] += if is_driven { -by_approach } else { approach };
+        let by_load =
+            if is_driven { by_approach / length + of.approach } else { level * n as f64 / stress + of.mean_pressure };
+        let stored = 0.5 * dot(&pressure, &sunk) / n as f64;
+        let by_modulus = dot(&adjoint, &sunk) - dot(&gap, &sunk) - of.elastic_energy * energy * stored;
+        Ok(Gradient {
+            heights: Array2::from_shape_fn(shape, |(i, j)| heights[i * shape[1] + j] / length),
+            load: by_load,
+            modulus: by_modulus / (self.response.contact_modulus() * units.modulus()),
+            error,
+            effort,
+        })
+    }
+
+    fn check_cotangents(&self, of: &Cotangents, expected: [usize; 2]) -> Result<(), GradientError> {
+        for (name, field) in [("pressure", &of.pressure), ("gap", &of.gap)] {
+            let Some(field) = field else { continue };
+            let found: [usize; 2] = field.dim().into();
+            if found != expected {
+                return Err(GradientError::Shape { name, found, expected });
+            }
+            if let Some(&found) = field.iter().find(|value| !value.is_finite()) {
+                return Err(GradientError::Number { name, found });
+            }
+        }
+        for (name, found) in [
+            ("approach", of.approach),
+            ("mean pressure", of.mean_pressure),
+            ("mean gap", of.mean_gap),
+            ("elastic energy", of.elastic_energy),
+        ] {
+            if !found.is_finite() {
+                return Err(GradientError::Number { name, found });
+            }
+        }
+        if of.approach != 0.0 && !self.has_level() {
+            return Err(GradientError::NoLevel { found: of.approach });
+        }
+        Ok(())
+    }
+}
+
+/// The solution of G y + μ = a on the contact.
+struct Adjoint {
+    pressure: Vec<f64>,
+    level: f64,
+    error: f64,
+}
+
+/// The linear problem of the points in contact, in double precision, preconditioned by the stiffness of the whole surface.
+struct Problem<'a> {
+    contact: &'a Contact,
+    compliance: Compliance,
+    stiffness: NormalTransforms,
+    /// 1 for the points in contact.
+    inside: &'a [f64],
+    count: f64,
+    /// Compliance and stiffness of the uniform mode.
+    uniform: [f64; 2],
+    /// M 1 and its sum, if this is more than rounding errors.
+    constant: Option<(Vec<f64>, f64)>,
+    iterations: u64,
+}
+
+impl<'a> Problem<'a> {
+    fn new(contact: &'a Contact, inside: &'a [f64], is_driven: bool) -> Self {
+        let stiffness = match contact.level_under(Load::Approach(0.0)) {
+            Some([_, stiffness]) if is_driven => stiffness,
+            _ => 0.0,
+        };
+        let mut problem = Self {
+            contact,
+            compliance: Compliance::of(contact),
+            stiffness: NormalTransforms::of(&contact.response),
+            inside,
+            count: total(inside),
+            uniform: [contact.uniform_compliance(), stiffness],
+            constant: None,
+            iterations: 0,
+        };
+        if !is_driven {
+            let mut image = vec![0.0; inside.len()];
+            problem.press(inside, &mut image);
+            let sum = total(&image);
+            let [_, stiffest] = contact.stiffness_range();
+            problem.constant = (sum > ROUNDING * stiffest * problem.count).then_some((image, sum));
+        }
+        problem
+    }
+
+    fn pairs(&self) -> f64 {
+        self.compliance.pairs() + self.stiffness.pairs()
+    }
+
+    /// `out` ← G `pressure`.
+    fn displace(&mut self, pressure: &[f64], out: &mut [f64]) {
+        self.compliance.apply(self.contact.response.compliance(), pressure, out);
+        let sunk = self.uniform[0] * total(pressure) / pressure.len() as f64;
+        for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += sunk));
+    }
+
+    /// `out` ← a − G `pressure` in contact, 0 elsewhere.
+    fn residual(&mut self, source: &[f64], pressure: &[f64], out: &mut [f64]) {
+        self.displace(pressure, out);
+        for_each((out, source, self.inside), &|_, (out, source, inside): (&mut [f64], &[f64], &[f64])| {
+            out.iter_mut()
+                .zip(source.iter().zip(inside))
+                .for_each(|(out, (source, inside))| *out = inside * (source - *out));
+        });
+    }
+
+    /// `out` ← K of the residual in contact, 0 elsewhere.
+    fn press(&mut self, residual: &[f64], out: &mut [f64]) {
+        self.stiffness.convolve(self.contact.response.stiffness(), residual, out);
+        let level = self.uniform[1] * total(residual) / residual.len() as f64;
+        for_each((out, self.inside), &|_, (out, inside): (&mut [f64], &[f64])| {
+            out.iter_mut().zip(inside).for_each(|(out, inside)| *out = inside * (*out + level));
+        });
+    }
+
+    /// `out` ← M of the residual; without a sum if that of the pressure is prescribed.
+    fn precondition(&mut self, residual: &[f64], keeps_sum: bool, out: &mut [f64]) {
+        self.press(residual, out);
+        if !keeps_sum {
+            return;
+        }
+        if let Some((constant, sum)) = &self.constant {
+            let factor = total(out) / sum;
+            out.iter_mut().zip(constant).for_each(|(out, constant)| *out -= factor * constant);
+        }
+        let mean = total(out) / self.count;
+        out.iter_mut().zip(self.inside).for_each(|(out, inside)| *out -= mean * inside);
+    }
+
+    /// Solves G y + μ = a on the contact, with this sum of y, or with any and without μ.
+    fn solve(&mut self, source: &[f64], sum: Option<f64>) -> Adjoint {
+        let n = source.len();
+        let start = sum.map_or(0.0, |sum| sum / self.count);
+        let mut pressure: Vec<f64> = self.inside.iter().map(|inside| start * inside).collect();
+        if self.count == 0.0 {
+            return Adjoint { pressure, level: 0.0, error: 0.0 };
+        }
+        let (mut residual, mut image, mut direction) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        self.residual(source, &pressure, &mut residual);
+        let (mut first, mut last) = (0.0, f64::INFINITY);
+        loop {
+            self.precondition(&residual, sum.is_some(), &mut image);
+            let slope = dot(&residual, &image);
+            if self.iterations == 0 {
+                first = slope;
+            }
+            let goes_on = slope > TOLERANCE * TOLERANCE * first && self.iterations < ITERATIONS;
+            if !goes_on {
+                break;
+            }
+            let beta = slope / last;
+            for_each((&mut direction[..], &image[..]), &|_, (direction, image): (&mut [f64], &[f64])| {
+                direction.iter_mut().zip(image).for_each(|(d, z)| *d = z + beta * *d);
+            });
+            self.displace(&direction, &mut image);
+            let step = slope / dot(&direction, &image);
+            let vectors = (&mut pressure[..], &mut residual[..], &direction[..], &image[..], self.inside);
+            type Parts<'a> = (&'a mut [f64], &'a mut [f64], &'a [f64], &'a [f64], &'a [f64]);
+            for_each(vectors, &|_, (pressure, residual, direction, image, inside): Parts| {
+                pressure.iter_mut().zip(direction).for_each(|(y, d)| *y += step * d);
+                residual.iter_mut().zip(image.iter().zip(inside)).for_each(|(r, (g, inside))| *r -= step * inside * g);
+            });
+            last = slope;
+            self.iterations += 1;
+        }
+        self.residual(source, &pressure, &mut residual);
+        let level = if sum.is_some() { total(&residual) / self.count } else { 0.0 };
+        self.precondition(&residual, sum.is_some(), &mut image);
+        let left = dot(&residual, &image).abs();
+        let error = if left == 0.0 { 0.0 } else { (left / first).sqrt() };
+        Adjoint { pressure, level, error }
+    }
+}

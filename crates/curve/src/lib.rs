@@ -1,0 +1,217 @@
+//! The shape-preserving cubic through points: tables of laws and of bodies as functions.
+//!
+//! Piecewise cubics with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), as
+//! `scipy.interpolate.PchipInterpolator` has them: the curve and its slope are continuous, the curve is monotone where the points
+//! are, and no extremum lies between points. The error falls with the third power of the spacing, next to an extremum of the points
+//! with the second.
+//!
+//! ```
+//! use gfmd_curve::Curve;
+//!
+//! let curve = Curve::new(&[[0.0, 1.0], [1.0, 0.5], [2.0, 0.1], [4.0, 0.0]])?;
+//! assert_eq!(curve.at(1.0)[0], 0.5);
+//! let [value, slope] = curve.at(1.5);
+//! assert!(0.1 < value && value < 0.5 && slope < 0.0);
+//! assert_eq!(Curve::new(&[[0.0, 1.0], [0.0, 2.0], [1.0, 2.0], [2.0, 3.0]]).unwrap_err().to_string(),
+//!     "row 2 begins with 0; it must begin with a number above that of row 1, 0");
+//! # Ok::<(), gfmd_curve::CurveError>(())
+//! ```
+
+use std::fmt;
+
+/// The least number of points of a curve.
+pub const LEAST: usize = 4;
+
+/// A shape-preserving cubic through points, continued beyond them along its tangents.
+#[derive(Clone, PartialEq)]
+pub struct Curve {
+    /// One for each stretch between two points, in rising order, after the tangent on the left, before that on the right.
+    pieces: Vec<Piece>,
+}
+
+/// The cubic y = c₀ + c₁ s + c₂ s² + c₃ s³ of s = x − `start`.
+#[derive(Clone, Copy, PartialEq)]
+struct Piece {
+    /// The point where the piece begins; of the tangent on the left where it ends.
+    start: f64,
+    cubic: [f64; 4],
+    /// The integral from the first point to `start`.
+    before: f64,
+}
+
+/// Reasons to refuse the points of a curve.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CurveError {
+    /// Too few points.
+    #[error("{found} rows; there must be at least {LEAST}")]
+    Few {
+        /// The number of points.
+        found: usize,
+    },
+    /// A coordinate that is not finite.
+    #[error("row {row} has {found}; it must have finite numbers")]
+    Number {
+        /// The row, from 1.
+        row: usize,
+        /// The coordinate.
+        found: f64,
+    },
+    /// A point that does not lie to the right of the one before it.
+    #[error("row {row} begins with {found}; it must begin with a number above that of row {}, {before}", row - 1)]
+    Order {
+        /// The row, from 1.
+        row: usize,
+        /// The abscissa.
+        found: f64,
+        /// The abscissa of the point before.
+        before: f64,
+    },
+    /// A slope or an integral that is too large for a number.
+    #[error("slope or integral up to row {row} is not finite; other units of the columns make it so")]
+    Overflow {
+        /// The row, from 1.
+        row: usize,
+    },
+}
+
+impl Curve {
+    /// The curve through the points [x, y].
+    ///
+    /// # Errors
+    /// Fewer than four points; one that is not finite; abscissae that do not rise; a slope or an integral that is not finite.
+    pub fn new(points: &[[f64; 2]]) -> Result<Self, CurveError> {
+        if points.len() < LEAST {
+            return Err(CurveError::Few { found: points.len() });
+        }
+        for (row, point) in (1..).zip(points) {
+            if let Some(&found) = point.iter().find(|number| !number.is_finite()) {
+                return Err(CurveError::Number { row, found });
+            }
+        }
+        for (row, pair) in (2..).zip(points.windows(2)) {
+            let [before, found] = [pair[0][0], pair[1][0]];
+            if found <= before {
+                return Err(CurveError::Order { row, found, before });
+            }
+        }
+        let slopes = slopes(points);
+        let [first, last] = [points[0], points[points.len() - 1]];
+        let mut pieces = vec![Piece { start: first[0], cubic: [first[1], slopes[0], 0.0, 0.0], before: 0.0 }];
+        let mut before = 0.0;
+        for (row, (pair, slopes)) in (2..).zip(points.windows(2).zip(slopes.windows(2))) {
+            let ([x, y], [end, next]) = (pair[0], pair[1]);
+            let width = end - x;
+            let secant = (next - y) / width;
+            let cubic = [
+                y,
+                slopes[0],
+                (3.0 * secant - 2.0 * slopes[0] - slopes[1]) / width,
+                (slopes[0] + slopes[1] - 2.0 * secant) / width / width,
+            ];
+            let piece = Piece { start: x, cubic, before };
+            before = piece.integral(end);
+            if !cubic.iter().chain([&before]).all(|number| number.is_finite()) {
+                return Err(CurveError::Overflow { row });
+            }
+            pieces.push(piece);
+        }
+        pieces.push(Piece { start: last[0], cubic: [last[1], slopes[slopes.len() - 1], 0.0, 0.0], before });
+        Ok(Self { pieces })
+    }
+
+    /// The abscissae of the first and the last point.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.pieces[0].start, self.pieces[self.pieces.len() - 1].start]
+    }
+
+    /// The value and the slope at `x`.
+    pub fn at(&self, x: f64) -> [f64; 2] {
+        let Piece { start, cubic: [y, slope, bend, twist], .. } = *self.piece(x);
+        let s = x - start;
+        [y + s * (slope + s * (bend + s * twist)), slope + s * (2.0 * bend + 3.0 * s * twist)]
+    }
+
+    /// The integral from the first point to `x`.
+    pub fn integral(&self, x: f64) -> f64 {
+        self.piece(x).integral(x)
+    }
+
+    /// The lowest and the highest slope from `from` on, up to the last point; +∞ and −∞ beyond it.
+    pub fn slopes(&self, from: f64) -> [f64; 2] {
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut take = |slope: f64| range = [range[0].min(slope), range[1].max(slope)];
+        for pair in self.pieces[1..].windows(2) {
+            let (Piece { start, cubic: [_, slope, bend, twist], .. }, end) = (pair[0], pair[1].start);
+            if from > end {
+                continue;
+            }
+            let at = |s: f64| slope + s * (2.0 * bend + 3.0 * s * twist);
+            let [low, high] = [start.max(from), end].map(|x| x - start);
+            take(at(low));
+            take(at(high));
+            let vertex = -bend / (3.0 * twist);
+            if low < vertex && vertex < high {
+                take(at(vertex));
+            }
+        }
+        range
+    }
+
+    /// The piece at `x`.
+    fn piece(&self, x: f64) -> &Piece {
+        let inner = &self.pieces[1..];
+        match inner.partition_point(|piece| piece.start <= x) {
+            0 => &self.pieces[0],
+            after => &inner[after - 1],
+        }
+    }
+}
+
+impl fmt::Debug for Curve {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Curve").field("ends", &self.ends()).field("points", &(self.pieces.len() - 1)).finish()
+    }
+}
+
+impl Piece {
+    /// The integral from the first point to `x`.
+    fn integral(&self, x: f64) -> f64 {
+        let [y, slope, bend, twist] = self.cubic;
+        let s = x - self.start;
+        self.before + s * (y + s * (slope / 2.0 + s * (bend / 3.0 + s * twist / 4.0)))
+    }
+}
+
+/// The slopes at the points.
+fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
+    let widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    let secants: Vec<f64> =
+        points.windows(2).zip(&widths).map(|(pair, width)| (pair[1][1] - pair[0][1]) / width).collect();
+    let last = widths.len() - 1;
+    let mut slopes = vec![edge([widths[0], widths[1]], [secants[0], secants[1]])];
+    for (width, secant) in widths.windows(2).zip(secants.windows(2)) {
+        // A weighted harmonic mean; none at an extremum.
+        let is_monotone = secant.iter().all(|s| *s > 0.0) || secant.iter().all(|s| *s < 0.0);
+        slopes.push(if is_monotone {
+            let weights = [2.0 * width[1] + width[0], width[1] + 2.0 * width[0]];
+            (weights[0] + weights[1]) / (weights[0] / secant[0] + weights[1] / secant[1])
+        } else {
+            0.0
+        });
+    }
+    slopes.push(edge([widths[last], widths[last - 1]], [secants[last], secants[last - 1]]));
+    slopes
+}
+
+/// The slope at the first or last point: that of the parabola through three points, kept between zero and three secants.
+fn edge([near, far]: [f64; 2], [secant, next]: [f64; 2]) -> f64 {
+    let slope = ((2.0 * near + far) * secant - near * next) / (near + far);
+    if slope * secant.signum() <= 0.0 || secant == 0.0 {
+        0.0
+    } else if secant.signum() != next.signum() && slope.abs() > 3.0 * secant.abs() {
+        3.0 * secant
+    } else {
+        slope
+    }
+}

@@ -1,0 +1,64 @@
+"""Contacts as functions of heights and load, for the adapters of packages that differentiate."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._body import Body, as_body
+from ._check import Array
+from ._contact import Contact, Gradient
+from ._errors import InputError
+from ._solve import contact
+from ._surface import Surface
+
+# The fields and the numbers that have derivatives, in the order of the results.
+FIELDS = ("pressure", "gap")
+NUMBERS = ("mean_pressure", "approach", "mean_gap", "elastic_energy")
+_KEYS = {"approach": "displacement"}
+
+
+class Outputs(NamedTuple):
+    """The fields [x, y] and the numbers of a contact, in the types of the package that differentiates."""
+
+    pressure: Any
+    gap: Any
+    mean_pressure: Any
+    approach: Any
+    mean_gap: Any
+    elastic_energy: Any
+
+
+class Solver:
+    """The contact of one body under one kind of load, as a function of heights and load."""
+
+    def __init__(self, body: Body, size: Any, control: str, options: dict[str, Any]) -> None:
+        self.body, self.size, self.control, self.options = as_body(body), size, control, options
+
+    def __call__(self, heights: Array, load: float) -> Contact:
+        surface = Surface(np.asarray(heights, dtype=np.float64), size=self.size)
+        options: dict[str, Any] = {self.control: float(load), **self.options}
+        found: Contact = contact(surface, self.body, **options)
+        return found
+
+    def outputs(self, found: Contact) -> list[Array]:
+        """The fields and numbers, in the order of `Outputs`, as arrays."""
+        numbers = [np.asarray(found[_KEYS.get(name, name)], dtype=np.float64) for name in NUMBERS]
+        return [found.pressure, np.where(found.pressure > 0.0, 0.0, found.gap), *numbers]
+
+    def pull(self, found: Contact, given: list[Any]) -> Gradient:
+        """The derivatives by heights and load from those by the outputs."""
+        fields = dict(zip(FIELDS, (np.asarray(field, dtype=np.float64) for field in given[:2])))
+        numbers = dict(zip(NUMBERS, (float(value) for value in given[2:])))
+        return found.vjp(**fields, **numbers, fixed=self.control)  # type: ignore[arg-type]
+
+
+def controlled(mean_pressure: Any, approach: Any) -> tuple[str, Any]:
+    """The kind of the load and the load."""
+    given = [(name, value) for name, value in (("mean_pressure", mean_pressure), ("approach", approach)) if value is not None]
+    if len(given) != 1:
+        raise InputError("the load must be given by one of mean_pressure, approach")
+    return given[0]
+
+

@@ -1,0 +1,65 @@
+"""The contact as a function of JAX, with derivatives by heights and load, also inside of `jax.jit`. Needs the package jax."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ._body import Body
+from ._contact import Contact
+from ._differentiable import Outputs, Solver, controlled
+
+__all__ = ["contact"]
+
+
+def contact(heights: Any, body: Body, *, mean_pressure: Optional[Any] = None, approach: Optional[Any] = None, size: Any = None, **options: Any) -> Outputs:
+    """The contact of a rigid surface, an array, with an elastic body; its fields and numbers are arrays with derivatives.
+
+    Args:
+        heights: heights [x, y] or [x], length, peaks towards the body. They should be of float64 (`jax_enable_x64`).
+        body: the elastic body.
+        mean_pressure, approach: the load, one of the two, a number or an array without axes.
+        size: lengths of the cell, as of `gfmd.Surface`.
+        options: the rest as of `gfmd.contact`.
+
+    Raises:
+        InputError: as `gfmd.contact` and `Contact.vjp`.
+    """
+    control, load = controlled(mean_pressure, approach)
+    surface = jnp.asarray(heights)
+    solver = Solver(body, size, control, options)
+    kind, shape = surface.dtype, surface.shape if surface.ndim == 2 else (*surface.shape, 1)
+    types = [jax.ShapeDtypeStruct(shape, kind)] * 2 + [jax.ShapeDtypeStruct((), kind)] * 4
+    kept: dict[bytes, Contact] = {}
+
+    def solved(heights: Any, load: Any) -> Contact:
+        """The contact, that of the last call if it is the same."""
+        key = np.asarray(heights).tobytes() + np.asarray(load).tobytes()
+        if key not in kept:
+            kept.clear()
+            kept[key] = solver(np.asarray(heights), float(load))
+        return kept[key]
+
+    def ahead(heights: Any, load: Any) -> list[Any]:
+        return [np.asarray(value, dtype=kind) for value in solver.outputs(solved(heights, load))]
+
+    def back(heights: Any, load: Any, given: Any) -> list[Any]:
+        pulled = solver.pull(solved(heights, load), list(given))
+        return [np.asarray(pulled.heights, dtype=kind).reshape(surface.shape), np.asarray(pulled.load, dtype=kind)]
+
+    @jax.custom_vjp  # type: ignore[untyped-decorator]
+    def outputs(heights: Any, load: Any) -> Any:
+        return tuple(jax.pure_callback(ahead, types, heights, load))
+
+    def forward(heights: Any, load: Any) -> Any:
+        return outputs(heights, load), (heights, load)
+
+    def backward(kept: Any, given: Any) -> Any:
+        results = [jax.ShapeDtypeStruct(surface.shape, kind), jax.ShapeDtypeStruct((), kind)]
+        return tuple(jax.pure_callback(back, results, *kept, list(given)))
+
+    outputs.defvjp(forward, backward)
+    return Outputs(*outputs(surface, jnp.asarray(load, dtype=kind)))

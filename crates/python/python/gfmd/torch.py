@@ -1,0 +1,48 @@
+"""The contact as a function of PyTorch, with derivatives by heights and load. Needs the package torch."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+import torch
+
+from ._body import Body
+from ._differentiable import Outputs, Solver, controlled
+
+__all__ = ["contact"]
+
+
+class _Contact(torch.autograd.Function):  # type: ignore[misc]
+    @staticmethod
+    def forward(context: Any, heights: Any, load: Any, solver: Solver) -> Any:
+        found = solver(heights.detach().cpu().numpy(), float(load))
+        context.solver, context.found, context.like = solver, found, (heights, load)
+        like = {"dtype": heights.dtype, "device": heights.device}
+        return tuple(torch.as_tensor(np.array(value), **like) for value in solver.outputs(found))
+
+    @staticmethod
+    def backward(context: Any, *given: Any) -> Any:
+        pulled = context.solver.pull(context.found, [value.detach().cpu().numpy() for value in given])
+        heights, load = context.like
+        by_heights = torch.as_tensor(np.array(pulled.heights), dtype=heights.dtype, device=heights.device)
+        by_load = torch.as_tensor(pulled.load, dtype=load.dtype, device=load.device)
+        return by_heights.reshape(heights.shape), by_load, None
+
+
+def contact(heights: Any, body: Body, *, mean_pressure: Optional[Any] = None, approach: Optional[Any] = None, size: Any = None, **options: Any) -> Outputs:
+    """The contact of a rigid surface, a tensor, with an elastic body; its fields and numbers are tensors with derivatives.
+
+    Args:
+        heights: heights [x, y] or [x], length, peaks towards the body, a tensor. It should be of float64.
+        body: the elastic body.
+        mean_pressure, approach: the load, one of the two, a number or a tensor without axes.
+        size: lengths of the cell, as of `gfmd.Surface`.
+        options: the rest as of `gfmd.contact`.
+
+    Raises:
+        InputError: as `gfmd.contact` and `Contact.vjp`.
+    """
+    control, load = controlled(mean_pressure, approach)
+    given = torch.as_tensor(load, dtype=heights.dtype, device=heights.device)
+    return Outputs(*_Contact.apply(heights, given, Solver(body, size, control, options)))

@@ -1,0 +1,104 @@
+"""Derivatives of contacts: difference quotients, adapters, refusals."""
+
+import numpy as np
+import pytest
+
+import gfmd
+
+HEIGHTS = gfmd.self_affine(n=16, eps_f_inv=2).heights
+BODY = gfmd.Body(young=2.0, poisson=0.3)
+RANDOM = np.random.default_rng(1)
+PRESSURE, GAP = RANDOM.normal(size=(2, 16, 16))
+
+
+def number(c):
+    """A number that depends on everything."""
+    open_gap = np.where(c.pressure > 0, 0.0, c.gap)
+    return (PRESSURE * c.pressure).sum() + (GAP * open_gap).sum() + 3 * c.approach + 5 * open_gap.mean() + 7 * c.elastic_energy - 2 * c.mean_pressure
+
+
+COTANGENTS = dict(pressure=PRESSURE, gap=GAP, approach=3.0, mean_gap=5.0, elastic_energy=7.0, mean_pressure=-2.0)
+
+
+@pytest.mark.parametrize("load", [{"mean_pressure": 0.02}, {"approach": 0.004}])
+@pytest.mark.parametrize("options", [{}, {"boundary": "free"}, {"components": "held"}])
+def test_derivatives_are_difference_quotients(load, options):
+    def solve(heights=HEIGHTS, body=BODY, **other):
+        return gfmd.contact(heights, body, tolerance=1e-12, **(other or load), **options)
+
+    found = solve().vjp(**COTANGENTS)
+    (kind, value), step = *load.items(), 1e-7
+    assert found.fixed == kind and found.error < 1e-8
+    for i, j in [(0, 0), (3, 7), (11, 2), (15, 15), (8, 8), np.unravel_index(HEIGHTS.argmax(), HEIGHTS.shape)]:
+        moved = np.zeros_like(HEIGHTS)
+        moved[i, j] = step
+        quotient = (number(solve(HEIGHTS + moved)) - number(solve(HEIGHTS - moved))) / (2 * step)
+        assert found.heights[i, j] == pytest.approx(quotient, rel=1e-4, abs=1e-4)
+    quotient = (number(solve(**{kind: value * (1 + 1e-6)})) - number(solve(**{kind: value * (1 - 1e-6)}))) / (2e-6 * value)
+    assert found.load == pytest.approx(quotient, rel=1e-5)
+    bodies = [gfmd.Body(e_star=BODY.e_star * (1 + change), poisson=0.3) for change in (1e-6, -1e-6)]
+    quotient = (number(solve(body=bodies[0])) - number(solve(body=bodies[1]))) / (2e-6 * BODY.e_star)
+    assert found.modulus == pytest.approx(quotient, rel=1e-5)
+
+
+def test_it_is_that_of_a_file_and_of_the_other_load(tmp_path):
+    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1, tolerance=1e-12)
+    plain = c.vjp(approach=1.0)
+    assert plain.fixed == "mean_pressure" and plain.load == pytest.approx(1 / c.stiffness, rel=1e-8)
+    assert c.vjp(mean_pressure=1.0, fixed="approach").load == pytest.approx(c.stiffness, rel=1e-8)
+    c.save(tmp_path / "c.h5")
+    assert gfmd.load(tmp_path / "c.h5").vjp(approach=1.0).heights == pytest.approx(plain.heights, rel=1e-8)
+    line = gfmd.contact(HEIGHTS[:, 0], BODY, p_star=0.1)
+    assert line.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
+
+
+def test_what_has_no_derivative_is_named():
+    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1)
+    for arguments, words in [
+        (dict(pressure=np.ones((3, 3))), r"pressure has the shape \[3, 3\]"),
+        (dict(gap=np.full((16, 16), np.inf)), "the derivative by the gap has inf"),
+        (dict(approach=np.nan), "approach is nan"),
+        (dict(fixed="load"), "fixed is 'load'"),
+    ]:
+        with pytest.raises(gfmd.InputError, match=words):
+            c.vjp(**arguments)
+    slab = gfmd.Body(height=0.3)
+    for options, words in [
+        (dict(law=gfmd.law("exponential", gamma=1e-4, range=4e-3)), "law is exponential"),
+        (dict(hardness=0.5), "hardness is given"),
+        (dict(finite_slope=True), "finite.slope is given"),
+        (dict(lower_surface=0.0 * HEIGHTS), "lower.surface is given"),
+        (dict(base_displacement=0.01 * HEIGHTS), "base.displacement is given"),
+    ]:
+        other = gfmd.contact(HEIGHTS, slab, mean_pressure=0.01, **options)
+        with pytest.raises(gfmd.InputError, match=words):
+            other.vjp(approach=1.0)
+
+
+
+def test_torch_differentiates_through_a_contact():
+    torch = pytest.importorskip("torch")
+    import gfmd.torch
+
+    heights = torch.tensor(HEIGHTS.copy(), dtype=torch.float64, requires_grad=True)
+    load = torch.tensor(0.02, dtype=torch.float64, requires_grad=True)
+    found = gfmd.torch.contact(heights, BODY, mean_pressure=load, tolerance=1e-12)
+    value = (torch.tensor(PRESSURE) * found.pressure).sum() + 3 * found.approach + (found.gap * torch.tensor(GAP)).sum()
+    value.backward()
+    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(pressure=PRESSURE, gap=GAP, approach=3.0)
+    assert heights.grad.numpy() == pytest.approx(wanted.heights, rel=1e-9) and float(load.grad) == pytest.approx(wanted.load)
+
+
+def test_jax_differentiates_through_a_contact():
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import gfmd.jax
+
+    def value(heights, load):
+        found = gfmd.jax.contact(heights, BODY, mean_pressure=load, tolerance=1e-12)
+        return (PRESSURE * found.pressure).sum() + 3 * found.approach + (found.gap * GAP).sum()
+
+    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(pressure=PRESSURE, gap=GAP, approach=3.0)
+    for differentiate in (jax.grad(value, argnums=(0, 1)), jax.jit(jax.grad(value, argnums=(0, 1)))):
+        by_heights, by_load = differentiate(HEIGHTS.copy(), 0.02)
+        assert np.asarray(by_heights) == pytest.approx(wanted.heights, rel=1e-9) and float(by_load) == pytest.approx(wanted.load)
