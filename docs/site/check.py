@@ -1,5 +1,6 @@
-"""Checks the built site: links and anchors in its files; in headless Chromium at two widths, light and dark, each page without
-errors, requests to other hosts, overflow, missing images or empty formulas; and the search. `.ci/site --check` runs it.
+"""Checks the built site: links and anchors in its files; in headless Chromium at two widths, light and dark, each page
+without errors, requests to other hosts, overflow, missing images or empty formulas; and the search.
+`.ci/site --check` runs it.
 
 Usage: check.py FOLDER [SCREENSHOTS]
 """
@@ -30,7 +31,9 @@ SEARCHES = {
     "Tamaas": "others.html",
 }
 FIRST = 5
-SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html", "theory.html")
+SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html")
+# Pages that are no page of the site.
+OTHERS = ("crates/", "_", "genindex", "search", "py-modindex")
 
 
 class Page(HTMLParser):
@@ -52,7 +55,8 @@ class Page(HTMLParser):
 
 def links(folder: Path) -> list[str]:
     """Links within the site that lead nowhere. The pages of rustdoc are its own affair; links to them count."""
-    pages = {path: Page(path.read_text(encoding="utf-8")) for path in folder.rglob("*.html") if "crates" not in path.relative_to(folder).parts[:-1]}
+    ours = (path for path in folder.rglob("*.html") if not str(path.relative_to(folder)).startswith("crates/"))
+    pages = {path: Page(path.read_text(encoding="utf-8")) for path in ours}
     wrong = []
     for path, page in pages.items():
         for link in page.links:
@@ -75,8 +79,13 @@ class Quiet(SimpleHTTPRequestHandler):
 OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
 IMAGES = """[...document.images].filter(i => { i.loading = 'eager'; return i.offsetParent !== null; })
     .filter(i => !(i.complete && i.naturalWidth > 0)).map(i => i.src)"""
+LINKS = "all => all.map(a => a.getAttribute('href'))"
 FORMULAS = """[...document.querySelectorAll('math')].filter(m => { const r = m.getBoundingClientRect();
     return r.width < 2 || r.height < 2; }).length"""
+
+
+def is_elsewhere(address: str, home: str) -> bool:
+    return not address.startswith((home, "data:"))
 
 
 def visited(folder: Path, shots: Path | None) -> list[str]:
@@ -85,8 +94,9 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
     threading.Thread(target=server.serve_forever, daemon=True).start()
     home = f"http://127.0.0.1:{server.server_port}"
     names = sorted(str(path.relative_to(folder)) for path in folder.rglob("*.html"))
-    names = [name for name in names if not name.startswith(("crates/", "_", "genindex", "search")) and name != "py-modindex.html"]
-    program = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    names = [name for name in names if not name.startswith(OTHERS)]
+    known = (os.environ.get("CHROMIUM"), *map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
+    program = next((found for found in known if found), None)
     flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, headless=True, args=flags)
@@ -95,10 +105,10 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                 context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
                 page = context.new_page()
                 heard: list[str] = []
-                page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)
+                page.on("console", lambda said: heard.append(said.text) if said.type == "error" else None)
                 page.on("pageerror", lambda error: heard.append(str(error)))
-                page.on("request", lambda request: heard.append(f"asks for {request.url}") if not request.url.startswith((home, "data:")) else None)
-                page.on("requestfailed", lambda request: heard.append(f"{request.url} failed"))
+                page.on("request", lambda asked: heard.append(asked.url) if is_elsewhere(asked.url, home) else None)
+                page.on("requestfailed", lambda asked: heard.append(f"{asked.url} failed"))
                 for name in names:
                     heard.clear()
                     page.goto(f"{home}/{name}", wait_until="load")
@@ -112,14 +122,15 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                         wrong.append(f"{where}: {empty} formulas are empty")
                     if shots and name in SHOTS:
                         shots.mkdir(parents=True, exist_ok=True)
-                        page.screenshot(path=shots / f"{name.replace('/', '-')[:-5]}-{width}-{scheme}.png", full_page=name == "index.html")
+                        shot = shots / f"{name.replace('/', '-')[:-5]}-{width}-{scheme}.png"
+                        page.screenshot(path=shot, full_page=name == "index.html")
                 context.close()
         page = browser.new_page()
         for word, wanted in SEARCHES.items():
             page.goto(f"{home}/search.html?q={word.replace('*', '%2A')}")
             page.wait_for_selector("#search-results ul.search li a", timeout=20000)
             page.wait_for_timeout(500)
-            found = page.eval_on_selector_all("#search-results ul.search li > a", "all => all.map(a => a.getAttribute('href'))")
+            found = page.eval_on_selector_all("#search-results ul.search li > a", LINKS)
             first = list(dict.fromkeys(link.split("#")[0].split("?")[0] for link in found))[:FIRST]
             if wanted not in first:
                 wrong.append(f"search for {word!r}: {wanted} is not among the first {FIRST}: {', '.join(first)}")
