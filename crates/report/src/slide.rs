@@ -24,6 +24,9 @@ const COLUMNS: [(&str, &str); 9] = [
     ("mean_gap", "mean gap"),
 ];
 
+/// The label of the velocity, whose unit of time is that of the relaxation times.
+const VELOCITY: &str = "velocity / (length/time)";
+
 /// A state of steady sliding, as its figure shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
@@ -52,7 +55,7 @@ pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
         states.chunks(velocities.max(1)).enumerate().flat_map(curve).collect()
     };
     let panel = |label: &str, series: Vec<Series>| Panel {
-        x: if velocities > 1 { Axis::log("velocity") } else { Axis::linear("velocity") },
+        x: if velocities > 1 { Axis::log(VELOCITY) } else { Axis::linear(VELOCITY) },
         y: Axis::linear(label),
         series,
         ..Panel::default()
