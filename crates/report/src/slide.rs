@@ -7,9 +7,8 @@ use maud::html;
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
 use gfmd_run::failure::Failure;
 
-const CITED: [&str; 1] = [
-    "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical Physics 115, 3840–3861 (2001).",
-];
+const CITED: [&str; 1] = ["B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
+     Physics 115, 3840–3861 (2001)."];
 
 /// The columns of the table: names in a file, and their heads.
 const COLUMNS: [(&str, &str); 9] = [
