@@ -129,6 +129,7 @@ pub struct Args {
 #[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 #[group(required = true, multiple = false)]
+#[command(next_help_heading = "Load")]
 pub(crate) struct ControlArgs {
     /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]

@@ -151,11 +151,74 @@ pub fn keep_freed_memory() {
     }
 }
 
+/// Terms of flags, by the key of the flag or the name of the command whose help explains them.
+const TERMS: [(&str, &str); 6] = [
+    ("p_star", "  p*       reduced pressure p/(E* g): mean pressure over contact modulus E* times rms gradient g"),
+    ("e_star", "  E*       contact modulus E/(1 - nu^2)"),
+    ("eps_t_inv", "  eps_t    longest wavelength of the surface over the length of the cell"),
+    ("eps_f_inv", "  eps_f    shortest wavelength over the longest one"),
+    ("eps_c_inv", "  eps_c    grid spacing over the shortest wavelength"),
+    (
+        "kappa-sweep",
+        "  p*       reduced pressure p/(E* g): mean pressure over contact modulus E* times rms gradient g\n  \
+         kappa    contact area fraction over p*\n  \
+         TFC      thermodynamic, fractal and continuum limit, of eps_t, eps_f and eps_c to 0\n  \
+         eps_t    longest wavelength of the surface over the length of the cell\n  \
+         eps_f    shortest wavelength over the longest one\n  \
+         eps_c    grid spacing over the shortest wavelength",
+    ),
+];
+
+/// Groups of the flags that commands have themselves: their head, the commands (all if there is none), the keys. The
+/// first one that fits counts; flags that commands have in common bring their group with them.
+const GROUPS: &[(&str, &[&str], &[&str])] = &[
+    ("Measurements", &["surface"], &["fit_range", "window", "statistics", "boundary"]),
+    (
+        "Punch",
+        &["punch"],
+        &["dim", "n", "punch_fraction", "depth", "contact", "nodes", "mask", "traction", "shift", "refine"],
+    ),
+    ("Solver", &["punch"], &["solver"]),
+    ("Places", &["body"], &["depths", "levels", "deepest", "slice", "quantities"]),
+    ("Places", &["green", "law"], &["z", "depth", "normal", "tangential"]),
+    ("Load", &["theory"], &["p_star", "wavelength"]),
+    ("Dynamics", &["damping"], &["factors", "dt", "steps"]),
+    ("Body", &["punch", "body", "green", "damping"], &["height", "young", "poisson", "e_star"]),
+    ("Contact", &[], &["boundary", "components", "hardness", "finite_slope", "friction", "shear_strength"]),
+    ("Accuracy", &[], &["grid_error", "accuracy", "energy_tol", "energy_solves"]),
+    ("Solver", &[], &["tol", "max_iter", "range_continuation"]),
+    ("Measurements", &[], &["statistics", "conductor_height", "flow", "flow_threshold"]),
+    ("Output", &[], &["fields", "out", "vtk", "plots", "plot", "report", "list", "compare", "draw"]),
+];
+
+/// Puts the flags of a command into their groups.
+fn grouped(command: clap::Command) -> clap::Command {
+    let name = command.get_name().to_owned();
+    // A sweep, a check and a report have few flags, of one kind.
+    if ["kappa-sweep", "check", "report"].contains(&&*name) {
+        return command;
+    }
+    command.mut_args(|arg| {
+        let fits = |(_, commands, keys): &&(&str, &[&str], &[&str])| {
+            (commands.is_empty() || commands.contains(&&*name)) && keys.contains(&arg.get_id().as_str())
+        };
+        match GROUPS.iter().find(fits) {
+            Some((head, ..)) => arg.help_heading(*head),
+            None => arg,
+        }
+    })
+}
+
 /// Puts the name by which the program is called into its help, whose examples are written for `gfmd`.
 fn named(command: clap::Command, name: &'static str) -> clap::Command {
     let examples = |command: clap::Command| match command.get_after_help() {
         Some(text) => {
             let text = text.to_string().replace("\n  gfmd ", &format!("\n  {name} "));
+            let known = |term: &&(&str, &str)| {
+                command.get_name() == term.0 || command.get_arguments().any(|arg| arg.get_id() == term.0)
+            };
+            let terms: String = TERMS.iter().filter(known).map(|(_, meaning)| format!("{meaning}\n")).collect();
+            let text = if terms.is_empty() { text } else { format!("Terms:\n{terms}\n{text}") };
             let rules = match command.get_name() {
                 "contact" => rules_of(Task::Loads),
                 "path" => rules_of(Task::Path),
@@ -168,7 +231,7 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
         }
         None => command,
     };
-    command.name(name).bin_name(name).mut_subcommands(examples)
+    command.name(name).bin_name(name).mut_subcommands(|command| grouped(examples(command)))
 }
 
 impl Command {

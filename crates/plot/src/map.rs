@@ -208,8 +208,8 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
 /// The range of the colour scale, and two flags: values lie below it, values lie above it.
 ///
 /// A field with singular edges has a few extremely large values. Unless the range is given, the scale therefore ends at
-/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end; a
-/// logarithmic one begins at the 0.5 % quantile.
+/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end, and
+/// begins at the 0.5 % quantile, if no class lies below, in the same way; a logarithmic one always begins there.
 fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
     let (least, most) =
@@ -230,8 +230,10 @@ fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
             if low < most { [low, most] } else { padded(Scale::Log, [most].into_iter()).unwrap_or([0.1, 1.0]) }
         }
         (None, Scale::Linear, below) => {
-            let low = below.as_ref().map_or(least, |below| below.threshold);
-            let most_of_all = at(995);
+            let (least_of_all, most_of_all) = (at(5), at(995));
+            let far = most_of_all - least > 1.5 * (most_of_all - least_of_all);
+            let lowest = if far { least_of_all } else { least };
+            let low = below.as_ref().map_or(lowest, |below| below.threshold);
             let high = if most - low > 1.5 * (most_of_all - low) { most_of_all } else { most };
             if high > low { [low, high] } else { padded(Scale::Linear, [low, most].into_iter()).unwrap_or([0.0, 1.0]) }
         }

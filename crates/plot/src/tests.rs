@@ -230,6 +230,12 @@ fn a_few_singular_values_do_not_set_the_colour_range() {
     let highest = |svg: &str| words(svg).iter().filter_map(|word| word.parse::<f64>().ok()).fold(0.0, f64::max);
     assert!(highest(&spiked) <= 2.0 && highest(&plain) <= 2.0);
     assert!(spiked.matches("<path").count() > plain.matches("<path").count(), "the bar has a point");
+    // Without a class below, the lower end is as the upper one.
+    let heights: Vec<f64> = (0..10_000).map(|i| f64::from(i) / 10_000.0).collect();
+    let map = |heights: &[f64]| Map::new(heights, [100, 100], [2.0, 1.0], "height").svg().unwrap();
+    let pitted: Vec<f64> = heights.iter().map(|h| if *h == 0.5 { -1e6 } else { *h }).collect();
+    assert!(map(&pitted).matches("<path").count() > map(&heights).matches("<path").count());
+    assert!(!map(&pitted).contains("×10"), "the labels are those of the other heights");
 }
 
 #[test]

@@ -194,3 +194,21 @@ def test_height_parameters_and_spectrum_are_those_of_surface_topography():
         theirs = np.exp(np.interp(np.log(own.wavenumber[band]), np.log(q[1:]), np.log(density[1:])))
         assert np.abs(np.log((2.0 * np.pi) ** 2 * own.density[band] / theirs)).mean() < 0.1
     assert rough.statistics().sdr == pytest.approx(0.5 * rough.statistics().rms_gradient_inside**2, rel=0.02)
+
+
+def test_both_directions_of_a_loop_and_the_contact_in_a_gap_are_told_apart():
+    matplotlib = pytest.importorskip("matplotlib")
+    surface = gfmd.self_affine(n=32, size="2 um", unit="m")
+    loop = gfmd.path(surface, gfmd.Body(e_star="1 GPa"), p_star=[0.01, 0.1, 0.01], steps=3)
+    ax = loop.plot("displacement", "area_fraction")
+    there, back = ax.lines
+    assert [line.get_label() for line in ax.lines] == ["rising", "falling"] and there.get_linestyle() != back.get_linestyle()
+    assert there.get_xdata()[-1] == back.get_xdata()[0] and len(there.get_xdata()) + len(back.get_xdata()) == len(loop.steps["displacement"]) + 1
+    assert ax.get_xlabel() == "displacement (nm)" and ax.get_ylabel() == "area fraction"
+    contact = gfmd.contact(surface, gfmd.Body(e_star="1 GPa"), p_star=0.1)
+    ax = contact.plot("gap")
+    marked, gaps = (image.get_array() for image in ax.images)
+    assert np.array_equal(np.ma.filled(np.ma.masked_invalid(marked), 0.0).T > 0.0, contact.touching)
+    assert np.array_equal(np.ma.getmaskarray(np.ma.masked_invalid(gaps)).T, contact.touching)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["contact"]
+    matplotlib.pyplot.close("all")

@@ -96,7 +96,7 @@ def test_a_sweep_keeps_the_runs_that_are_done_and_goes_on(named, ctrl_c, tmp_pat
 
 
 def test_a_sweep_that_goes_on_ends_as_one_in_one_go(ctrl_c, tmp_path):
-    config = {**SWEEP, "statistics": {"realisations": 100}}
+    config = {**SWEEP, "statistics": {"realisations": 30}}
     wanted = gfmd.kappa_sweep(config)
     journal = tmp_path / "k.h5.journal"
     ctrl_c(when=lambda: journal.exists() and journal.read_bytes().count(b"\n") > 10)

@@ -68,13 +68,19 @@ pub fn area_chart(mut series: Vec<Series>) -> Chart {
     }])
 }
 
+/// The name of the straight line a_r = √(2π) p*, which the theory of Bush, Gibson and Thomas has at vanishing load alone.
+const BUSH_GIBSON_THOMAS_LIMIT: &str = "Bush–Gibson–Thomas, low load";
+
 /// The area of Persson's theory, and the straight line of Bush, Gibson and Thomas for areas below one half.
 pub fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     let pressures = |to: f64| (0..=80).map(move |i| lowest * (to / lowest).powf(f64::from(i) / 80.0));
     let persson = pressures(highest).map(|p| (p, persson_area(p)));
     let linear_to = highest.min(0.5 / BUSH_GIBSON_THOMAS_KAPPA).max(lowest);
     let bush = pressures(linear_to).map(|p| (p, BUSH_GIBSON_THOMAS_KAPPA * p));
-    [Series::line("Persson", 5, persson), Series { mark: Mark::Dashes, ..Series::line("Bush–Gibson–Thomas", 6, bush) }]
+    [
+        Series::line("Persson", 5, persson),
+        Series { mark: Mark::Dashes, ..Series::line(BUSH_GIBSON_THOMAS_LIMIT, 6, bush) },
+    ]
 }
 
 /// A range of colours for a difference: about zero, without the largest two hundredths of the values in magnitude if they are much

@@ -200,7 +200,12 @@ pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<
     let times = columns[0].iter().map(|(time, _)| *time).filter(|time| *time > 0.0);
     let [first, last] = times.fold([f64::INFINITY, 0.0], |[first, last], time| [time.min(first), time.max(last)]);
     let is_long = last > 100.0 * first;
-    let labels = ["contact area".to_owned(), reduced.to_owned(), format!("approach / {unit}")];
+    let farthest = columns[2].iter().map(|(_, approach)| approach.abs()).filter(|size| size.is_finite());
+    let read = length(unit, farthest.fold(0.0, f64::max));
+    let [area, pressure, approach] = columns;
+    let approach = approach.into_iter().map(|(time, value)| (time, value * read.factor)).collect();
+    let columns = [area, pressure, approach];
+    let labels = ["contact area".to_owned(), reduced.to_owned(), format!("approach / {}", read.name)];
     let panel = |(points, label): (Vec<(f64, f64)>, String)| {
         let shown = points.into_iter().filter(|(time, _)| !is_long || *time > 0.0).map(|(x, y)| Point::new(x, y));
         Panel {
@@ -218,13 +223,21 @@ pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<
     columns.into_iter().zip(labels).filter(varies).map(panel).collect()
 }
 
-/// A path of points, leg by leg.
+/// A path of points, leg by leg: joined points where the abscissa rises, hollow ones and a broken line where it falls.
 pub fn legs(points: &[(f64, f64)], steps_of_leg: usize) -> Vec<Series> {
     let last = points.len().saturating_sub(1);
     let leg = |(hue, start): (usize, usize)| {
-        let points = points[start..=(start + steps_of_leg).min(last)].iter().map(|(x, y)| Point::new(*x, *y));
-        let label = format!("leg {}", hue + 1);
-        Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points.collect()) }
+        let points = &points[start..=(start + steps_of_leg).min(last)];
+        let ends = points.first().zip(points.last());
+        let falls = ends.is_some_and(|(first, last)| last.0 < first.0);
+        let points: Vec<Point> = points.iter().map(|(x, y)| Point::new(*x, *y)).collect();
+        let series = |label: &str, mark| Series { mark, ..Series::points(label, hue, points.clone()) };
+        match falls {
+            false => vec![series(&format!("leg {}, rising", hue + 1), Mark::JoinedPoints)],
+            true => {
+                vec![series("", Mark::Dashes), series(&format!("leg {}, falling", hue + 1), Mark::HollowPoints)]
+            }
+        }
     };
-    (0..last.max(1)).step_by(steps_of_leg).enumerate().map(leg).collect()
+    (0..last.max(1)).step_by(steps_of_leg).enumerate().flat_map(leg).collect()
 }

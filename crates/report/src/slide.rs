@@ -7,9 +7,8 @@ use maud::html;
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
 use gfmd_run::failure::Failure;
 
-const CITED: [&str; 1] = [
-    "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical Physics 115, 3840–3861 (2001).",
-];
+const CITED: [&str; 1] = ["B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
+     Physics 115, 3840–3861 (2001)."];
 
 /// The columns of the table: names in a file, and their heads.
 const COLUMNS: [(&str, &str); 9] = [
@@ -23,6 +22,9 @@ const COLUMNS: [(&str, &str); 9] = [
     ("persson_friction", "Persson"),
     ("mean_gap", "mean gap"),
 ];
+
+/// The label of the velocity, whose unit of time is that of the relaxation times.
+const VELOCITY: &str = "velocity / (length/time)";
 
 /// A state of steady sliding, as its figure shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +54,7 @@ pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
         states.chunks(velocities.max(1)).enumerate().flat_map(curve).collect()
     };
     let panel = |label: &str, series: Vec<Series>| Panel {
-        x: if velocities > 1 { Axis::log("velocity") } else { Axis::linear("velocity") },
+        x: if velocities > 1 { Axis::log(VELOCITY) } else { Axis::linear(VELOCITY) },
         y: Axis::linear(label),
         series,
         ..Panel::default()

@@ -19,6 +19,7 @@ use gfmd_problem::options::given::Given;
 /// Flags of a base that moves.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Base")]
 pub struct BaseArgs {
     /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]

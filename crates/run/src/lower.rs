@@ -14,6 +14,7 @@ use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
 /// Flags of a rigid surface below the slab.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Lower surface")]
 pub struct LowerArgs {
     /// A rigid surface below the slab, in place of a base: heights as with --surface, peaks towards the slab, on the same points; prepared by the
     /// flags of --surface if that is given

@@ -24,6 +24,7 @@ use snapshot::{Stored, Writer};
 
 /// The flag of a command that can be continued.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Long runs")]
 pub struct ResumeArgs {
     /// Continue a run that was interrupted or killed, from what is kept beside --out
     #[arg(long, requires = "out")]
@@ -32,6 +33,7 @@ pub struct ResumeArgs {
 
 /// The flag of a command that copies a running solve.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Long runs")]
 pub struct CheckpointArgs {
     /// Time between two copies of the running solve beside --out; 0 for none
     #[arg(long, default_value_t = 60.0, value_name = "SECONDS", allow_negative_numbers = true)]

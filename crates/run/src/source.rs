@@ -28,6 +28,7 @@ use scan::{Prepared, Scan};
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Surface")]
 pub struct SourceArgs {
     /// Heights, peaks towards the body: a file of an instrument or program (docs/formats.md), or FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",

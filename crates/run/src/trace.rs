@@ -14,6 +14,7 @@ use crate::failure::Failure;
 /// Flags of the record.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Long runs")]
 pub struct TraceArgs {
     /// Record residual and energy of every step, in the JSON and in /history of --out
     #[arg(long)]

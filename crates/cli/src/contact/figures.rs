@@ -11,7 +11,7 @@ use super::Report;
 use super::statistics::Gathered;
 use gfmd_record::patches;
 use gfmd_report::contact::{AREAS, areas};
-use gfmd_report::figures::{Drawn, Scene, field, named, short};
+use gfmd_report::figures::{Drawn, Scene, field, named, short, sides};
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness::GivenHardness;
 use gfmd_run::source::Surface;
@@ -149,21 +149,21 @@ pub(super) fn measured(
         let of_gap = chart(Axis::log("gap / *h*_{rms}"), Axis::log("density × *h*_{rms}"), gaps);
         files.extend(of_gap.save(&named(prefix, "gaps"))?);
     }
+    let (side, power) = (sides(grid, unit), if grid.is_line() { 1 } else { 2 });
     let spectra = chosen.iter().enumerate().filter_map(|(hue, &load)| {
         let bins = gathered.loads[load]
             .spectrum()?
             .iter()
             .filter(|bin| bin[1] > 0.0)
-            .map(|bin| (bin[0], bin[1] / report.head.e_star.powi(2)));
+            .map(|bin| (bin[0] / side.factor, bin[1] / report.head.e_star.powi(2) * side.factor.powi(power)));
         Some(Series::line(&label(load), hue, bins))
     });
     let spectra: Vec<Series> = spectra.filter(|series| !series.points.is_empty()).collect();
     if !spectra.is_empty() {
-        let x = match unit {
-            "length" => Axis::log("wavenumber *q* × length"),
-            _ => Axis::log(&format!("wavenumber *q* / (rad/{unit})")),
-        };
-        files.extend(chart(x, Axis::log("spectrum of *p*/*E*\\*"), spectra).save(&named(prefix, "spectrum"))?);
+        let raised = if power == 1 { String::new() } else { format!("^{power}") };
+        let x = Axis::log(&format!("wavenumber *q* / (rad/{})", side.name));
+        let y = Axis::log(&format!("spectrum of *p*/*E*\\* / {}{raised}", side.name));
+        files.extend(chart(x, y, spectra).save(&named(prefix, "spectrum"))?);
     }
     Ok(files)
 }

@@ -29,10 +29,19 @@ pub(super) fn draw(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64
     };
     let opening = curves(normal, tangential, "Δ_t", &|n, t| law.response(n, t).traction[0]);
     let sliding = curves(tangential, normal, "Δ_n", &|t, n| law.response(n, t).traction[1]);
-    let mut panels =
-        vec![Panel { x: Axis::linear("Δ_n"), y: Axis::linear("*T*_n"), series: opening, ..Panel::default() }];
+    let mut panels = vec![Panel {
+        x: Axis::linear("Δ_n / length"),
+        y: Axis::linear("*T*_n / stress"),
+        series: opening,
+        ..Panel::default()
+    }];
     if law.mixed_mode().is_some() {
-        panels.push(Panel { x: Axis::linear("Δ_t"), y: Axis::linear("*T*_t"), series: sliding, ..Panel::default() });
+        panels.push(Panel {
+            x: Axis::linear("Δ_t / length"),
+            y: Axis::linear("*T*_t / stress"),
+            series: sliding,
+            ..Panel::default()
+        });
     } else {
         panels[0].series.truncate(1);
         panels[0].series[0].label.clear();

@@ -19,6 +19,7 @@ const STEP_BYTES: u64 = 4096;
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Waypoints")]
 pub(super) struct WaypointArgs {
     /// Mean pressures, stress; a negative one pulls; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]

@@ -80,8 +80,12 @@ pub(super) fn draw(
             displacement.push(Series { mark: Mark::Dashes, ..line });
         }
     }
-    let panel =
-        |label: &str, series| Panel { x: Axis::linear("*x*"), y: Axis::linear(label), series, ..Panel::default() };
+    let panel = |label: &str, series| Panel {
+        x: Axis::linear("*x* / length"),
+        y: Axis::linear(label),
+        series,
+        ..Panel::default()
+    };
     let panels = vec![panel("displacement / depth", displacement), panel("traction / *E*\\*", traction)];
     let chart = Chart { share_y: false, ..Chart::new(panels) };
     files.extend(chart.save(&named(prefix, "cut"))?);

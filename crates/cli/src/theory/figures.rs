@@ -6,7 +6,7 @@ use gfmd_measure::theory::AsperityTheory;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 
 use super::Theories;
-use gfmd_report::figures::{area_chart, named};
+use gfmd_report::figures::{area_chart, length, named};
 use gfmd_run::failure::Failure;
 
 /// Draws the area and the mean gap over the loads of interest, and the distribution of pressure at each load.
@@ -31,26 +31,31 @@ pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str)
         series.push(Series::line("formula, endless spectrum", 0, loads(80).map(|p| (p, area.at(p)))));
     }
     let mut files = area_chart(series).save(&named(stem, "area"))?.to_vec();
-    let gap = loads(80).map(|p| (p, theories.mean_gap(p))).filter(|(_, gap)| *gap > 0.0);
+    let gaps: Vec<(f64, f64)> = loads(80).map(|p| (p, theories.mean_gap(p))).filter(|(_, gap)| *gap > 0.0).collect();
+    let read = length(unit, gaps.iter().map(|(_, gap)| *gap).fold(0.0, f64::max));
+    let gap = gaps.into_iter().map(|(p, gap)| (p, gap * read.factor));
     let panel = Panel {
         x: Axis::log("reduced pressure *p*\\* = *p*/(*E*\\**g*)"),
-        y: Axis::log(&format!("mean gap / {unit}, Persson")),
+        y: Axis::log(&format!("mean gap / {}, Persson", read.name)),
         series: vec![Series::line("", 5, gap)],
         ..Panel::default()
     };
     files.extend(Chart::new(vec![panel]).save(&named(stem, "gap"))?);
     let deviation = theories.persson.variance(f64::INFINITY).sqrt();
     let highest = p_star.iter().map(|p| theories.pressure(*p)).fold(0.0, f64::max) + 4.0 * deviation;
+    // E* g, by which pressures are reduced.
+    let scale = theories.pressure(1.0);
     let distribution = |(hue, load): (usize, &f64)| {
         let mean = theories.pressure(*load);
         let points = (0..=300).map(|i| highest * f64::from(i) / 300.0);
         let area = theories.area(*load);
-        let points = points.map(|p| (p, theories.persson.pressure_density(mean, f64::INFINITY, p) / area));
+        let density = |p: f64| theories.persson.pressure_density(mean, f64::INFINITY, p) / area;
+        let points = points.map(|p| (p / scale, density(p) * scale));
         Series::line(&format!("*p*\\* = {load}"), hue, points)
     };
     let panel = Panel {
-        x: Axis::linear("pressure"),
-        y: Axis::linear("density in the contact, Persson"),
+        x: Axis::linear("pressure *p*/(*E*\\**g*)"),
+        y: Axis::linear("density × *E*\\**g*, Persson"),
         series: p_star.iter().take(MOST_CURVES).enumerate().map(distribution).collect(),
         ..Panel::default()
     };

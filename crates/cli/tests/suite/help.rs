@@ -62,3 +62,39 @@ fn shells_complete_commands_and_flags() {
     let refused = gfmd(Path::new("."), &["completions", "tcsh"]);
     assert_eq!(refused.status.code(), Some(2));
 }
+
+/// Flags stand in groups, and the terms that they use are explained.
+#[test]
+fn flags_have_groups_and_terms() {
+    let text = help(&["contact", "--help"]);
+    for group in
+        ["Surface", "Generated surface", "Body", "Base", "Lower surface", "Load", "Solver", "Interface law", "Options"]
+    {
+        assert!(text.contains(&format!("\n{group}:\n")), "{group}: {text}");
+    }
+    assert!(
+        text.contains("reduced pressure p/(E* g)")
+            && text.contains("eps_f    shortest wavelength over the longest one")
+    );
+    assert!(text.find("\nLoad:\n").is_some_and(|load| text[load..].trim_start().contains("--p-star")));
+    // A flag stands in its own group, whatever stands before it.
+    for (command, group, flag) in [
+        ("contact", "Output", "--plots"),
+        ("contact", "Contact", "--finite-slope"),
+        ("contact", "Measurements", "--flow"),
+        ("path", "Accuracy", "--energy-tol"),
+        ("surface", "Measurements", "--boundary"),
+        ("surface", "Output", "--report"),
+        ("punch", "Punch", "--mask"),
+        ("body", "Places", "--slice"),
+    ] {
+        let text = help(&[command, "-h"]);
+        let part = text.split(&format!("\n{group}:\n")).nth(1).and_then(|rest| rest.split("\n\n").next());
+        assert!(part.is_some_and(|part| part.contains(flag)), "{command} {group} {flag}: {text}");
+    }
+    for command in ["path", "slide"] {
+        assert!(help(&[command, "-h"]).contains("reduced pressure p/(E* g)"), "{command}");
+    }
+    assert!(help(&["kappa-sweep", "-h"]).contains("TFC      thermodynamic, fractal and continuum limit"));
+    assert!(!help(&["law", "-h"]).contains("Terms:"));
+}

@@ -18,6 +18,7 @@ use crate::{Facts, SIZES, Support, Unusable, check_size};
 /// Flags that describe the elastic body.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Body")]
 pub struct BodyArgs {
     /// Young's modulus, stress [default: 1; needed if the lengths have a unit]
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
@@ -43,6 +44,7 @@ pub struct BodyArgs {
 /// Flags of what lies below the top layer of a body, and of the second body.
 #[derive(Args, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Body")]
 pub struct OtherArgs {
     /// What the lowest layer stands on
     #[arg(long, value_parser = parse_choice::<BaseKind>(), default_value_t = BaseKind::Bonded)]
@@ -399,6 +401,7 @@ pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 /// the file records.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Body")]
 pub struct RecordedBodyArgs {
     /// Young's modulus, stress; default, as of the flags below: the value that the input records
     #[arg(long, value_name = "E", allow_negative_numbers = true)]

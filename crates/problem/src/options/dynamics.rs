@@ -10,6 +10,7 @@ use crate::Unusable;
 /// Flags of the dynamics.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Solver")]
 pub struct DynamicsArgs {
     /// Time step over its stability limit without damping, for verlet-critical (default: 0.25) and verlet-modes
     #[arg(long, value_name = "F", allow_negative_numbers = true)]

@@ -37,6 +37,7 @@ const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 /// Flags that describe a generated surface. The defaults are 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
 #[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Generated surface")]
 pub struct GeneratorArgs {
     /// Points along a side, or NX,NY; an alternative is --eps-c-inv [default: 256]
     #[arg(long, value_delimiter = ',', value_name = "N")]

@@ -13,6 +13,7 @@ pub(super) const LONGEST_TABLE: usize = 1000;
 /// Flags that choose a law.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Interface law")]
 pub struct LawArgs {
     /// Law of the tractions across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential,
     /// harmonic-cosine, dugdale, table (docs/laws)

@@ -13,6 +13,7 @@ use crate::{Moduli, Unusable};
 /// Flags of the relaxation of the body.
 #[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Viscoelastic body")]
 pub struct PronyArgs {
     /// Prony series of a viscoelastic body: relaxation time and fraction of the instantaneous modulus of each branch
     #[arg(long, value_delimiter = ',', value_parser = parse_branch, value_name = "TAU:G,..", allow_hyphen_values = true)]

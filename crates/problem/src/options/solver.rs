@@ -10,6 +10,7 @@ use super::flags::without_flags;
 /// Flags of a contact solver.
 #[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Solver")]
 pub struct SolverArgs {
     /// The method (docs/solvers.md)
     #[arg(long, value_parser = parse_choice::<Solver>(), default_value_t = Solver::Auto)]

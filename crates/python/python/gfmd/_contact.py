@@ -621,7 +621,8 @@ class Contact(Record):
         fields = self._fields
         if not isinstance(field, str) or field not in fields:
             raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, fields))}")
-        return _show.field(fields[field], self.surface, field, ax, self.units)
+        contact = self.touching if field == "gap" else None
+        return _show.field(fields[field], self.surface, field, ax, self.units, contact)
 
     def _repr_html_(self) -> str:
         from . import _show

@@ -77,7 +77,7 @@ class Path(Record):
     warnings: list[Record]
 
     def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
-        """Draws one scalar of the steps against another, with matplotlib. Returns the axes.
+        """Draws one scalar of the steps against another, with matplotlib: filled where it rises, hollow where it falls. Returns the axes.
 
         Args:
             x, y: names of arrays in `steps`.
@@ -94,11 +94,7 @@ class Path(Record):
         for name in (x, y):
             if name not in self.steps:
                 raise InputError(f"the scalar is {name!r}; it must be one of {', '.join(self.steps)}")
-        ax = _show.axes(ax)
-        ax.plot(self.steps[x], self.steps[y], ".-")
-        ax.set_xlabel(x.replace("_", " "))
-        ax.set_ylabel(y.replace("_", " "))
-        return ax
+        return _show.loop((x, self.steps[x]), (y, self.steps[y]), (self.surface.unit, None), ax)
 
     def to_xarray(self) -> Any:
         """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].

@@ -62,7 +62,8 @@ def attributes(name: str, units: Units) -> dict[str, str]:
     return {"units": unit} if unit != of or of == "1" else {}
 
 
-def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None) -> Any:
+def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None) -> Any:
+    """A map, or the curve of a profile; points in contact, if they are told, have a colour of their own."""
     ax = axes(ax)
     known = units or (surface.unit, None)
     (nx, ny) = surface.n
@@ -77,11 +78,45 @@ def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[U
         ax.plot(np.arange(nx) * lx / nx, values[:, 0])
         ax.set_ylabel(label)
     else:
+        if contact is not None and np.any(contact):
+            image = ax.imshow(np.where(contact.T, 1.0, np.nan), origin="lower", extent=(0, lx, 0, ly), cmap="Oranges", vmin=0, vmax=1.5)
+            ax.plot([], [], "s", color=image.cmap(1.0 / 1.5), label="contact")
+            ax.legend(loc="upper right")
+            values = np.where(contact, np.nan, values)
         colours = "magma" if name.endswith("pressure") else "viridis"
         image = ax.imshow(values.T, origin="lower", extent=(0, lx, 0, ly), cmap=colours, interpolation="nearest")
         ax.figure.colorbar(image, ax=ax, label=label)
         ax.set_ylabel(f"y ({unit})")
     ax.set_xlabel(f"x ({unit})")
+    return ax
+
+
+def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:
+    """Numbers of steps against each other: filled points where x rises, hollow ones and a broken line where it falls."""
+    ax = axes(ax)
+    shown = []
+    for name, values in (x, y):
+        factor, unit = read(kind(name), values, units)
+        label = name.replace("_", " ")
+        shown.append((values * factor, label if unit == "1" else f"{label} ({unit})"))
+    (along, x_label), (values, y_label) = shown
+    # The first step has no direction; it goes with the second. One that stays keeps the direction.
+    signs = np.sign(np.diff(along, prepend=along[:1]))
+    for k in range(1, len(signs)):
+        signs[k] = signs[k] or signs[k - 1]
+    turns = [k for k in range(1, len(signs) - 1) if signs[k + 1] * signs[k] < 0]
+    labelled = set()
+    for start, end in zip([0, *turns], [*turns, len(along) - 1]):
+        falls = bool(signs[end] < 0)
+        label = "falling" if falls else "rising"
+        style = {"ls": "--", "mfc": "none"} if falls else {"ls": "-"}
+        ax.plot(along[start : end + 1], values[start : end + 1], marker="o", ms=4, color="C1" if falls else "C0",
+                label=None if label in labelled else label, **style)
+        labelled.add(label)
+    if len(labelled) > 1:
+        ax.legend()
+    ax.set_xlabel(x_label)
+    ax.set_ylabel(y_label)
     return ax
 
 
