@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
-use gfmd_problem::options::{LawArgs, PronyArgs};
+use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::{Scene, Shown, parse_prefix};
 use gfmd_run::base::BaseArgs;
@@ -60,6 +60,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     body: BodyArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    compliance: ComplianceArgs,
     #[command(flatten)]
     #[serde(flatten)]
     prony: PronyArgs,
@@ -149,7 +152,7 @@ impl Args {
             relaxes: self.prony.relaxing(),
             resume: self.resume.resume,
             grid_error: self.grid_error,
-            ..self.body.facts()
+            ..self.compliance.of(self.body.facts())
         }
     }
 
@@ -161,6 +164,7 @@ impl Args {
         take(&Asked {
             source: &self.source,
             body: &body,
+            compliance: &self.compliance,
             base: &BaseArgs::default(),
             lower: &LowerArgs::default(),
             law: &self.law,

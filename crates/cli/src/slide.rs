@@ -12,7 +12,7 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Boundary, Budget, Contact, Dynamics, Load, SolveError, Solver};
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{BodyArgs, LawArgs, PronyArgs};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::base::BaseArgs;
@@ -92,6 +92,7 @@ impl Args {
         take(&Asked {
             source: &self.source,
             body: &body,
+            compliance: &ComplianceArgs::default(),
             base: &BaseArgs::default(),
             lower: &LowerArgs::default(),
             law: &LawArgs::default(),

@@ -1,3 +1,6 @@
+use std::sync::Arc;
+
+use gfmd_curve::Curve;
 use gfmd_field::Mode;
 use num_complex::Complex64;
 
@@ -44,12 +47,65 @@ pub struct Body {
     height: Height,
     base: Base,
     second: Option<Box<Body>>,
+    table: Option<Table>,
 }
+
+/// The normal compliance of a body by wavenumber.
+#[derive(Clone, Debug, PartialEq)]
+struct Table {
+    /// ln G of ln q, in the units of the table.
+    curve: Arc<Curve>,
+    /// The compliance of the mean level.
+    uniform: f64,
+    /// A unit of length of the body over that of the table, as a factor of wavenumbers.
+    length: f64,
+    /// The compliance in the units of the body over that in those of the table.
+    compliance: f64,
+}
+
+impl Table {
+    fn compliance(&self, q: f64) -> f64 {
+        let [logarithm, _] = self.curve.at((q * self.length).ln());
+        self.compliance * logarithm.exp()
+    }
+}
+
+/// What is not known of a body with a table of normal compliances.
+const UNKNOWN: Blocks =
+    Blocks { longitudinal: f64::NAN, normal: f64::NAN, coupling: [f64::NAN; 2], transverse: f64::NAN };
 
 impl Body {
     /// A half-space.
     pub fn half_space(material: Material) -> Self {
-        Self { material, height: Height::Infinite, base: Base::Bonded, second: None }
+        Self { material, height: Height::Infinite, base: Base::Bonded, second: None, table: None }
+    }
+
+    /// A body of which the normal compliance alone is known: the rows [wavenumber (rad/length), compliance (length/stress)] of a table,
+    /// between which ln G is a [shape-preserving cubic](gfmd_curve::Curve) of ln q, and the `uniform` compliance of its mean level, 0 if
+    /// that is fixed. The `contact_modulus` (stress) is the unit of its pressures. Compliances and stiffnesses of other components are
+    /// NaN, as are states inside.
+    ///
+    /// # Errors
+    /// A modulus, wavenumbers or compliances that are not positive and finite; fewer than four rows; wavenumbers that do not rise.
+    pub fn tabulated(contact_modulus: f64, rows: &[[f64; 2]], uniform: f64) -> Result<Self, GreenError> {
+        let material = Material::from_contact_modulus(contact_modulus, 0.0)?;
+        for (row, numbers) in (1..).zip(rows) {
+            if let Some(&found) = numbers.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
+                return Err(GreenError::Compliance { row, found });
+            }
+        }
+        if !(uniform.is_finite() && uniform >= 0.0) {
+            return Err(GreenError::UniformCompliance(uniform));
+        }
+        let logarithms: Vec<[f64; 2]> = rows.iter().map(|row| row.map(f64::ln)).collect();
+        let curve = Curve::new(&logarithms).map_err(GreenError::Table)?;
+        let table = Table { curve: curve.into(), uniform, length: 1.0, compliance: 1.0 };
+        Ok(Self { table: Some(table), ..Self::half_space(material) })
+    }
+
+    /// The wavenumbers (rad/length) from the first to the last row of the table of a [tabulated](Self::tabulated) body; `None` of others.
+    pub fn tabulated_wavenumbers(&self) -> Option<[f64; 2]> {
+        self.table.as_ref().map(|table| table.curve.ends().map(|end| end.exp() / table.length))
     }
 
     /// A slab of `height` (length) bonded to a rigid base.
@@ -67,7 +123,7 @@ impl Body {
     pub fn new(material: Material, height: Height) -> Result<Self, GreenError> {
         match height {
             Height::Finite(height) if !(height.is_finite() && height > 0.0) => Err(GreenError::Height(height)),
-            _ => Ok(Self { material, height, base: Base::Bonded, second: None }),
+            _ => Ok(Self { material, height, base: Base::Bonded, second: None, table: None }),
         }
     }
 
@@ -126,7 +182,13 @@ impl Body {
             base => base.clone(),
         };
         let second = self.second.as_ref().map(|second| second.in_units(stress, length).into());
-        Self { material: self.material.in_units(stress), height, base, second }
+        let table = self.table.as_ref().map(|table| Table {
+            length: table.length / length,
+            compliance: table.compliance * stress / length,
+            uniform: table.uniform * stress / length,
+            ..table.clone()
+        });
+        Self { material: self.material.in_units(stress), height, base, second, table }
     }
 
     /// The material of the body, or of its top layer.
@@ -168,6 +230,9 @@ impl Body {
         if q == 0.0 {
             return self.uniform_compliance().inverse_diagonal();
         }
+        if self.table.is_some() {
+            return UNKNOWN;
+        }
         if self.second.is_some() {
             return self.compliance_blocks(q).inverse_hermitian();
         }
@@ -181,6 +246,9 @@ impl Body {
         let q = q.abs();
         if q == 0.0 {
             return self.uniform_compliance();
+        }
+        if self.table.is_some() {
+            return UNKNOWN;
         }
         let first = match self.height {
             Height::Finite(height) => LayerMode::new(&self.material, height, q).compliance_on(&self.base),
@@ -223,6 +291,9 @@ impl Body {
 
     /// The [`level_compliance`](Self::level_compliance) of the first body of a pair.
     pub(crate) fn first_level_compliance(&self) -> [f64; 2] {
+        if let Some(table) = &self.table {
+            return [f64::NAN, table.uniform];
+        }
         let Height::Finite(height) = self.height else { return [0.0; 2] };
         let layer = [height / self.material.shear_modulus(), height * self.material.p_wave_compliance()];
         if let Base::Elastic(below) = &self.base { plus(layer, below.level_compliance()) } else { layer }
@@ -272,6 +343,9 @@ impl Body {
         let q = q.abs();
         if q == 0.0 {
             return self.uniform_compliance().normal;
+        }
+        if let Some(table) = &self.table {
+            return table.compliance(q);
         }
         let first = match self.height {
             Height::Infinite => half_space::normal_compliance(&self.material, q),

@@ -15,6 +15,22 @@ pub enum GreenError {
     /// Poisson's ratio is outside the range of stable isotropic materials.
     #[error("Poisson's ratio is {0}; it must be above -1 and at most 0.5")]
     Poisson(f64),
+    /// A table of compliances through which no curve goes.
+    #[error("the table of compliances has {0}")]
+    Table(gfmd_curve::CurveError),
+    /// A wavenumber or a compliance of a table that is not positive.
+    #[error(
+        "row {row} of the table of compliances has {found}; wavenumbers and compliances must be positive and finite"
+    )]
+    Compliance {
+        /// The row, from 1.
+        row: usize,
+        /// The number.
+        found: f64,
+    },
+    /// The compliance of the uniform mode is negative or not finite.
+    #[error("the uniform compliance is {0}; it must be 0 or positive, and finite")]
+    UniformCompliance(f64),
     /// The thickness of a layer is zero, negative or not finite.
     #[error("the height of the slab is {0}; it must be positive and finite")]
     Height(f64),

@@ -31,6 +31,8 @@ pub enum Support {
     HalfSpace,
     /// A slab, or layers, on a base.
     Slab(BaseKind),
+    /// A body of which the normal compliance alone is known.
+    Table,
 }
 
 impl Support {

@@ -59,6 +59,8 @@ parts! {
     }, |f| f.lower.is_some();
     /// A half-space.
     HalfSpace: |_| ("--height", "inf", "--height inf"), |f| f.support == Support::HalfSpace;
+    /// A body of which the normal compliance alone is known.
+    Table: |_| ("--compliance", "given", "--compliance"), |f| f.support == Support::Table;
     /// A slab that no base holds.
     Plate: |_| ("--base", "free", "--base free"), |f| f.support == Support::Slab(BaseKind::Free);
     /// A base without friction.
@@ -66,7 +68,7 @@ parts! {
     /// A base that is not the rigid one to which a slab is bonded.
     OtherBase: |f| match f.support {
         Support::Slab(base) => ("--base", base.name(), "--base"),
-        Support::HalfSpace => ("--base", "given", "--base"),
+        Support::HalfSpace | Support::Table => ("--base", "given", "--base"),
     }, |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
     /// A second elastic body.
     SecondBody: |_| ("--second-body", "given", "--second-body"), |f| f.second.is_some();
@@ -163,6 +165,17 @@ pub const RULES: &[Rule] = {
         rule(Hardness, FiniteSlope, "left out", LATER),
         rule(MovedBase, FiniteSlope, "left out", LATER),
         rule(FlowThreshold, FiniteSlope, "left out", LATER),
+        rule(All, Table, "normal", "the normal compliance alone is known"),
+        rule(Held, Table, "normal", "the normal compliance alone is known"),
+        rule(FiniteSlope, Table, "left out", "the normal compliance alone is known"),
+        rule(Friction, Table, "left out", "the normal compliance alone is known"),
+        rule(Lateral, Table, "left out", "the normal compliance alone is known"),
+        rule(Prony, Table, "left out", "its moduli are not known"),
+        rule(Free, Table, "periodic", LATER),
+        rule(Lower, Table, "left out", "it has no lower face"),
+        rule(MovedBase, Table, "left out", "it has no base"),
+        rule(SecondBody, Table, "left out", "the compliance is that of both bodies together"),
+        rule(Layers, Table, "left out", "the compliance is that of the whole body"),
         rule(All, Law, "normal", "the dynamics of all components has a hard wall"),
         rule(Held, Law, "normal", LATER),
         rule(All, Free, "normal", LATER),

@@ -12,7 +12,7 @@ use gfmd_green::Height;
 use gfmd_interface::Kept;
 use gfmd_law::Law;
 use gfmd_problem::options::flags::{self, keys, of_keys};
-use gfmd_problem::options::{BodyArgs, LawArgs};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs};
 use gfmd_problem::{Accuracy, Facts, Posed, Rest};
 use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
 use gfmd_run::accuracy;
@@ -59,6 +59,14 @@ pub(crate) fn check_law(
     table: Vec<[f64; 2]>,
 ) -> PyResult<()> {
     law_of(py, name, parameters, table).map(|_| ())
+}
+
+/// Checks the table of compliances of a body, and the compliance of its mean level.
+#[pyfunction]
+pub(crate) fn check_compliance(py: Python<'_>, table: Vec<[f64; 2]>, uniform: f64) -> PyResult<()> {
+    let args = ComplianceArgs { compliance: table, uniform_compliance: Some(uniform) };
+    let body = BodyArgs { young: Some(1.0), ..BodyArgs::default() };
+    args.body(&body).map(|_| ()).map_err(|error| refused(py, &error))
 }
 
 /// The normal traction of a law at gaps.

@@ -17,7 +17,7 @@ mod _gfmd {
     #[pymodule_export]
     use crate::command::{program, report_of, solve};
     #[pymodule_export]
-    use crate::contact::{Problem, State, adhesion, check_law, conductance, law_traction, options};
+    use crate::contact::{Problem, State, adhesion, check_compliance, check_law, conductance, law_traction, options};
     #[pymodule_export]
     use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]

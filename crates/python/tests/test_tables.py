@@ -1,4 +1,4 @@
-"""Laws from tables and functions."""
+"""Laws and bodies from tables and functions."""
 
 import pickle
 
@@ -65,3 +65,49 @@ def test_tables_that_are_no_law_are_refused():
             gfmd.law(*arguments)
     with pytest.raises(gfmd.InputError, match="gamma is given"):
         gfmd.law(gaps, 1 - gaps, gamma=1.0)
+
+
+def test_a_body_from_a_table_or_a_function_is_the_body_that_it_samples(surface, tmp_path, run_program):
+    waves = np.geomspace(5.0, 300.0, 300)
+    half_space = gfmd.Body(e_star=2.0)
+    bodies = [gfmd.Body(e_star=2.0, compliance=(waves, given)) for given in (1.0 / waves, lambda q: 1.0 / q)]
+    assert bodies[0] == bodies[1] == pickle.loads(pickle.dumps(bodies[0])) != half_space and len(bodies[0]["compliance"]) == 300
+    found, wanted = (gfmd.contact(surface, body, p_star=0.05) for body in (bodies[0], half_space))
+    for name in ("displacement", "mean_gap", "elastic_energy", "stiffness", "kappa"):
+        assert found[name] == pytest.approx(wanted[name], rel=1e-6)
+    assert found.conductance() == pytest.approx(wanted.conductance(), rel=1e-6)
+    assert found.vjp(approach=1.0).load == pytest.approx(1 / found.stiffness, rel=1e-7)
+    slab = gfmd.Body(e_star=2.0, height=0.1)
+    kept = [gfmd.green(slab, qx=float(q)).normal_compliance for q in waves]
+    tabulated = gfmd.Body(e_star=2.0, compliance=(waves, kept), uniform_compliance=0.1 / 2.0)
+    found, wanted = (gfmd.contact(surface, body, approach=0.002) for body in (tabulated, slab))
+    assert found.mean_pressure == pytest.approx(wanted.mean_pressure, rel=1e-4)
+    found.save(tmp_path / "b.h5")
+    assert gfmd.load(tmp_path / "b.h5").body == found.body
+    assert run_program("check", str(tmp_path / "b.h5"), "--rerun")["differing"] == 0
+    loop = gfmd.path(surface, tabulated, mean_pressure=[0.001, 0.003], steps=1)
+    assert loop.steps.mean_gap[-1] < loop.steps.mean_gap[0]
+    for ask in (lambda: found.interior(depths=[0.01]), lambda: gfmd.punch(tabulated, n=32), lambda: gfmd.green(tabulated, qx=1.0)):
+        with pytest.raises(gfmd.InputError, match="compliance"):
+            ask()
+
+
+def test_tables_that_are_no_body_are_refused(surface):
+    waves = np.geomspace(5.0, 300.0, 50)
+    for arguments, words in [
+        (dict(compliance=(waves, 1 / waves)), "young or e_star is missing"),
+        (dict(young=1.0, poisson=0.3, compliance=(waves, 1 / waves)), "poisson is 0.3"),
+        (dict(young=1.0, height=0.3, compliance=(waves, 1 / waves)), "height is 0.3"),
+        (dict(young=1.0, compliance=(waves, -1 / waves)), "must be positive and finite"),
+        (dict(young=1.0, compliance=(waves[::-1], 1 / waves)), "row 2"),
+        (dict(young=1.0, compliance=(waves, [1.0, 2.0])), r"shape \[2\]"),
+        (dict(young=1.0, compliance=lambda q: 1 / q), "wavenumbers, compliances or a function"),
+        (dict(young=1.0, uniform_compliance=1.0), "left out without compliance"),
+    ]:
+        with pytest.raises(gfmd.InputError, match=words):
+            gfmd.Body(**arguments)
+    short = gfmd.Body(young=1.0, compliance=(waves[:20], 1 / waves[:20]))
+    with pytest.raises(gfmd.InputError, match="wavenumbers"):
+        gfmd.contact(surface, short, p_star=0.1)
+    with pytest.raises(gfmd.InputError, match="compliance"):
+        gfmd.contact(surface, gfmd.Body(young=1.0, compliance=(waves, 1 / waves)), p_star=0.1, components="held")

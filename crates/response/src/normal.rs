@@ -178,6 +178,11 @@ impl NormalResponse {
         self.is_isotropic
     }
 
+    /// True if the compliance is that of a table, which may have any form at short waves.
+    pub(crate) fn is_tabulated(&self) -> bool {
+        self.body.tabulated_wavenumbers().is_some()
+    }
+
     /// The rows of this process, all of them if it is alone.
     pub fn share(&self) -> &Share {
         &self.share

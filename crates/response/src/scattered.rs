@@ -80,7 +80,7 @@ impl Scattered {
     /// whole blocks and coarse cells, or small, on layers that are not thicker than a few points, and if waves of one
     /// length have several stiffnesses.
     pub fn of(response: &NormalResponse, [compliance, stiffness]: [f64; 2]) -> Option<Self> {
-        if !response.is_isotropic() {
+        if !response.is_isotropic() || response.is_tabulated() {
             return None;
         }
         let grid = response.grid();

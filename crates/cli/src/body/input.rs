@@ -248,6 +248,9 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
     if boundary != "periodic" {
         return Err(format!("the boundary of this contact is {boundary}; it must be periodic for the fields below it"));
     }
+    if record.contains_key("compliance") {
+        return Err("the body of this contact is a table of compliances; the fields inside are not known".into());
+    }
     if between {
         return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());
     }

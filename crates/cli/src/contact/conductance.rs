@@ -55,6 +55,7 @@ impl Conducting {
         let are_alike = args.problem.law.law == Kind::HardWall
             && args.problem.hardness.is_none()
             && args.problem.components == Unknown::Normal
+            && body.tabulated_wavenumbers().is_none()
             && [height, body.height()] == [Height::Infinite; 2]
             && body.second().is_none_or(is_endless);
         let way = if args.problem.finite_slope {

@@ -259,3 +259,96 @@ fn a_base_that_moves_is_kept_and_met_inside() {
 fn with_points(flags: &str) -> String {
     if flags.contains("--n ") { flags.to_owned() } else { format!("--n 27 {flags}") }
 }
+
+/// A table of the compliance of a body at wavenumbers from below the cell to beyond the spacing of 64 points, with a head.
+fn write_compliance(folder: &std::path::Path, name: &str, head: &str, compliance: impl Fn(f64) -> f64) {
+    let rows = (0..400).map(|k| 5.0 * 60.0_f64.powf(f64::from(k) / 399.0));
+    let rows: String = rows.map(|q| format!("{q:e},{:e}\n", compliance(q))).collect();
+    std::fs::write(folder.join(name), format!("{head}\n{rows}")).unwrap();
+}
+
+#[test]
+fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().chain(["--json", "-q"]).collect::<Vec<_>>());
+    let head = "wavenumber,compliance";
+    write_compliance(folder.path(), "half.csv", head, |q| 2.0 / q);
+    let slab = gfmd_green::Body::slab(gfmd_green::Material::from_contact_modulus(1.0, 0.0).unwrap(), 0.2).unwrap();
+    write_compliance(folder.path(), "slab.csv", head, |q| slab.normal_compliance(q));
+    let uniform = slab.normal_compliance(0.0);
+    let slab_table = format!("--e-star 1 --compliance slab.csv --uniform-compliance {uniform}");
+    for (loads, further) in [
+        ("contact --pressure 0.001,0.01 --statistics --flow", ""),
+        ("contact --displacement 0.004", ""),
+        ("contact --p-star 0.05 --hardness 0.1", ""),
+        ("contact --pressure 0.005 --law exponential --param gamma=2e-5,range=3e-3", ""),
+        ("path --pressure 0.005,0.001 --steps 2", ""),
+        ("contact --p-star 0.05 --dim 2", ""),
+    ] {
+        for (table, body) in
+            [("--e-star 1 --compliance half.csv", "--e-star 1"), (&slab_table, "--e-star 1 --height 0.2")]
+        {
+            let all = |body: &str, out: &str| run(&format!("{loads} --n 64 --eps-f-inv 8 {body} {further} {out}"));
+            let (found, wanted) = (all(table, "--out t.h5"), all(body, ""));
+            let of = if loads.starts_with("path") { "steps" } else { "loads" };
+            for (found, wanted) in found[of].as_array().unwrap().iter().zip(wanted[of].as_array().unwrap()) {
+                for name in ["displacement", "mean_gap", "elastic_energy", "area_fraction", "stiffness", "conductance"]
+                {
+                    let [Some(found), Some(wanted)] = [found, wanted].map(|load| load[name].as_f64()) else { continue };
+                    let off = (found - wanted).abs() / wanted.abs();
+                    assert!(off < 1e-4, "{loads}, {body}, {name}: {found} {wanted}");
+                }
+                assert!(found["area_fraction_limit"].is_null());
+            }
+            for command in ["check t.h5", "check t.h5 --rerun"] {
+                assert_eq!(run(command)["differing"], 0, "{loads} {table}");
+            }
+            assert!(gfmd(folder.path(), &["report", "t.h5", "-q"]).status.success());
+        }
+    }
+}
+
+#[test]
+fn a_body_from_a_table_has_units_and_names_what_it_does_not_have() {
+    let folder = tempfile::tempdir().unwrap();
+    write_compliance(folder.path(), "half.csv", "wavenumber,compliance", |q| 2.0 / q);
+    write_compliance(folder.path(), "units.csv", "wavenumber [um^-1],compliance [um/MPa]", |q| 2.0 / q);
+    let report = json(
+        folder.path(),
+        &"contact --n 32 --eps-f-inv 4 --unit um --length 1um --e-star 1MPa --compliance units.csv --pressure 5kPa --json -q --out u.h5"
+            .split_whitespace()
+            .collect::<Vec<_>>(),
+    );
+    let plain = json(
+        folder.path(),
+        &"contact --n 32 --eps-f-inv 4 --e-star 1 --pressure 0.005 --json -q".split_whitespace().collect::<Vec<_>>(),
+    );
+    let [found, wanted] = [&report, &plain].map(|report| report["loads"][0]["displacement"].as_f64().unwrap());
+    assert!((found / wanted - 1.0).abs() < 1e-6, "{found} {wanted}");
+    let table = "--n 32 --eps-f-inv 4 --p-star 0.05 --compliance half.csv";
+    for (flags, words) in [
+        (format!("contact {table}"), &["--young or --e-star is missing"][..]),
+        (format!("contact {table} --young 1 --poisson 0.3"), &["--poisson", "left out"]),
+        (format!("contact {table} --young 1 --height 0.3"), &["--height", "left out"]),
+        (format!("contact {table} --young 1 --second-body 1,0"), &["--second-body", "left out"]),
+        (format!("contact {table} --young 1 --boundary free"), &["--boundary", "--compliance"]),
+        (format!("contact {table} --young 1 --components held"), &["--components", "--compliance"]),
+        (format!("contact {table} --young 1 --finite-slope"), &["--finite-slope", "--compliance"]),
+        (format!("path {table} --young 1 --friction 0.3"), &["--friction", "--compliance"]),
+        (format!("path {table} --young 1 --lateral 0.01"), &["--lateral", "--compliance"]),
+        (format!("path {table} --young 1 --prony 1:0.5 --time 1"), &["--prony", "--compliance"]),
+        (format!("contact {table} --young 1 --uniform-compliance=-1"), &["--uniform-compliance", "-1"]),
+        ("contact --n 16 --p-star 0.1 --uniform-compliance 1".into(), &["--compliance"]),
+        ("contact --n 256 --p-star 0.1 --young 1 --compliance half.csv".into(), &["wavenumbers", "of the grid"]),
+        ("contact --n 16 --p-star 0.1 --young 1 --compliance 1:1,2:0.5,3:-1,4:1".into(), &["--compliance", "row 3"]),
+        ("contact --n 16 --p-star 0.1 --young 1 --compliance none.csv".into(), &["--compliance", "none.csv"]),
+        ("body --surface u.h5 --depths 0.1".into(), &["table of compliances"]),
+    ] {
+        let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q"]).collect::<Vec<_>>());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{flags}: {text}");
+        for word in words {
+            assert!(text.contains(word), "{flags}: no {word:?} in {text}");
+        }
+    }
+}

@@ -6,3 +6,4 @@ mod inside;
 mod plate;
 mod support;
 mod surface;
+mod tabulated;

@@ -4,6 +4,7 @@ use clap::Args;
 use gfmd_law::{Kind, Law, LawError, Tabulated};
 use serde::{Deserialize, Serialize};
 
+use super::values::parse_row;
 use super::without_flags;
 use crate::Unusable;
 
@@ -109,14 +110,6 @@ fn parse_parameter(text: &str) -> Result<(String, f64), String> {
     let wrong = || "it must be NAME=VALUE".to_owned();
     let (name, value) = text.split_once('=').ok_or_else(wrong)?;
     Ok((name.to_owned(), value.parse().map_err(|_| wrong())?))
-}
-
-/// A row of two numbers, as a configuration in words has it.
-fn parse_row(text: &str) -> Result<[f64; 2], String> {
-    let wrong = || "it must be FILE, or rows A:B".to_owned();
-    let (first, second) = text.split_once(':').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse().map_err(|_| wrong());
-    Ok([number(first)?, number(second)?])
 }
 
 /// A law in a configuration, by its name.

@@ -25,6 +25,8 @@ const KINDS: &[(&str, &[&str])] = &[
     ("hardness", &["stress"]),
     ("param", &["1"]),
     ("law_table", &["length", "stress"]),
+    ("compliance", &["1/length", "length/stress"]),
+    ("uniform_compliance", &["length/stress"]),
     ("length", &["length"]),
     ("shift", &["length"]),
     ("rms_height", &["length"]),
@@ -47,7 +49,8 @@ const KINDS: &[(&str, &[&str])] = &[
 ];
 
 /// The options that are tables of two columns, with the names of these: FILE, or rows of numbers with a colon between.
-const TABLES: &[(&str, [&str; 2])] = &[("law_table", ["gap", "traction"])];
+const TABLES: &[(&str, [&str; 2])] =
+    &[("law_table", ["gap", "traction"]), ("compliance", ["wavenumber", "compliance"])];
 
 /// The names of the columns of an option that is a table.
 pub fn columns(key: &str) -> Option<[&'static str; 2]> {

@@ -103,6 +103,17 @@ pub fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deseri
     number.ok_or_else(|| D::Error::custom(format!("it must be a whole number from {LEAST} to {MOST}")))
 }
 
+/// Parses a row of two numbers, `A:B`.
+///
+/// # Errors
+/// Other text.
+pub(super) fn parse_row(text: &str) -> Result<[f64; 2], String> {
+    let wrong = || "it must be FILE, or rows A:B".to_owned();
+    let (first, second) = text.split_once(':').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse().map_err(|_| wrong());
+    Ok([number(first)?, number(second)?])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

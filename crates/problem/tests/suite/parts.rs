@@ -36,6 +36,12 @@ fn body_on(support: Support) -> Body {
     let slab = || Body::slab(material, 0.3).unwrap();
     match support {
         Support::HalfSpace => Body::half_space(material),
+        Support::Table => {
+            // The slab, at wavenumbers beyond those of the grid.
+            let rows: Vec<[f64; 2]> =
+                (0..60).map(|k| 1.2_f64.powi(k)).map(|q| [q, slab().normal_compliance(q)]).collect();
+            Body::tabulated(material.contact_modulus(), &rows, slab().normal_compliance(0.0)).unwrap()
+        }
         Support::Slab(BaseKind::Bonded) => slab(),
         Support::Slab(BaseKind::Sliding) => slab().on(Base::Sliding).unwrap(),
         Support::Slab(BaseKind::Free) => slab().on(Base::Free).unwrap(),
@@ -80,7 +86,8 @@ impl Parts {
 
 /// All facts that differ in what decides about the physics.
 pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
-    let supports: Vec<Support> = [Support::HalfSpace].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
+    let supports: Vec<Support> =
+        [Support::HalfSpace, Support::Table].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
     let seconds = [None, Some(Support::HalfSpace), Some(Support::Slab(BaseKind::Bonded))];
     let limits = [(false, None), (true, None), (false, Some(Friction::Coulomb))];
     let relaxing = [None, Some(Relaxes::Both), Some(Relaxes::Shear)];

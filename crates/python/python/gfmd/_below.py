@@ -216,7 +216,7 @@ def punch(
     for name, value in (("punch_fraction", punch_fraction), ("nodes", nodes)):
         if mask is not None and value is not None:
             raise InputError(f"mask and {name} are both given; give one of the two")
-    given = None if body is None else as_body(body)
+    given = None if body is None else as_body(body, of_moduli=True)
     problem: dict[str, Any] = {} if given is None else _elastic(given, given.layers)
     problem.update(
         length=number("length", length),
@@ -365,7 +365,7 @@ def green(body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[f
         >>> round(gfmd.green(coating, qx=3.0, depth=0.1).normal_compliance, 4)
         0.1627
     """
-    given = as_body(body)
+    given = as_body(body, of_moduli=True)
     if z is not None and depth is not None:
         raise InputError("z and depth are both given; give one of the two")
     problem = dict(

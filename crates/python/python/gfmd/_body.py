@@ -37,6 +37,11 @@ class Body(Record):
             each branch.
         moduli: the moduli that are given, "long-term" or "instantaneous"; with `prony` only.
         relaxes: the moduli that relax, "both" or "shear" (with a constant bulk modulus); with `prony` only.
+        compliance: normal compliance of the whole body in place of that of its moduli, for graded and other bodies: wavenumbers q, rad /
+            length, in rising order, and either the compliance u_z/pressure at each, length / stress, or a function of q that gives it.
+            Four to 1000 wavenumbers from 2 pi over the longest side to pi sqrt(2) over the spacing; between them ln G is a
+            shape-preserving cubic of ln q. `young` or `e_star` is then the modulus of p*, and needed.
+        uniform_compliance: compliance of the mean level of such a body, length / stress; None for a fixed mean level, as that of a half-space.
 
     `e_star` is the contact modulus of which p* is formed: that of the material of the top layer; with a second body
     1/(1/E1* + 1/E2*). `young`, `poisson` are those of the top layer.
@@ -51,6 +56,9 @@ class Body(Record):
         ((3.0, 0.3, 0.2),)
         >>> gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)]).prony
         ((0.1, 0.3), (10.0, 0.4))
+        >>> graded = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 200), lambda q: 2 / q * (1 + 1 / q)))
+        >>> gfmd.contact(gfmd.self_affine(n=64), graded, p_star=0.05).converged
+        True
     """
 
     young: float
@@ -80,6 +88,8 @@ class Body(Record):
         prony: Sequence[Sequence[float]] = (),
         moduli: Literal["long-term", "instantaneous"] | str = "long-term",
         relaxes: Literal["both", "shear"] | str = "both",
+        compliance: Optional[tuple[npt.ArrayLike, npt.ArrayLike | Callable[[Array], npt.ArrayLike]]] = None,
+        uniform_compliance: Optional[float] = None,
     ) -> None:
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
@@ -104,7 +114,15 @@ class Body(Record):
             "second_body": second,
             **_relaxation(prony, word("moduli", moduli), word("relaxes", relaxes)),
         }
-        super().__init__({**values, **_below(base, thickness, base_young, base_poisson)})
+        table = _compliance(compliance, uniform_compliance)
+        if table and (modulus is None and contact is None):
+            raise InputError("young or e_star is missing; p* is over E*, which a table of compliances does not have")
+        if table:
+            others = (("poisson", nu, 0.0), ("height", thickness, None), ("base", base, "bonded"), ("second_body", second, None), ("prony", tuple(prony), ()))
+            for name, found, default in others:
+                if found != default:
+                    raise InputError(f"{name} is {shown(found)}; it must be left out with compliance, which is that of the whole body")
+        super().__init__({**values, **_below(base, thickness, base_young, base_poisson), **table})
         given = (found if not isinstance(asked, str) else asked for asked, found in ((young, modulus), (e_star, contact)))
         first, second_given = given
         object.__setattr__(self, "_given", (first, nu, second_given, thickness))
@@ -114,7 +132,8 @@ class Body(Record):
         below = self._values.get("base_young"), self._values.get("base_poisson")
         top = (None if contact is not None else modulus, nu, contact, thickness)
         relaxation = self.prony, self.moduli, self.relaxes
-        return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation)
+        table = self._values.get("compliance"), self._values.get("uniform_compliance")
+        return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation, *table)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other._same() == self._same()
@@ -190,6 +209,23 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
     return {"prony": tuple(branches), "moduli": moduli, "relaxes": relaxes}
 
 
+def _compliance(given: object, uniform: object) -> dict[str, Any]:
+    """The rows of a table of compliances, and that of the mean level; nothing without a table."""
+    if given is None:
+        if uniform is not None:
+            raise InputError(f"uniform_compliance is {shown(uniform)}; it must be left out without compliance")
+        return {}
+    if isinstance(given, (str, bytes)) or not isinstance(given, Sequence) or len(given) != 2:
+        raise InputError(f"compliance is {shown(given)}; it must be (wavenumbers, compliances or a function of the wavenumber)")
+    waves = array("wavenumbers of compliance", given[0])
+    found = array("compliance", given[1](waves.copy()) if callable(given[1]) else given[1])
+    if waves.ndim != 1 or found.shape != waves.shape:
+        raise InputError(f"compliance has the shape {list(found.shape)} at wavenumbers of the shape {list(waves.shape)}; it must be [n] at [n]")
+    level = None if uniform is None else number("uniform_compliance", uniform)
+    _gfmd.check_compliance(list(zip(waves.tolist(), found.tolist())), 0.0 if level is None else level)
+    return {"compliance": tuple(zip(waves.tolist(), found.tolist())), "uniform_compliance": level}
+
+
 def _composite(first: float, other: tuple[Quantity, ...]) -> float:
     """The contact modulus of two bodies, as the program forms it."""
     young, poisson = in_units("second_body", other[0], "stress"), number("second_body", other[1])
@@ -227,9 +263,12 @@ def _body(
     prony: Sequence[Sequence[float]] = (),
     moduli: str = "long-term",
     relaxes: str = "both",
+    compliance: Optional[Sequence[Sequence[float]]] = None,
+    uniform_compliance: Optional[float] = None,
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
-    relaxation = {"prony": prony, "moduli": moduli, "relaxes": relaxes}
+    table = None if compliance is None else ([q for q, _ in compliance], [found for _, found in compliance])
+    relaxation = {"prony": prony, "moduli": moduli, "relaxes": relaxes, "compliance": table, "uniform_compliance": uniform_compliance}
     return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below, **relaxation)  # type: ignore[arg-type]
 
 
@@ -239,6 +278,7 @@ def body_of(config: dict[str, Any]) -> Body:
     below: dict[str, Any] = {name: config.get(name) for name in ("base_young", "base_poisson", "second_body")}
     young = None if e_star is not None else config.get("young")
     top = (young, config.get("poisson", 0.0), e_star, None if height == "inf" else height)
+    below.update({name: config.get(name) for name in ("compliance", "uniform_compliance")})
     return _body(*top, config.get("base", "bonded"), layers=config.get("layer", ()), **below)
 
 
@@ -399,9 +439,11 @@ def as_law(value: object) -> Law:
     raise InputError(f"law is {shown(value)}; it must be made by gfmd.law, or a name")
 
 
-def as_body(value: object, in_time: bool = False) -> Body:
+def as_body(value: object, in_time: bool = False, of_moduli: bool = False) -> Body:
     if not isinstance(value, Body):
         raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
+    if of_moduli and "compliance" in value:
+        raise InputError("body has a compliance; it must be given by its moduli here, since a table has no fields inside and no shear")
     if value.prony and not in_time:
         raise InputError("body is viscoelastic; it must be elastic here (gfmd.path follows a viscoelastic one in time)")
     return value

@@ -141,7 +141,7 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
 
 def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     """The load that is given, of a call whose other options exist."""
-    allowed = [*(_name(key) for key in _gfmd.options() if key not in ("law", "param", "law_table")), "stress_unit"]
+    allowed = [*(_name(key) for key in _gfmd.options() if key not in ("law", "param", "law_table", "compliance", "uniform_compliance")), "stress_unit"]
     unknown = next((name for name in options if name not in (*allowed, "law", "threads", "start")), None)
     if unknown is not None:
         raise TypeError(f"the option is {unknown!r}; it must be one of {', '.join([*loads, *allowed])}")

@@ -117,7 +117,7 @@ impl Configuration {
                 Value::Array(lists) if lists.iter().any(Value::is_array) => {
                     let between = match key.as_str() {
                         "param" => "=",
-                        "prony" | "law_table" => ":",
+                        "prony" | "law_table" | "compliance" => ":",
                         _ => ",",
                     };
                     words.extend(

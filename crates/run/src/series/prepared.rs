@@ -22,8 +22,8 @@ use crate::lower::LowerArgs;
 use crate::result::stored_unit;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
-use gfmd_problem::options::BodyArgs;
-use gfmd_problem::{Adhesion, options::LawArgs};
+use gfmd_problem::Adhesion;
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, check_wavenumbers};
 
 /// The parts of a problem that all series have, as they are asked for.
 pub struct Asked<'a> {
@@ -31,6 +31,8 @@ pub struct Asked<'a> {
     pub source: &'a SourceArgs,
     /// Elastic body.
     pub body: &'a BodyArgs,
+    /// The table of the body, if it has one.
+    pub compliance: &'a ComplianceArgs,
     /// Displacement or traction of its base.
     pub base: &'a BaseArgs,
     /// Surface below it.
@@ -90,7 +92,7 @@ impl Prepared {
     /// # Errors
     /// Parts that do not go together, that cannot be read, or that no memory holds.
     pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
-        let body = asked.body.body()?;
+        let body = asked.compliance.body(asked.body)?;
         asked.budget.check().map_err(|error| Failure::input("--tol", error))?;
         let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
         facts(false).check()?;
@@ -119,6 +121,7 @@ impl Prepared {
             Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(&asked.source.name(), error))?,
             None => surface,
         };
+        check_wavenumbers(&body, &surface.grid)?;
         asked.body.check_on(&surface.grid, body.contact_modulus() * surface.rms_gradient())?;
         let is_known = surface.share.is_whole() && !facts.line;
         let rise = is_known.then(|| top(surface.heights.view()) - surface.highest());

@@ -3,7 +3,9 @@
 use clap::Args;
 use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Watch};
 use gfmd_problem::options::flags::without_flags;
-use gfmd_problem::options::{BodyArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice};
+use gfmd_problem::options::{
+    BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
+};
 use gfmd_problem::{Accuracy, Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +30,10 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub body: BodyArgs,
+    /// Table of its compliance.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub compliance: ComplianceArgs,
     /// Displacement or traction of its base.
     #[command(flatten)]
     #[serde(flatten)]
@@ -111,7 +117,7 @@ impl ContactArgs {
             },
             line,
             grid_error: self.grid_error,
-            ..self.body.facts()
+            ..self.compliance.of(self.body.facts())
         }
     }
 
@@ -123,6 +129,7 @@ impl ContactArgs {
         Ok(Asked {
             source: &self.source,
             body: &self.body,
+            compliance: &self.compliance,
             base: &self.base,
             lower: &self.lower,
             law: &self.law,

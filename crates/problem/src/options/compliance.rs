@@ -1,0 +1,105 @@
+//! A body that is known by its compliance.
+
+use clap::Args;
+use gfmd_field::Grid;
+use gfmd_green::{Body, GreenError, Height};
+use serde::{Deserialize, Serialize};
+
+use super::BodyArgs;
+use super::law::LONGEST_TABLE;
+use super::values::parse_row;
+use crate::{Facts, Support, Unusable};
+
+/// Flags of a body that is known by its compliance.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ComplianceArgs {
+    /// Normal compliance of the body by wavenumber, in place of that of its moduli: FILE of two columns, wavenumber (rad/length) and
+    /// compliance (length/stress), whose heads may have units; or the rows, WAVENUMBER:COMPLIANCE,.. E* of --young or --e-star is then
+    /// that of p* alone
+    #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub compliance: Vec<[f64; 2]>,
+    /// Compliance of the mean level of such a body, length/stress; 0, a fixed mean level as that of a half-space, if not given
+    #[arg(long, value_name = "G0", requires = "compliance", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uniform_compliance: Option<f64>,
+}
+
+/// The flag of the table.
+const FLAG: &str = "--compliance";
+
+/// Rounding of wavenumbers at the ends of a table.
+const ROUNDING: f64 = 1e-9;
+
+impl ComplianceArgs {
+    /// The keys of these flags in a configuration.
+    pub const NAMES: [&'static str; 2] = ["compliance", "uniform_compliance"];
+
+    /// The body: that of the flags `args`, or that of the table.
+    ///
+    /// # Errors
+    /// A flag out of its range; flags that have no meaning beside a table; a table without the modulus of p*.
+    pub fn body(&self, args: &BodyArgs) -> Result<Body, Unusable> {
+        let own = args.body()?;
+        if self.compliance.is_empty() {
+            let uniform = self.uniform_compliance.map(|found| {
+                Unusable::value("--uniform-compliance", format!("{found:e}"), "left out without --compliance")
+            });
+            return uniform.map_or(Ok(own), Err);
+        }
+        let without = |flag: &str, found: &dyn std::fmt::Display| {
+            Err(Unusable::value(flag, found, "left out with --compliance, which is that of the whole body"))
+        };
+        if let Height::Finite(height) = args.height {
+            return without("--height", &height);
+        }
+        if args.poisson != 0.0 {
+            return without("--poisson", &args.poisson);
+        }
+        if args.others.second_body.is_some() {
+            return without("--second-body", &"given");
+        }
+        if args.young.is_none() && args.e_star.is_none() {
+            let reason =
+                "--young or --e-star is missing; p* and kappa are over E*, which a table of compliances does not have";
+            return Err(Unusable::of(reason));
+        }
+        let rows = self.compliance.len();
+        if rows > LONGEST_TABLE {
+            return Err(Unusable::value(FLAG, format!("{rows} rows"), format!("at most {LONGEST_TABLE}")));
+        }
+        Body::tabulated(own.contact_modulus(), &self.compliance, self.uniform_compliance.unwrap_or(0.0)).map_err(
+            |error| {
+                let of_uniform = matches!(error, GreenError::UniformCompliance(_));
+                Unusable::input(if of_uniform { "--uniform-compliance" } else { FLAG }, error)
+            },
+        )
+    }
+
+    /// The facts of a problem with this body in place of its own.
+    #[must_use]
+    pub fn of(&self, facts: Facts) -> Facts {
+        if self.compliance.is_empty() { facts } else { Facts { support: Support::Table, ..facts } }
+    }
+}
+
+/// Checks that the table of a body has the wavenumbers of a grid.
+///
+/// # Errors
+/// Wavenumbers beyond the table.
+pub fn check_wavenumbers(body: &Body, grid: &Grid) -> Result<(), Unusable> {
+    let Some([low, high]) = body.tabulated_wavenumbers() else { return Ok(()) };
+    let sides = if grid.is_line() { 1 } else { 2 };
+    let lengths = &grid.lengths()[..sides];
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    let shortest = grid.spacing()[..sides].iter().map(|step| (std::f64::consts::PI / step).powi(2)).sum::<f64>().sqrt();
+    let wanted = [2.0 * std::f64::consts::PI / longest, shortest];
+    let holds = low <= wanted[0] * (1.0 + ROUNDING) && wanted[1] <= high * (1.0 + ROUNDING);
+    if holds {
+        return Ok(());
+    }
+    let [from, to] = wanted;
+    let found = format!("the table has the wavenumbers {low:.4e} to {high:.4e}");
+    Err(Unusable::input(FLAG, format!("{found}; it must have those of the grid, {from:.4e} to {to:.4e}")))
+}
