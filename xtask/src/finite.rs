@@ -16,7 +16,7 @@ use crate::solved::{contact, loads, number};
 const HURST: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
 /// 1/ε_f, points on the shortest wave, and the number of surfaces.
-const LEVELS: [(usize, usize, u64); 3] = [(8, 8, 64), (32, 8, 32), (128, 4, 12)];
+const LEVELS: [(usize, usize, u64); 3] = [(8, 8, 64), (32, 8, 24), (128, 4, 8)];
 
 /// The longest waves over the length of the cell.
 const EPS_T_INV: usize = 2;
@@ -31,9 +31,9 @@ const REDUCED: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 const OF_LONG_WAVES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 
 /// Reduced pressures between which contacts percolate, each this factor over the one before.
-const LIGHTEST: f64 = 0.06;
-const FACTOR: f64 = 1.09;
-const STEPS: i32 = 36;
+const LIGHTEST: f64 = 0.12;
+const FACTOR: f64 = 1.12;
+const STEPS: i32 = 18;
 
 /// Flags of `finite`.
 #[derive(ClapArgs, Clone, Debug)]

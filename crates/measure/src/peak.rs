@@ -112,10 +112,7 @@ fn second_differences(at: &[[f64; 3]; 3]) -> [f64; 2] {
 fn third_differences(field: ArrayView2<f64>, [i, j]: [usize; 2]) -> [f64; 2] {
     let (nx, ny) = field.dim();
     let difference = |at: &dyn Fn(usize) -> f64| (0.5 * (at(4) - at(0)) - (at(3) - at(1))).abs();
-    [
-        difference(&|k| field[[(i + 2 * nx + k - 2) % nx, j]]),
-        difference(&|k| field[[i, (j + 2 * ny + k - 2) % ny]]),
-    ]
+    [difference(&|k| field[[(i + 2 * nx + k - 2) % nx, j]]), difference(&|k| field[[i, (j + 2 * ny + k - 2) % ny]])]
 }
 
 /// The rise of the quadratic through 3 × 3 points above the middle one, zero if it has no maximum.

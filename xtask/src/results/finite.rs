@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use gfmd_measure::SelfAffineArea;
 use gfmd_run::failure::Failure;
 
 use super::summary::Summaries;
@@ -18,27 +19,46 @@ fn with_error(known: Option<Known>) -> String {
     )
 }
 
-/// A row for each kind of surface and load.
-fn rows(summaries: &Summaries, loads: fn(&Kind) -> &[Numbers], head: &str) -> Result<String, Failure> {
-    let report = summaries.finite()?;
-    let mut text = format!("{head}\n|---|---|---|---|---|---|---|\n");
-    for kind in &report.kinds {
-        for Numbers { load, kappa, gap, stiffness, rms_pressure } in loads(kind) {
-            let numbers = [kappa, gap, stiffness, rms_pressure].map(|known| with_error(*known)).join(" | ");
-            let _ = writeln!(text, "| {} | {} | {load} | {numbers} |", kind.hurst, kind.eps_f_inv);
+/// κ, mean gap, stiffness and pressure of a load, as cells of a table.
+fn cells(Numbers { kappa, gap, stiffness, rms_pressure, .. }: &Numbers) -> String {
+    [kappa, gap, stiffness, rms_pressure].map(|known| with_error(*known)).join(" | ")
+}
+
+/// Under given reduced pressures, with κ by the formula and its relative difference.
+pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
+    let mut text = String::from(
+        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n|---|---|---|---|---|---|---|---|\n",
+    );
+    for kind in &summaries.finite()?.kinds {
+        let formula = SelfAffineArea::new(kind.hurst);
+        for load in &kind.reduced {
+            let area = formula.map_or(f64::NAN, |formula| formula.of_band(1.0 / kind.eps_f_inv as f64, load.load));
+            let kappa = area / load.load;
+            let apart =
+                load.kappa.map_or_else(String::new, |[found, _]| format!(" ({:+.1} %)", 100.0 * (kappa / found - 1.0)));
+            let _ = writeln!(
+                text,
+                "| {} | {} | {} | {} | {kappa:.3}{apart} |",
+                kind.hurst,
+                kind.eps_f_inv,
+                load.load,
+                cells(load)
+            );
         }
     }
     Ok(text)
 }
 
-/// Under given reduced pressures.
-pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
-    rows(summaries, |kind| &kind.reduced, "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |")
-}
-
 /// Under given loads of the long waves.
 pub(super) fn of_long_waves(summaries: &Summaries) -> Result<String, Failure> {
-    rows(summaries, |kind| &kind.of_long_waves, "| H | 1/ε_f | P | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |")
+    let mut text =
+        String::from("| H | 1/ε_f | P | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |\n|---|---|---|---|---|---|---|\n");
+    for kind in &summaries.finite()?.kinds {
+        for load in &kind.of_long_waves {
+            let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells(load));
+        }
+    }
+    Ok(text)
 }
 
 /// Where contacts begin to percolate, and how high the surfaces are.
