@@ -26,7 +26,7 @@ pub struct LawArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub param: Vec<(String, f64)>,
     /// Table of the law `table`: FILE of two columns, gap and traction, with attractions above zero, whose heads may have units, such as
-    /// gap_nm or "traction [MPa]"; or the rows, GAP:TRACTION,...
+    /// gap_nm or traction_MPa; or the rows, GAP:TRACTION,...
     #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub law_table: Vec<[f64; 2]>,
