@@ -10,7 +10,7 @@ use gfmd_contact::{
 };
 use gfmd_green::Height;
 use gfmd_interface::Kept;
-use gfmd_law::Law;
+use gfmd_law::{Kind, Law};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs};
 use gfmd_problem::{Accuracy, Facts, Posed, Rest};
@@ -46,7 +46,10 @@ pub(crate) fn options() -> Vec<String> {
 
 /// A law by its name, its parameters and the rows of its table.
 fn law_of(py: Python<'_>, name: &str, param: Vec<(String, f64)>, law_table: Vec<[f64; 2]>) -> PyResult<Box<dyn Law>> {
-    let law = name.parse().map_err(|error| refused(py, &error))?;
+    let law: Kind = name.parse().map_err(|error| refused(py, &error))?;
+    if law != Kind::Table && law_table.is_empty() {
+        return law.with(&param).map_err(|error| refused(py, &error));
+    }
     LawArgs { law, param, law_table, coarse: false }.build().map_err(|error| refused(py, &error))
 }
 
