@@ -187,6 +187,11 @@ impl<'a> Stored<'a> {
                 "stress*length" => self.prepared.unit_pressure() * self.height(),
                 _ => 1.0,
             },
+            // Repulsion and attraction cancel at the load zero.
+            "mean_pressure" if self.prepared.adhesion.is_some() => record.number("max_pressure"),
+            "p_star" if self.prepared.adhesion.is_some() => {
+                record.number("max_pressure") / self.prepared.unit_pressure()
+            }
             _ => 0.0,
         }
     }
