@@ -13,6 +13,10 @@ fn with_error(known: Option<Known>) -> String {
     known.map_or_else(
         || "–".into(),
         |[value, error]| {
+            // All surfaces at one step of a ramp.
+            if error == 0.0 {
+                return format!("{value:.3}");
+            }
             let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
             format!("{value:.digits$} ± {error:.digits$}")
         },
