@@ -160,7 +160,7 @@ impl Case {
 
     /// The law of an adhesive summit.
     fn law(&self) -> &'static str {
-        if self.seed % 2 == 0 { "dugdale" } else { "exponential" }
+        if self.seed.is_multiple_of(2) { "dugdale" } else { "exponential" }
     }
 
     /// The law at the summit of a wave: Johnson, Kendall and Roberts' contact has a radius of 4 to 16 points without a load, and
