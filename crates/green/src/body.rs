@@ -70,7 +70,7 @@ impl Table {
     }
 }
 
-/// What is not known of a body with a table of normal compliances.
+/// Properties that a body with a table of normal compliances does not have.
 const UNKNOWN: Blocks =
     Blocks { longitudinal: f64::NAN, normal: f64::NAN, coupling: [f64::NAN; 2], transverse: f64::NAN };
 

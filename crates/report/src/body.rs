@@ -11,7 +11,7 @@ use gfmd_run::failure::Failure;
 /// The components of a symmetric tensor in a file.
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 
-/// Those of a strip in plane strain.
+/// The components of a strip in plane strain.
 const STRIP: [&str; 4] = ["xx", "yy", "zz", "xz"];
 
 /// The relative difference of steps between depths up to which they are equal.

@@ -299,7 +299,7 @@ fn surfaces_have_pages_and_functions() {
     assert!((slope * 3.0 / 48.0 - (2.0 * difference).sqrt()).abs() < 1e-12);
     assert!(made.get("undefined").is_none(), "{}", made["undefined"]);
 
-    // What was written is read; a file does not tell that its surface repeats.
+    // The file is read again; it does not tell that its surface repeats.
     let read = run("surface --surface h.h5 --report again.html --json -q");
     assert_eq!((&read["boundary"], read.get("psd")), (&"free".into(), None));
     assert_eq!(read["report"], "again.html");

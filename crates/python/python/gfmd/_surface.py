@@ -15,7 +15,7 @@ from ._record import Record, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
-# How a surface goes on beyond its edges; as it is known of the surface by default.
+# The continuation of a surface beyond its edges; by default that of the surface itself.
 Boundary = Optional[Literal["periodic", "free"]]
 
 

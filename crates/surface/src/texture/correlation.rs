@@ -352,7 +352,7 @@ mod tests {
         assert!((lengths.sal.unwrap() - end).abs() < 1e-3 && lengths.longest.is_none() && lengths.aspect().is_none());
         let flat = Autocorrelation::of(&Array2::zeros((8, 8)), &Grid::square(8, 1.0).unwrap(), false).unwrap();
         assert!(flat.lengths().sal.is_none() && flat.relative(0.0).is_nan());
-        // Of a tilt over n steps, A = d²/2 and Sq² = (n² − 1)/12.
+        // A tilt over n steps has A = d²/2 and Sq² = (n² − 1)/12.
         let tilt = Array2::from_shape_fn((64, 1), |(i, _)| i as f64);
         let found = Autocorrelation::of(&tilt, &Grid::line(64, 64.0).unwrap(), false).unwrap().lengths();
         assert!((found.sal.unwrap() - (0.8 * 4095.0 / 6.0_f64).sqrt()).abs() < 0.01, "{found:?}");
