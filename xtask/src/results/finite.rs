@@ -14,7 +14,7 @@ fn with_error(known: Option<Known>) -> String {
         || "–".into(),
         |[value, error]| {
             // All surfaces at one step of a ramp.
-            if error == 0.0 {
+            if error < 1e-9 * value.abs() {
                 return format!("{value:.3}");
             }
             let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
