@@ -94,7 +94,7 @@ pub struct Numbers {
     pub rms_pressure: Option<Known>,
 }
 
-/// What one surface has: the height, four numbers with their errors for each load, the load and area of percolation.
+/// The numbers of one surface: the height, four numbers with their errors for each load, the load and area of percolation.
 struct Found {
     height: f64,
     loads: Vec<Option<[Known; 4]>>,
@@ -147,7 +147,7 @@ fn percolation(loads: &[Value]) -> Result<[Known; 2], Failure> {
     Ok([0, 1].map(|which| [0, 1].map(|part| 0.5 * (x[which][part] + y[which][part]))))
 }
 
-/// What a surface has.
+/// Computes the numbers of a surface.
 fn found(hurst: f64, (eps_f_inv, points_per_wave): (usize, usize), seed: u64) -> Result<Found, Failure> {
     let n = points_per_wave * EPS_T_INV * eps_f_inv;
     let surface = format!("--n {n} --eps-t-inv {EPS_T_INV} --eps-f-inv {eps_f_inv} --hurst {hurst} --seed {seed}");

@@ -141,7 +141,7 @@ impl Case {
         [0.4, 0.6, 0.8, 1.0].map(|part| least + part * (most - least))
     }
 
-    /// What is known of a contact in closed form, by the name of the number.
+    /// The closed form of a number of a contact, by its name; `None` without one.
     pub(super) fn closed_form(&self, load: usize, name: &str) -> Option<f64> {
         let radius = (self.kind == Kind::Sphere).then(|| self.radii()[load])?;
         let (force, area, most) = (4.0 * radius.powi(3) / 3.0, PI * radius * radius, 2.0 * radius / PI);

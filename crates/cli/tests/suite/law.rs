@@ -497,3 +497,15 @@ fn a_search_that_starts_at_longer_ranges_ends_at_the_asked_one() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8(output.stderr).unwrap().contains("--range-continuation: the law npb has no range"));
 }
+
+/// At the load zero repulsion and attraction cancel: the mean pressure that is left is rounding of larger pressures.
+#[test]
+fn a_result_under_no_load_is_found_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = "--law exponential --param gamma=2e-5,range=1.2e-3";
+    let flags = format!("contact --n 64 --eps-f-inv 8 {law} --pressure 0.005,0 --out zero.h5 -q");
+    for flags in [&flags, "check zero.h5"] {
+        let found = gfmd(folder.path(), &flags.split(' ').collect::<Vec<_>>());
+        assert!(found.status.success(), "{flags}: {}", String::from_utf8_lossy(&found.stdout));
+    }
+}

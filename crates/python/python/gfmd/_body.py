@@ -417,7 +417,10 @@ def _tabulated(gap: Any, traction: Any, units: Optional[tuple[str, str]]) -> Law
         off, most = np.abs(plain.traction(middle) - _sampled(traction, middle)), _DEVIATION * np.abs(found).max()
         if not off.max() <= most:
             at = float(middle[int(np.argmax(off))])
-            raise InputError(f"traction deviates by {float(off.max()):.1e} from its table at the gap {at:.3g}; it must be at most {most:.1e}, which closer gaps make it")
+            raise InputError(
+                f"traction deviates by {float(off.max()):.1e} from its table at the gap {at:.3g}; it must be at most {most:.1e}, "
+                "which closer gaps make it"
+            )
     if units is None:
         return plain
     first, second = (word("units", unit) for unit in units)
