@@ -72,7 +72,7 @@ pub(crate) fn compare(
         solution.pressure.iter().zip(&pressure).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
         worst.compare(solution.approach, approach);
         worst.compare(solution.mean_pressure, mean);
-        worst.compare(contact.stiffness(&solution).map_or(f64::NAN, |found| found.value), stiffness);
+        worst.compare(contact.stiffness(&solution, 1e-9).map_or(f64::NAN, |found| found.value), stiffness);
         worst.compare(solution.pressure.iter().filter(|p| **p > 0.0).count() as f64, nodes);
         if let Some(plastic) = &solution.plastic {
             worst.compare(plastic.volume, volume);

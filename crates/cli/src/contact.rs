@@ -457,8 +457,11 @@ impl Outlet for Measuring<'_> {
     fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
         let Reached { index, state, at, started, is_cut, .. } = reached;
         let warn = |code, text: String| self.session.warn(code, format!("load {index}: {text}"));
-        let stiffness =
-            if is_cut { Err(NOT_SOLVED) } else { stiffness(self.contact, state, |text| warn("stiffness", text)) };
+        let stiffness = if is_cut {
+            Err(NOT_SOLVED)
+        } else {
+            stiffness(self.contact, state, self.args.problem.stiffness_tol, |text| warn("stiffness", text))
+        };
         let at = At { stiffness: stiffness.map_err(Into::into), ..at };
         let repulsion = state.repulsion();
         let Loads { prepared, conducting, drives, .. } = self.loads;
@@ -511,13 +514,18 @@ impl Measuring<'_> {
     }
 }
 
-/// The stiffness of a state at rest, or the reason why it has none; `warn` takes the remark on one that is less exact than it
+/// The stiffness of a state at rest to a relative error, or the reason why it has none; `warn` takes the remark on one that is less exact than it
 /// should be.
 ///
 /// # Errors
 /// The reason.
-pub fn stiffness(contact: &Posed, state: &Rest, warn: impl FnOnce(String)) -> Result<Stiffness, &'static str> {
-    contact.stiffness(state).or_else(|error| match error {
+pub fn stiffness(
+    contact: &Posed,
+    state: &Rest,
+    tolerance: f64,
+    warn: impl FnOnce(String),
+) -> Result<Stiffness, &'static str> {
+    contact.stiffness(state, tolerance).or_else(|error| match error {
         NoStiffness::Undefined(reason) => Err(reason),
         NoStiffness::Inexact(reached, why) => {
             warn(why);

@@ -57,6 +57,9 @@ impl From<Stiffness> for Conductance {
     }
 }
 
+/// The largest relative error of a conductance.
+const ERROR: f64 = 1e-9;
+
 /// Reasons why there is no conductance, or none that is exact.
 #[derive(Debug, thiserror::Error)]
 pub enum ConductanceError {
@@ -100,7 +103,7 @@ impl Conductors {
             return Err(ConductanceError::Shape { found, expected });
         }
         let pressure = contiguous(pressure);
-        let found = self.contact.stiffness_of_points(&pressure, Ceiling::All(f64::INFINITY));
+        let found = self.contact.stiffness_of_points(&pressure, Ceiling::All(f64::INFINITY), ERROR);
         found
             .map(Conductance::from)
             .map_err(|(reached, why)| ConductanceError::Inexact { reached: reached.into(), why })

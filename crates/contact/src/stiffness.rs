@@ -25,14 +25,16 @@ pub struct Stiffness {
     pub effort: Effort,
 }
 
-/// The relative error at which the iterations end.
-const TOLERANCE: f64 = 1e-10;
+impl Stiffness {
+    /// The usual tolerance of a stiffness: five digits are certain.
+    pub const TOLERANCE: f64 = 5e-6;
+}
 
-/// The largest relative error of a result.
-const ERROR: f64 = 1e-9;
+/// The bound of the error over ⟨r, M r⟩ of few points, whose M may be smaller than the inverse of G, by some 15 %.
+const OF_FEW: f64 = 2.0;
 
 /// The largest number of corrections on few points.
-const CORRECTIONS: usize = 2;
+const CORRECTIONS: usize = 3;
 
 /// Largest number of iterations. Some 6 are usual.
 const ITERATIONS: u64 = 2000;
@@ -46,14 +48,14 @@ const ROUNDING: f64 = 1e-4;
 const APART: f32 = 1e30;
 
 impl Contact {
-    /// The stiffness in the state `solution`.
+    /// The stiffness in the state `solution`, with a relative error of at most `tolerance`; 1e-9 can be reached.
     ///
     /// # Errors
-    /// The stiffness reached, if its error exceeds 1e-9, and the reason why the iterations ended.
-    pub fn stiffness(&self, solution: &Solution) -> Result<Stiffness, (Stiffness, Why)> {
+    /// The stiffness reached, if its error exceeds the tolerance, and the reason why the iterations ended.
+    pub fn stiffness(&self, solution: &Solution, tolerance: f64) -> Result<Stiffness, (Stiffness, Why)> {
         let upper = self.upper().times(self.units().stress());
         let pressure = contiguous(&solution.pressure);
-        self.stiffness_of_points(&pressure, upper.ceiling())
+        self.stiffness_of_points(&pressure, upper.ceiling(), tolerance)
     }
 
     /// The stiffness of the points whose `pressure`, row by row of this process, is between zero and the `hardness`.
@@ -61,6 +63,7 @@ impl Contact {
         &self,
         pressure: &[f64],
         hardness: Ceiling,
+        tolerance: f64,
     ) -> Result<Stiffness, (Stiffness, Why)> {
         let n = self.share.total();
         let touches = |(i, p): (usize, &f64)| (*p > 0.0) & (*p < hardness.at(i));
@@ -79,11 +82,8 @@ impl Contact {
             unit.keep_sums(self.stiffness_range()[1]);
         }
         let mut few = Few::of(self, pressure);
-        let certified = few.as_mut().and_then(|few| unit.correct(few));
-        let (ended, sums) = match certified {
-            Some(sums) => (Ok(()), sums),
-            None => (unit.solve(), unit.certify()),
-        };
+        let certified = few.as_mut().and_then(|few| unit.correct(few, tolerance));
+        let (ended, sums) = certified.map_or_else(|| unit.solve(tolerance), |sums| (Ok(()), sums));
         // ⟨q, G q⟩ of the pressure q with mean 1 is N times the displacement, whose lowest value is the one sought.
         let [work, excess] = sums.map(|sum| sum / n as f64);
         let compliance = work + self.uniform_compliance();
@@ -92,7 +92,7 @@ impl Contact {
         let stiffness =
             Stiffness { value: self.units().stiffness() / compliance, error: excess.abs() / compliance, effort };
         match ended {
-            _ if stiffness.error <= ERROR => Ok(stiffness),
+            _ if stiffness.error <= tolerance => Ok(stiffness),
             Ok(()) => Err((stiffness, Why::Certificate)),
             Err(why) => Err((stiffness, why)),
         }
@@ -155,54 +155,76 @@ impl<'a> Unit<'a> {
         Effort { iterations: self.iterations, transform_pairs: self.dual.pairs() }
     }
 
-    /// Corrects the pressure on few points, each time to some 4e-4 of its error; the [certificate](Self::certify) if that is
-    /// sufficient.
-    fn correct(&mut self, few: &mut Few) -> Option<[f64; 2]> {
-        self.refresh();
+    /// Corrects the pressure on few points, each time to some 4e-4 of its error. Returns ⟨q, G q⟩ from fresh transforms in double
+    /// precision, and twice ⟨r, M r⟩ with the preconditioner of the few points, if that is sufficient.
+    fn correct(&mut self, few: &mut Few, tolerance: f64) -> Option<[f64; 2]> {
+        few.start(self.share.total() as f64 / self.count);
         for _ in 0..CORRECTIONS {
-            few.correct(&self.residual, self.dual.unit(), &mut self.variation);
-            let [work, excess] = self.certify();
-            if excess.abs() <= ERROR * work {
+            few.correct(tolerance, &mut self.variation);
+            let work = self.refresh();
+            let excess = OF_FEW * few.take(&self.residual, self.dual.unit());
+            if excess.abs() <= tolerance * work {
                 return Some([work, excess]);
             }
         }
         None
     }
 
-    fn solve(&mut self) -> Result<(), Why> {
-        let n = self.contact.len();
-        let mut direction = vec![0.0; n];
-        let mut slope = f64::INFINITY;
-        let work = self.refresh() / self.dual.unit();
+    /// Conjugate gradients until the error is at most `tolerance`. Returns also ⟨q, G q⟩ and ⟨r, M r⟩ from fresh transforms in
+    /// double precision.
+    fn solve(&mut self, tolerance: f64) -> (Result<(), Why>, [f64; 2]) {
+        let mut direction = vec![0.0; self.contact.len()];
+        let [mut work, mut slope] = self.certify();
+        let (mut last, mut is_fresh) = (f64::INFINITY, true);
         loop {
-            let last = std::mem::replace(&mut slope, self.precondition());
-            if slope.abs() <= TOLERANCE * work {
-                return Ok(());
-            } else if slope.is_nan() || slope < 0.0 {
+            let enough = tolerance * work;
+            let ended = match slope.abs() <= enough {
+                true => Some(Ok(())),
                 // A preconditioner that is not positive says nothing of the error.
-                return Err(Why::NoDescent);
-            } else if self.iterations >= ITERATIONS {
-                return Err(Why::Iterations);
-            }
-            let beta = (slope / last) as f32;
-            // Rounding errors must not change the sum of the pressure.
-            let excess = (self.share.total_of(&self.image) / self.count) as f32;
-            let hardness = self.hardness;
-            let vectors = (&mut direction[..], &self.image[..], self.contact, hardness);
-            for_each(vectors, &|_, (direction, image, contact, hardness)| {
-                for (i, (d, (z, p))) in direction.iter_mut().zip(image.iter().zip(contact)).enumerate() {
-                    *d = if (*p > 0.0) & (*p < hardness.at(i)) { z - excess + beta * *d } else { 0.0 };
+                false if slope.is_nan() || slope < 0.0 => Some(Err(Why::NoDescent)),
+                false if self.iterations >= ITERATIONS => Some(Err(Why::Iterations)),
+                false => None,
+            };
+            match ended {
+                Some(ended) if is_fresh => return (ended, [work, slope]),
+                Some(_) => is_fresh = true,
+                None => {
+                    self.step(&mut direction, [last, slope]);
+                    // If the next slope falls as the last one did, it is sufficient, and found from fresh transforms.
+                    is_fresh = last.is_finite() && slope * (slope / last) <= enough;
+                    last = slope;
                 }
-            });
-            self.displace(&direction);
-            let step = (slope / self.share.dot(&direction, &self.image)) as f32;
-            let vectors = (&mut self.variation[..], &mut self.residual[..], &direction[..], &self.image[..]);
-            for_each(vectors, &|_, (variation, residual, direction, image)| {
-                variation.iter_mut().zip(direction).for_each(|(q, d)| *q -= step * d);
-                residual.iter_mut().zip(image).for_each(|(r, g)| *r -= step * g);
-            });
-            self.iterations += 1;
+            }
+            [work, slope] = if is_fresh { self.certify() } else { [work, self.precondition() * self.dual.unit()] };
         }
+    }
+
+    /// A step of conjugate gradients along the `direction` that follows from the preconditioned residual in `image`; the last
+    /// slope and this one are ⟨r, M r⟩.
+    fn step(&mut self, direction: &mut [f32], [last, slope]: [f64; 2]) {
+        let beta = (slope / last) as f32;
+        // Rounding errors must not change the sum of the pressure.
+        let excess = (self.share.total_of(&self.image) / self.count) as f32;
+        let hardness = self.hardness;
+        for_each((&mut *direction, &self.image[..], self.contact, hardness), &|_,
+                                                                               (
+            direction,
+            image,
+            contact,
+            hardness,
+        )| {
+            for (i, (d, (z, p))) in direction.iter_mut().zip(image.iter().zip(contact)).enumerate() {
+                *d = if (*p > 0.0) & (*p < hardness.at(i)) { z - excess + beta * *d } else { 0.0 };
+            }
+        });
+        self.displace(direction);
+        let step = (slope / self.dual.unit() / self.share.dot(direction, &self.image)) as f32;
+        let vectors = (&mut self.variation[..], &mut self.residual[..], &*direction, &self.image[..]);
+        for_each(vectors, &|_, (variation, residual, direction, image)| {
+            variation.iter_mut().zip(direction).for_each(|(q, d)| *q -= step * d);
+            residual.iter_mut().zip(image).for_each(|(r, g)| *r -= step * g);
+        });
+        self.iterations += 1;
     }
 
     /// `image` ← G `pressure`.

@@ -45,8 +45,8 @@ impl Kind for Contact {
         Contact::certify(self, kept.pressure, Load::Approach(approach))
     }
 
-    fn stiffness(&self, state: &Solution) -> Result<Stiffness, NoStiffness> {
-        Contact::stiffness(self, state).map_err(|(reached, why)| {
+    fn stiffness(&self, state: &Solution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        Contact::stiffness(self, state, tolerance).map_err(|(reached, why)| {
             let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
             NoStiffness::Inexact(reached, text)
         })
@@ -72,7 +72,7 @@ impl Kind for FullContact {
         FullContact::certify(self, kept.pressure, Load::MeanPressure(mean))
     }
 
-    fn stiffness(&self, _: &FullSolution) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &FullSolution, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined(
             "not computed with all components: the Nyquist modes of an even grid have a stiffness of their own",
         ))
@@ -89,7 +89,7 @@ impl Kind for SteepContact {
         SteepContact::certify(self, pressure, drive.load)
     }
 
-    fn stiffness(&self, _: &SteepSolution) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &SteepSolution, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined(
             "not computed with finite slopes: the points in contact move sideways with the load",
         ))
@@ -114,7 +114,7 @@ impl Kind for SqueezedContact {
         SqueezedContact::certify(self, [kept.pressure, lower], Load::Approach(kept.approach))
     }
 
-    fn stiffness(&self, _: &SqueezedSolution) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &SqueezedSolution, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined("not computed of a slab between two surfaces, which has two contacts"))
     }
 }
@@ -138,7 +138,7 @@ impl Kind for Interface {
         Interface::recall(self, Kept { approach, ..kept })
     }
 
-    fn stiffness(&self, _: &State) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &State, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined(
             "not computed with a law across the gap: it acts on all points, not on those in contact alone",
         ))
@@ -169,7 +169,7 @@ impl Kind for FrictionalContact {
         Err(Refusal::Basis { found: fields.len(), expected: 0 })
     }
 
-    fn stiffness(&self, _: &FrictionState) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &FrictionState, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(ON_A_PATH)
     }
 
@@ -204,7 +204,7 @@ impl Kind for PlasticContact {
         PlasticContact::certify(self, pressure, depth, drive.load)
     }
 
-    fn stiffness(&self, _: &PlasticState) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &PlasticState, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(ON_A_PATH)
     }
 
@@ -226,7 +226,7 @@ impl Kind for ViscoelasticContact {
         Err(Refusal::Basis { found: fields.len(), expected: 0 })
     }
 
-    fn stiffness(&self, _: &ViscoelasticState) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &ViscoelasticState, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(ON_A_PATH)
     }
 

@@ -34,11 +34,11 @@ pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static 
         self.certify(&[kept.pressure], Load::Approach(kept.approach).into())
     }
 
-    /// The stiffness of a state at rest: d(mean pressure)/d(approach), stress/length.
+    /// The stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
     ///
     /// # Errors
     /// The reason why there is none, or why it is less exact than it should be.
-    fn stiffness(&self, state: &Self::State) -> Result<Stiffness, NoStiffness>;
+    fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, NoStiffness>;
 
     /// The derivatives of a number of a state, whose own derivatives are given, under a load of this kind.
     ///
@@ -194,7 +194,7 @@ trait Erased: Send + Sync {
     fn basis(&self) -> &'static [&'static str];
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal>;
     fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal>;
-    fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness>;
+    fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
     fn reading(&self, state: &Rest) -> Reading;
     fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool;
@@ -255,9 +255,9 @@ impl<K: Kind> Erased for K {
         Kind::recall(self, kept, lower).map(Rest::new)
     }
 
-    fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         match state.get() {
-            Some(state) => Kind::stiffness(self, state),
+            Some(state) => Kind::stiffness(self, state, tolerance),
             None => Err(NoStiffness::Undefined("the state is of another kind of contact")),
         }
     }
@@ -327,12 +327,12 @@ impl Posed {
         self.0.recall(kept, lower)
     }
 
-    /// The stiffness of a state at rest: d(mean pressure)/d(approach), stress/length.
+    /// The stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
     ///
     /// # Errors
     /// The reason why there is none, or why it is less exact than it should be.
-    pub fn stiffness(&self, state: &Rest) -> Result<Stiffness, NoStiffness> {
-        self.0.stiffness(state)
+    pub fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        self.0.stiffness(state, tolerance)
     }
 
     /// The derivatives of a number of a state, whose own derivatives are `of`, under a `load` of this kind; see

@@ -225,7 +225,7 @@ impl Problem {
             let (state, failure) = reached(args.press(contact, drive).starting_from(start).watch(&mut watch).solve())?;
             let stiffness = match &failure {
                 Some(_) => Err(NOT_SOLVED),
-                None => stiffness(contact, &state, |text| tracing::warn!("{text}")),
+                None => stiffness(contact, &state, args.stiffness_tol, |text| tracing::warn!("{text}")),
             };
             let finer = finer.iter_mut().map(|finer| match &failure {
                 Some(_) => Ok(Err(NOT_SOLVED.to_owned())),

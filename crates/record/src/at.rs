@@ -97,7 +97,7 @@ impl<'a> At<'a> {
     pub fn new(facts: &'a Facts, rest: &'a Rest, problem: &Posed, grid: &Grid, tolerance: f64) -> Self {
         let reading = problem.reading(rest);
         Self { approach: reading.approach, ..Self::in_scales(facts, rest, &rest.scales(), grid, tolerance) }
-            .stiff(problem)
+            .stiff(problem, Stiffness::TOLERANCE)
     }
 
     /// A state in these scales, without a stiffness.
@@ -178,11 +178,11 @@ impl<'a> At<'a> {
         self.residuals.iter().find(|(other, _)| *other == name).map_or(f64::NAN, |(_, residual)| *residual)
     }
 
-    /// The same with its stiffness, that of the problem of the state.
+    /// The same with its stiffness, that of the problem of the state, to this relative error.
     #[must_use]
-    pub fn stiff(self, problem: &Posed) -> Self {
+    pub fn stiff(self, problem: &Posed, tolerance: f64) -> Self {
         use gfmd_problem::NoStiffness::{Inexact, Undefined};
-        let stiffness = match self.rest.map(|rest| problem.stiffness(rest)) {
+        let stiffness = match self.rest.map(|rest| problem.stiffness(rest, tolerance)) {
             Some(Ok(stiffness) | Err(Inexact(stiffness, _))) => Ok(stiffness),
             Some(Err(Undefined(reason))) => Err(reason.into()),
             None => Err(NOT_SOLVED.into()),

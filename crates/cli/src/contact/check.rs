@@ -83,7 +83,9 @@ fn compare(
         let Some(state) = stored.state(index, *drive)? else { continue };
         stored.compare_fields(index, &state, comparison)?;
         let at = stored.at(index, &state);
-        let stiffness = if at.has_converged() { stiffness(stored.contact, &state, |_| {}) } else { Err(NOT_SOLVED) };
+        let tolerance = args.problem.stiffness_tol;
+        let stiffness =
+            if at.has_converged() { stiffness(stored.contact, &state, tolerance, |_| {}) } else { Err(NOT_SOLVED) };
         let at = At { stiffness: stiffness.map_err(Into::into), ..at };
         // From the fields of the file: a number that rounding moves to another bin would be a difference.
         let field = |name: &str, made: ArrayView2<f64>| -> Result<Array2<f64>, Failure> {

@@ -70,7 +70,7 @@ pub fn measure(
     let facts = args.facts(prepared.surface.grid.is_line());
     facts.check()?;
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
-    let stiffness = stiffness(contact, state, &mut warn).map_err(Into::into);
+    let stiffness = stiffness(contact, state, args.problem.stiffness_tol, &mut warn).map_err(Into::into);
     let at = At { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tol) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());

@@ -83,7 +83,7 @@ fn a_list_of_loads_in_steps_and_the_stiffness_of_each() {
     let stiffness = numbers("stiffness");
     // Full contact of a half-space has none.
     assert!(stiffness[..5].windows(2).all(|pair| pair[0] < pair[1]) && stiffness[5].is_none(), "{stiffness:?}");
-    assert!(numbers("stiffness_error")[..5].iter().all(|error| error.is_some_and(|error| error <= 1e-9)));
+    assert!(numbers("stiffness_error")[..5].iter().all(|error| error.is_some_and(|error| error <= 5e-6)));
     let file = Reader::open(folder.path().join("c.h5")).unwrap();
     let stored: Vec<f64> = file.values("/loads/stiffness").unwrap();
     assert_eq!(stored[..5].iter().copied().map(Some).collect::<Vec<_>>(), stiffness[..5]);
@@ -466,7 +466,7 @@ fn all_components_are_those_that_follow_from_the_pressure() {
 fn a_surface_that_is_held_sideways_is_stiffer() {
     let folder = tempfile::tempdir().unwrap();
     let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
-    let contact = "contact --n 48 --eps-f-inv 8 --pressure 0.002 --tol 1e-11 --json";
+    let contact = "contact --n 48 --eps-f-inv 8 --pressure 0.002 --tol 1e-11 --stiffness-tol 1e-9 --json";
     let held = run(&format!("{contact} --young 1 --poisson 0.33 --components held --statistics --out held.h5"));
     // K_N = (E* q/2)/(1 - s^2) on a half-space (theory.md, section 3).
     let s: f64 = (1.0 - 0.66) / (2.0 - 0.66);

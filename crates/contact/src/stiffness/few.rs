@@ -7,10 +7,10 @@ use crate::dilute::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::{Contact, Effort};
 
 /// The largest part of the points in blocks with which this takes less time than transforms of the whole surface.
-const MOST: f64 = 0.06;
+const MOST: f64 = 0.15;
 
-/// The relative square of the residual that is left of one correction. Images between the points have errors of 4e-4.
-const TOLERANCE: f64 = 1e-11;
+/// The least relative square of the residual that is left of one correction. Images between the points have errors of 4e-4.
+const TOLERANCE: f64 = 1e-8;
 
 /// The largest number of iterations of one correction.
 const ITERATIONS: usize = 60;
@@ -23,6 +23,8 @@ pub(super) struct Few {
     touching: Vec<f32>,
     /// M 1 on the contact, with the preconditioner M, if it is not zero.
     constant: Option<Vec<f32>>,
+    /// The displacement of the contact less a constant, in the unit of the points.
+    residual: Vec<f32>,
     images: u64,
 }
 
@@ -49,19 +51,41 @@ impl Few {
             points.press(gaps(&touching, &touching), &mut constant);
             constant
         });
-        Some(Self { points, share, touching, constant, images: 0 })
+        let residual = vec![0.0; touching.len()];
+        Some(Self { points, share, touching, constant, residual, images: 0 })
     }
 
     pub(super) fn effort(&self) -> Effort {
         Effort { iterations: self.images, transform_pairs: self.points.pairs() }
     }
 
-    /// Adds to `pressure` about the one without a sum whose displacement is opposite to `residual` on the contact, but for a
-    /// constant. Both are those of the own rows, the residual in this `unit` of compliances.
-    pub(super) fn correct(&mut self, residual: &[f32], unit: f64, pressure: &mut [f32]) {
+    /// Takes the displacement of the contact by a `uniform` pressure as its residual.
+    pub(super) fn start(&mut self, uniform: f64) {
+        let Self { points, touching, residual, .. } = self;
+        let uniform: Vec<f32> = touching.iter().map(|touches| touches * uniform as f32).collect();
+        points.displace(&uniform, residual);
+        keep(residual, touching);
+        self.images += 1;
+    }
+
+    /// Takes the residual of the own rows, in this `unit` of compliances. Returns ⟨r, M r⟩.
+    pub(super) fn take(&mut self, residual: &[f32], unit: f64) -> f64 {
         let factor = unit / self.points.unit();
         let mut residual = self.at_points(residual);
         residual.iter_mut().for_each(|r| *r = (f64::from(*r) * factor) as f32);
+        self.level(&mut residual);
+        let mut image = vec![0.0; residual.len()];
+        self.precondition(&residual, &mut image);
+        let slope = dot(&residual, &image) * self.points.unit();
+        self.residual = residual;
+        slope
+    }
+
+    /// Adds to `pressure` of the own rows about the one without a sum whose displacement is opposite to the residual on the contact,
+    /// but for a constant, to this relative square.
+    pub(super) fn correct(&mut self, tolerance: f64, pressure: &mut [f32]) {
+        let tolerance = tolerance.max(TOLERANCE);
+        let mut residual = std::mem::take(&mut self.residual);
         let n = residual.len();
         let (mut correction, mut direction, mut image) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let [mut first, mut last] = [0.0, f64::INFINITY];
@@ -72,7 +96,7 @@ impl Few {
             if iteration == 0 {
                 first = slope;
             }
-            let goes_on = slope > TOLERANCE * first;
+            let goes_on = slope > tolerance * first;
             if !goes_on {
                 break;
             }

@@ -260,7 +260,7 @@ fn on_elastic_half_spaces_it_is_twice_the_stiffness_over_the_modulus() {
         let conductors = Conductors::new(boundary, &grid, Height::Infinite).unwrap();
         for mean in [1e-4, 0.003, 0.05] {
             let state = contact.press(Load::MeanPressure(mean)).solve().unwrap();
-            let stiffness = contact.stiffness(&state).unwrap().value;
+            let stiffness = contact.stiffness(&state, 1e-9).unwrap().value;
             let Conductance { value, error, .. } = conductors.conductance(&state.repulsion().to_owned()).unwrap();
             assert!(error <= 1e-9);
             assert_relative_eq!(value, 2.0 * stiffness / body.contact_modulus(), max_relative = 2e-9);

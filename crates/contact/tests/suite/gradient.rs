@@ -134,7 +134,7 @@ fn the_derivative_of_the_mean_pressure_by_the_approach_is_the_stiffness() {
     let grid = Grid::square(64, 1.0).unwrap();
     let contact = Contact::new(&body(None, 1.0), &grid, &rough(&grid)).unwrap();
     let solution = contact.press(Load::MeanPressure(0.01)).tolerance(1e-12).solve().unwrap();
-    let stiffness = contact.stiffness(&solution).unwrap().value;
+    let stiffness = contact.stiffness(&solution, 1e-9).unwrap().value;
     let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
     let driven = contact.gradient(&solution, Load::Approach(solution.approach), &of).unwrap();
     assert_relative_eq!(driven.load, stiffness, max_relative = 1e-8);

@@ -101,7 +101,7 @@ fn bits(state: &Solution, stiffness: &Stiffness) -> Bits {
 
 fn solve(contact: &Contact, load: Load, solver: Solver) -> [Bits; 2] {
     let state = contact.equilibrate(load.into(), solver, &Budget::default(), None, &mut ()).unwrap();
-    let stiffness = contact.stiffness(&state).unwrap();
+    let stiffness = contact.stiffness(&state, 1e-9).unwrap();
     // The second load starts from the first.
     let second = match load {
         Load::MeanPressure(mean) => Load::MeanPressure(1.5 * mean),

@@ -95,7 +95,7 @@ impl Finer {
             None => {
                 let state = self.last.insert(state);
                 let at = resolved(&self.prepared, state, self.args.solver.tol);
-                Ok((state, &self.prepared.surface, at.stiff(&self.contact)))
+                Ok((state, &self.prepared.surface, at.stiff(&self.contact, self.args.stiffness_tol)))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The options of one contact, and the contact that they pose.
 
 use clap::Args;
-use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Watch};
+use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Stiffness, Watch};
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
@@ -64,6 +64,10 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub solver: SolverArgs,
+    /// Largest relative error of the stiffness of a hard wall; 1e-9 can be reached
+    #[arg(long, value_name = "TOL", default_value_t = Stiffness::TOLERANCE, help_heading = "Solver")]
+    #[serde(skip_serializing_if = "is_usual")]
+    pub stiffness_tol: f64,
     /// Time step and damping.
     #[command(flatten)]
     #[serde(flatten)]
@@ -87,8 +91,16 @@ pub struct ContactArgs {
     pub range_continuation: bool,
 }
 
+fn is_usual(tolerance: &f64) -> bool {
+    *tolerance == Stiffness::TOLERANCE
+}
+
 /// The ranges of `--range-continuation`, over the one asked for.
 const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
+
+/// The tolerances of the stiffness that can be asked for: rounding errors are some 1e-10.
+const SMALLEST_TOLERANCE: f64 = 1e-9;
+const LARGEST_TOLERANCE: f64 = 0.1;
 
 impl Default for ContactArgs {
     fn default() -> Self {
@@ -152,6 +164,10 @@ impl ContactArgs {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
             return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
+        }
+        if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tol) {
+            let allowed = format!("{SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}");
+            return Err(Failure::value("--stiffness-tol", self.stiffness_tol, allowed));
         }
         self.dynamics.check(match self.solver.solver {
             Solver::VerletCritical => DampedBy::Numbers,

@@ -522,7 +522,8 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
             found.near("stiffness", number(load, "stiffness"), 0.0, 0.0);
         }
         Some(expected) if expected.is_finite() => {
-            found.is(load, "stiffness", expected, 1e-6_f64.max(elastic.tolerance))
+            let tolerance = 1e-6_f64.max(elastic.tolerance) + number(load, "stiffness_error");
+            found.is(load, "stiffness", expected, tolerance);
         }
         _ => found.null(load, "stiffness"),
     }
