@@ -36,12 +36,14 @@ impl Shared {
     }
 }
 
-/// A process, and its pools by number of threads.
-type Pools = (u32, HashMap<usize, Arc<ThreadPool>>);
+/// A process, and its pools by number of threads that nobody uses alone.
+type Pools = (u32, HashMap<usize, Vec<Arc<ThreadPool>>>);
 
 /// The pools of this process. A forked process has none of the threads of its parent, so that it makes its own pools.
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
+/// A pool for one piece of work: of several threads the one that all share, of a single thread one of its own, so that work from
+/// several threads of Python goes side by side.
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
     if threads > MOST_THREADS {
         return Err(format!("threads is {threads}; it must be between 0 (all cores) and {MOST_THREADS}"));
@@ -53,11 +55,27 @@ fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
         std::mem::forget(guard.take());
     }
     let (_, pools) = guard.get_or_insert_with(|| (process, HashMap::new()));
-    if let Some(pool) = pools.get(&threads) {
-        return Ok(Arc::clone(pool));
+    let free = pools.entry(threads).or_default();
+    if let Some(pool) = if threads == 1 { free.pop() } else { free.first().cloned() } {
+        return Ok(pool);
     }
     let made = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| format!("threads: {error}"))?;
-    Ok(Arc::clone(pools.entry(threads).or_insert(Arc::new(made))))
+    let made = Arc::new(made);
+    if threads != 1 {
+        free.push(Arc::clone(&made));
+    }
+    Ok(made)
+}
+
+/// Takes back the pool of a single thread, for the next piece of work.
+fn give_back(threads: usize, pool: Arc<ThreadPool>) {
+    let mut guard = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    match guard.as_mut() {
+        Some((owner, pools)) if threads == 1 && *owner == std::process::id() => {
+            pools.entry(threads).or_default().push(pool);
+        }
+        _ => {}
+    }
 }
 
 /// Runs `work` in `threads` threads (0: all cores) without the interpreter's lock. Several times a second, signals are
@@ -80,7 +98,7 @@ pub(crate) fn run<T: Send>(
             let shared = Arc::new(Shared::default());
             let (done, wait) = channel::<()>();
             let worker = {
-                let shared = Arc::clone(&shared);
+                let (shared, pool) = (Arc::clone(&shared), &pool);
                 scope.spawn(move || {
                     let result = pool.install(|| tracing::subscriber::with_default(listener, || work(&shared)));
                     drop(done);
@@ -97,6 +115,7 @@ pub(crate) fn run<T: Send>(
             (worker.join(), raised)
         })
     });
+    give_back(threads, pool);
     notes.warn(py)?;
     match result {
         Ok(value) => Ok((value, raised)),

@@ -19,6 +19,7 @@ from ._errors import Error, InputError, Interrupted, NotConverged
 from ._files import load
 from ._gfmd import VERSION as __version__
 from ._kappa import KappaSweep, kappa_sweep
+from ._many import many
 from ._path import Path, friction, path
 from ._progress import progress
 from ._record import Record, Residual
@@ -56,6 +57,7 @@ __all__ = [
     "kappa_sweep",
     "law",
     "load",
+    "many",
     "path",
     "progress",
     "punch",

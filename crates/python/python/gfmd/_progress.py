@@ -5,10 +5,14 @@ from __future__ import annotations
 import os
 import sys
 import time
+from contextvars import ContextVar
 from types import TracebackType
-from typing import Any, Optional
+from typing import Any, Callable, Optional
 
 from ._check import flag
+
+# The look at what stops a computation that is one of many: it has no bar of its own.
+BESIDE: ContextVar[Optional[Callable[[], None]]] = ContextVar("BESIDE", default=None)
 
 _PATIENCE = 1.0
 _shown: Optional[bool] = None
@@ -44,9 +48,12 @@ class Progress:
         self._what, self._total, self._done = what, total, 0
         self._started = time.monotonic()
         self._bar: Any = None
-        self._wanted = _wanted()
+        self._beside = BESIDE.get()
+        self._wanted = self._beside is None and _wanted()
 
     def tick(self, iteration: int, residual: float) -> None:
+        if self._beside is not None:
+            self._beside()
         if not self._wanted or time.monotonic() - self._started < _PATIENCE:
             return
         note = f"iteration {iteration}, residual {residual:.1e}" if iteration else ""

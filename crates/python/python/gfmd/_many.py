@@ -1,0 +1,86 @@
+"""Contacts of many surfaces, side by side."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Iterable, Iterator, Sized
+from concurrent.futures import Future, ThreadPoolExecutor
+from threading import Event
+from typing import Any, Optional, Union
+
+from ._body import Body
+from ._check import integer
+from ._contact import Contact, Contacts
+from ._errors import InputError, Interrupted, NotConverged
+from ._progress import BESIDE, Progress
+from ._solve import contact
+
+
+def many(surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, **options: Any) -> Iterator[Union[Contact, Contacts]]:
+    """The contacts of many surfaces with one body, each on one thread, as many at once as there are cores.
+
+    They come one after the other in the order of the surfaces, while the next ones are computed: at most twice as many as workers are
+    in memory, if those that came are not kept. Surfaces may come from a generator. Results do not depend on the workers.
+
+    Args:
+        surfaces: surfaces as of `contact`.
+        body: the elastic body.
+        workers: number of contacts at once; by default that of the cores this process may use.
+        options: the load, one number or several, and the rest, as of `contact`; not `threads` and `start`.
+
+    Raises:
+        InputError, NotConverged, Interrupted: as of `contact`, when the turn of that surface comes; its number is named, from 0.
+
+    Example:
+        >>> rough = (gfmd.self_affine(n=64, seed=seed) for seed in range(4))
+        >>> [round(c.area_fraction, 3) for c in gfmd.many(rough, gfmd.Body(), p_star=0.05)]
+        [0.132, 0.128, 0.121, 0.122]
+    """
+    for name in ("threads", "start"):
+        if options.get(name) is not None:
+            raise InputError(f"{name} is given; it must be left out of many contacts, each of which has one thread and starts by itself")
+    if workers is None:
+        workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return _solved(surfaces, body, integer("workers", workers, 1, 4096), options)
+
+
+def _solved(surfaces: Iterable[Any], body: Body, workers: int, options: dict[str, Any]) -> Iterator[Union[Contact, Contacts]]:
+    ending = Event()
+
+    def look() -> None:
+        if ending.is_set():
+            raise KeyboardInterrupt
+
+    def solve(index: int, surface: Any) -> Union[Contact, Contacts]:
+        BESIDE.set(look)
+        try:
+            found: Union[Contact, Contacts] = contact(surface, body, threads=1, **options)
+            return found
+        except InputError as error:
+            raise InputError(f"surface {index}: {error}") from error
+        except (NotConverged, Interrupted) as error:
+            raise type(error)(f"surface {index}: {error}", error.state) from error
+
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="gfmd.many")
+    running: deque[Future[Union[Contact, Contacts]]] = deque()
+    try:
+        with Progress("contacts", len(surfaces) if isinstance(surfaces, Sized) else 0) as progress:
+            for index, surface in enumerate(surfaces):
+                running.append(pool.submit(solve, index, surface))
+                if len(running) == 2 * workers:
+                    yield _next(running, progress)
+            while running:
+                yield _next(running, progress)
+    except KeyboardInterrupt as error:
+        raise error if isinstance(error, Interrupted) else Interrupted("interrupted") from error
+    finally:
+        ending.set()
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _next(running: deque[Future[Union[Contact, Contacts]]], progress: Progress) -> Union[Contact, Contacts]:
+    found = running.popleft().result()
+    progress.tick(0, 0.0)
+    progress.piece()
+    return found
