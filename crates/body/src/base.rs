@@ -5,17 +5,18 @@ use gfmd_response::Components;
 use crate::InteriorError;
 use crate::interior::check_finite;
 
-/// The prescription on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on a line, component
-/// after component.
+/// Displacement or traction prescribed on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on
+/// a line, component after component.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BaseField {
-    /// Displacement (length) of a bonded base; of a sliding base u_z, with lateral components that are zero.
+    /// Displacement (length) of a bonded base, or of a sliding base, whose lateral components must be zero.
     Displacement(Vec<f64>),
-    /// Traction (stress) that acts on the lower face of a plate, of mean zero: the mean is borne against the load (theory.md, section 4.2).
+    /// Traction (stress) on the lower face of a plate. Its mean must be zero, since the mean traction balances the load
+    /// (theory.md, section 4.2).
     Traction(Vec<f64>),
 }
 
-/// Which field a base can have.
+/// The support of the base, which determines the field that it can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Held {
     Bonded,
@@ -24,14 +25,16 @@ enum Held {
 }
 
 impl BaseField {
-    /// The displacement (length) that it gives to the surface of `body` while that is free of traction, component after component. The displacement under a
-    /// load is the sum of this one and of that with the base at rest.
+    /// The displacement (length) of the traction-free surface of `body` caused by this base, component after component.
+    /// The displacement under a load is the sum of this displacement and that with the base at rest.
     ///
-    /// By reciprocity: w = (Σ G)† u_b with Σ G the traction σ_xz, σ_yz, σ_zz at the base of rest per traction on the surface, and w = (T G)† t_b with T G the
-    /// displacement of the lower face (theory.md, section 4.2). Of a [pair](Body::against) of bodies it is the base of the first.
+    /// By reciprocity: w = (Σ G)† u_b with Σ G the traction σ_xz, σ_yz, σ_zz on the base at rest per traction on the
+    /// surface, and w = (T G)† t_b with T G the displacement of the lower face (theory.md, section 4.2). For a
+    /// [pair](Body::against) of bodies it is the base of the first body.
     ///
     /// # Errors
-    /// A body without such a base; a field of the wrong length, not finite, with a mean traction, or with a lateral displacement of a sliding base.
+    /// A body without such a base; a field of the wrong length, not finite, with a mean traction, or with a lateral
+    /// displacement of a sliding base.
     pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
         let body = body.alone();
         let (field, held) = self.check(&body, &grid)?;

@@ -126,7 +126,7 @@ pub(super) fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: 
     }
 }
 
-/// Writes the names of the reference lines at the right, moved apart where they would overlap.
+/// Writes the labels of the reference lines at the right, moved apart where they would overlap.
 fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
     let mut names: Vec<(f64, Text)> = panel
         .levels

@@ -1,4 +1,4 @@
-use gfmd_vector::{Parcel, Share, for_each, reduce};
+use gfmd_vector::{Serialise, Share, for_each, reduce};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watch, Why, worst};
 
@@ -197,7 +197,7 @@ pub(crate) struct Judged {
     pub(crate) lowest: f64,
 }
 
-impl Parcel for Judged {
+impl Serialise for Judged {
     const WORDS: usize = 3;
 
     fn put(&self, words: &mut [u64]) {
@@ -205,7 +205,7 @@ impl Parcel for Judged {
     }
 
     fn get(words: &[u64]) -> Self {
-        let [x, x_gradient, lowest] = Parcel::get(words);
+        let [x, x_gradient, lowest] = Serialise::get(words);
         Self { x, x_gradient, lowest }
     }
 }

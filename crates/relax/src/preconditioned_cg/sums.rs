@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{Parcel, Share, lower, lowest, reduce};
+use gfmd_vector::{Serialise, Share, lower, lowest, reduce};
 use multiversion::multiversion;
 
 use super::active::{Flags, is_idle};
@@ -120,7 +120,7 @@ impl Sums {
     }
 }
 
-impl Parcel for Sums {
+impl Serialise for Sums {
     const WORDS: usize = 8;
 
     fn put(&self, words: &mut [u64]) {
@@ -129,7 +129,7 @@ impl Parcel for Sums {
     }
 
     fn get(words: &[u64]) -> Self {
-        let ([x, x_gradient, positive_gradient, lowest, highest, slope], [positive, clipped]) = Parcel::get(words);
+        let ([x, x_gradient, positive_gradient, lowest, highest, slope], [positive, clipped]) = Serialise::get(words);
         Self { x, x_gradient, positive, positive_gradient, lowest, highest, slope, clipped }
     }
 }

@@ -4,24 +4,24 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-/// Applies `work` to every item, on one thread for each of the `seats`; a thread that is free takes the next item. Each item
-/// owns the memory that it writes, so the result does not depend on the assignment. A single seat, of a small field or a single
-/// thread, is served by the thread that calls.
-pub(crate) fn deal<I: Send, S: Send>(
-    seats: &mut [S],
+/// Applies `work` to every item, on one thread for each of the `workers`; a thread that is free takes the next item. Each item
+/// owns the memory that it writes, so the result does not depend on the assignment. A single worker (a small field, or a single
+/// thread) runs on the calling thread.
+pub(crate) fn distribute<I: Send, S: Send>(
+    workers: &mut [S],
     items: impl Iterator<Item = I> + Send,
     work: impl Fn(I, &mut S) + Sync,
 ) {
     let items = Mutex::new(items);
     let next = || lock(&items).next();
-    let serve = |seat: &mut S| {
+    let serve = |worker: &mut S| {
         while let Some(item) = next() {
-            work(item, seat);
+            work(item, worker);
         }
     };
-    match seats {
-        [seat] => serve(seat),
-        seats => seats.par_iter_mut().with_max_len(1).for_each(serve),
+    match workers {
+        [worker] => serve(worker),
+        workers => workers.par_iter_mut().with_max_len(1).for_each(serve),
     }
 }
 
