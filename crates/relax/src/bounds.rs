@@ -68,7 +68,7 @@ impl Bounds<'_> {
         within!(*self, wall => largest(wall, u, force, length_per_force)) / length_scale
     }
 
-    /// True if the entry `index` is held by its bound: it lies on the bound and its force does not pull it off.
+    /// True if the bound of the entry `index` is active: the entry lies on it, and its force does not pull it off.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -136,7 +136,7 @@ pub(crate) trait Wall: Copy + Sync {
     fn touches(self, k: usize, u: f64) -> bool;
     /// True if u lies on its bound and the force does not pull it off.
     fn holds(self, k: usize, u: f64, force: f64) -> bool;
-    /// The largest allowed moves of u, down (≤ 0) and up (≥ 0).
+    /// The distances of u from its bounds, down (≤ 0) and up (≥ 0).
     fn room(self, k: usize, u: f64) -> (f64, f64);
 }
 
