@@ -397,11 +397,11 @@ pub fn rows_of_chunk(columns: usize) -> usize {
 /// The shape of a chunk: as many whole rows as fit into [`CHUNK_BYTES`]; one entry of the first of three dimensions.
 fn chunk(shape: &[usize], size: usize) -> Vec<usize> {
     let mut chunk = vec![1; shape.len()];
-    let mut room = (CHUNK_BYTES / size).max(1);
+    let mut entries = (CHUNK_BYTES / size).max(1);
     let keep = usize::from(shape.len() > 2);
     for (chunk, &length) in chunk[keep..].iter_mut().zip(&shape[keep..]).rev() {
-        *chunk = length.clamp(1, room);
-        room = (room / *chunk).max(1);
+        *chunk = length.clamp(1, entries);
+        entries = (entries / *chunk).max(1);
     }
     chunk
 }

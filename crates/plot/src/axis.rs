@@ -139,10 +139,10 @@ pub(super) fn padded(scale: Scale, values: impl Iterator<Item = f64>) -> Option<
     }
     Some(match scale {
         Scale::Linear => {
-            let room = if high > low { 0.06 * (high - low) } else { 0.1 * low.abs().max(1e-300) };
+            let margin = if high > low { 0.06 * (high - low) } else { 0.1 * low.abs().max(1e-300) };
             let largest = low.abs().max(high.abs());
-            let room = if room > 0.0 && room > 1e-12 * largest { room } else { (0.1 * largest).max(1.0) };
-            [low - room, high + room]
+            let margin = if margin > 0.0 && margin > 1e-12 * largest { margin } else { (0.1 * largest).max(1.0) };
+            [low - margin, high + margin]
         }
         Scale::Log => {
             let factor = if high > low { (high / low).powf(0.06).max(1.02) } else { 1.5 };

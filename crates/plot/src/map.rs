@@ -172,7 +172,7 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
         return Err(PlotError::NotFinite { found: map.values[index], place });
     }
     let (range, beyond) = colour_range(map)?;
-    let ticks = |range: [f64; 2], room: f64| Ticks::new(Scale::Linear, range, room);
+    let ticks = |range: [f64; 2], labels: f64| Ticks::new(Scale::Linear, range, labels);
     let mut bar_ticks = Ticks::new(map.scale, range, 5.0)?;
     if !map.bar {
         bar_ticks.major.clear();
