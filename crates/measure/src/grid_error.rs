@@ -58,7 +58,7 @@ impl fmt::Display for NoLimit {
         match self {
             Self::FewLinks(found) => write!(
                 f,
-                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed to tell the error of the grid"
+                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed for an estimate of the error of the grid"
             ),
             Self::Narrow(found) => write!(
                 f,
@@ -67,16 +67,16 @@ impl fmt::Display for NoLimit {
             Self::Area(found) => {
                 write!(f, "the area fraction is {found:.2}; the error of the grid is known up to {MOST_AREA}")
             }
-            Self::Shared => f.write_str("processes share the field from which it would be told"),
+            Self::Shared => f.write_str("several processes share the field; none has the whole field for the estimate"),
             Self::Electrodes => {
                 f.write_str("the error of the grid of a conductance was measured with electrodes infinitely far away")
             }
             Self::Patches => f.write_str(
-                "patches that nearly touch join and part from grid to grid, and small ones come and go: no estimate holds for their \
-                 number and size",
+                "patches that nearly touch join and separate from grid to grid, and small ones appear and vanish: no estimate \
+                 holds for their number and size",
             ),
             Self::Counted => f.write_str("it is counted, and two grids agree by chance"),
-            Self::OneGrid => f.write_str("one solution does not tell it (--grid-error refine)"),
+            Self::OneGrid => f.write_str("it cannot be estimated from one solution (use --grid-error refine)"),
             Self::NearClosing(found) => write!(
                 f,
                 "the conductivity is {found:.1e}; below {LEAST_CONDUCTIVITY} the error of the grid is not known"
@@ -415,8 +415,8 @@ mod tests {
 
     const SCALES: Scales = Scales { contact_modulus: 1.0, rms_gradient: 0.1 };
 
-    /// Where an edge cuts the links is not known: points inside of discs have their area on average, and no strip along
-    /// the edge, which is a property of the pressures there.
+    /// The position at which an edge cuts the links is unknown: points inside of discs have their area on average, and
+    /// no strip along the edge, which is a property of the pressures there.
     #[test]
     fn counting_the_points_of_discs_at_random_places_errs_by_the_half_width_of_the_area() {
         let mut random = 7;

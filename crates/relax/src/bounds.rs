@@ -215,7 +215,7 @@ impl Wall for Inside<'_> {
     }
 }
 
-/// As `f64::clamp`, but without panics. NaN stays NaN; `f64::min` would return the bound and hide it.
+/// `f64::clamp` without panics. NaN stays NaN; `f64::min` would return the bound and hide it.
 fn clamp(x: f64, lower: f64, upper: f64) -> f64 {
     let x = if x > upper { upper } else { x };
     if x < lower { lower } else { x }

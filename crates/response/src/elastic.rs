@@ -188,7 +188,7 @@ impl NormalTransforms {
         fits(transform.convolve(kernel, field, out, workspace));
     }
 
-    /// As [`convolve`](Self::convolve), row by row: [`gfmd_field::Transform::convolve_rows`].
+    /// The convolution of [`convolve`](Self::convolve), row by row; see [`gfmd_field::Transform::convolve_rows`].
     pub fn convolve_rows<I: Split, O: Split>(
         &mut self,
         kernel: &[f64],

@@ -4,10 +4,10 @@ use gfmd_vector::Ranks;
 
 use crate::failure::Failure;
 
-/// The outcome of a step that may fail on some of the processes only, as that of all: the first failure, if there is one.
+/// The common outcome of a step that may fail on some processes only: an error on all if one fails.
 ///
 /// # Errors
-/// That failure.
+/// The first failure, in the order of the processes.
 pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Failure> {
     let text = match &outcome {
         Ok(_) => String::new(),
