@@ -58,7 +58,8 @@ impl fmt::Display for NoLimit {
         match self {
             Self::FewLinks(found) => write!(
                 f,
-                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed for an estimate of the error of the grid"
+                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed to estimate the \
+                 error of the grid"
             ),
             Self::Narrow(found) => write!(
                 f,
@@ -72,8 +73,8 @@ impl fmt::Display for NoLimit {
                 f.write_str("the error of the grid of a conductance was measured with electrodes infinitely far away")
             }
             Self::Patches => f.write_str(
-                "patches that nearly touch join and separate from grid to grid, and small ones appear and vanish: no estimate \
-                 holds for their number and size",
+                "patches that nearly touch join and separate from grid to grid, and small ones appear and \
+                 vanish: no estimate holds for their number and size",
             ),
             Self::Counted => f.write_str("it is counted, and two grids agree by chance"),
             Self::OneGrid => f.write_str("it cannot be estimated from one solution (use --grid-error refine)"),

@@ -229,8 +229,10 @@ fn the_page_has_the_rules() {
     let text = format!(
         "# Combinations of options\n\n\
          <!-- Made from crates/problem/src/rules.rs by `GFMD_DOCS=write cargo test -p gfmd-problem`. -->\n\n\
-         A hard wall can be combined with every option. The program, the Python package (names without dashes), `check` and the\n\
-         tests use one table of refused combinations. All other combinations are solved, and a test tries each on a small grid.\n\
+         A hard wall can be combined with every option. The program, the Python package (names without dashes), \
+         `check` and the\n\
+         tests use one table of refused combinations. All other combinations are solved, and a test tries each on a \
+         small grid.\n\
          `gfmd contact --help` and `gfmd path --help` print the same lists.\n\n\
          ## `contact`\n\n{}\n## `path`\n\n{}\n## Reasons\n\n{}",
         lines(Task::Loads),

@@ -119,12 +119,14 @@ impl AnyLoad {
         let busy = if self.timed {
             ""
         } else {
-            "The machine was busy with other work, so that times are left out, and the effective time limit is shorter than stated.\n\n"
+            "The machine was busy with other work, so that times are left out, and the effective \
+             time limit is shorter than stated.\n\n"
         };
         let mut page = format!(
             "<!-- Written by `cargo xtask bench-peers --any-load{flag} --write-docs`; change xtask/src/bench_peers/any_load instead. -->\n\
              # Any load: what each program reaches\n\n\
-             Loads from first touch to full contact that each program solves with a certified result, with periodic and free\n\
+             Loads from first touch to full contact that each program solves with a certified result, with periodic \
+             and free\n\
              boundaries and with a hardness. [Benchmarks](benchmarks.md) has times on larger grids.\n\n\
              {date}. {machine}. Commit {short}. {versions}.\n\n\
              {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, shortest \
