@@ -18,7 +18,7 @@ pub enum BaseField {
 
 /// The support of the base, which determines the field that it can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Held {
+enum Support {
     Bonded,
     Sliding,
     Free,
@@ -37,7 +37,7 @@ impl BaseField {
     /// displacement of a sliding base.
     pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
         let body = body.alone();
-        let (field, held) = self.check(&body, &grid)?;
+        let (field, support) = self.check(&body, &grid)?;
         let (components, points) = (Components::of(&grid), grid.len());
         let transform = Transform::new(grid);
         let mut memory = transform.workspace();
@@ -54,13 +54,13 @@ impl BaseField {
             let given = [at(0), at(1), at(2)];
             let found = if mode.is_uniform() {
                 // A base that moves as a whole takes the body with it.
-                if held == Held::Free { [Complex64::ZERO; 3] } else { given }
+                if support == Support::Free { [Complex64::ZERO; 3] } else { given }
             } else {
                 let rows = base.continuous_transfer_of(&mode);
-                let below: Matrix3 = match held {
-                    Held::Bonded => [rows[5], rows[4], rows[3]],
-                    Held::Sliding => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], rows[3]],
-                    Held::Free => base.displacement_transfer_of(&mode),
+                let below: Matrix3 = match support {
+                    Support::Bonded => [rows[5], rows[4], rows[3]],
+                    Support::Sliding => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], rows[3]],
+                    Support::Free => base.displacement_transfer_of(&mode),
                 };
                 reversed(&below, &body.compliance_of(&mode), given)
             };
@@ -75,26 +75,26 @@ impl BaseField {
         Ok(lifted)
     }
 
-    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Held), InteriorError> {
+    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Support), InteriorError> {
         let mut lowest = body;
         while let Base::Elastic(below) = lowest.base() {
             lowest = below;
         }
         let on = match lowest.base() {
             _ if body.total_height() == f64::INFINITY => None,
-            Base::Bonded => Some(Held::Bonded),
-            Base::Sliding => Some(Held::Sliding),
-            _ => Some(Held::Free),
+            Base::Bonded => Some(Support::Bonded),
+            Base::Sliding => Some(Support::Sliding),
+            _ => Some(Support::Free),
         };
-        let (field, held) = match (self, on) {
-            (Self::Displacement(field), Some(held @ (Held::Bonded | Held::Sliding))) => (field, held),
+        let (field, support) = match (self, on) {
+            (Self::Displacement(field), Some(support @ (Support::Bonded | Support::Sliding))) => (field, support),
             (Self::Displacement(_), _) => {
                 return Err(InteriorError::Base {
                     given: "displacement",
                     allowed: "layers on a bonded or sliding base",
                 });
             }
-            (Self::Traction(field), Some(Held::Free)) => (field, Held::Free),
+            (Self::Traction(field), Some(Support::Free)) => (field, Support::Free),
             (Self::Traction(_), _) => {
                 return Err(InteriorError::Base { given: "traction", allowed: "a plate, whose base is free" });
             }
@@ -105,7 +105,7 @@ impl BaseField {
         }
         check_finite(field)?;
         let largest = field.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        if held == Held::Free {
+        if support == Support::Free {
             for component in field.chunks_exact(points) {
                 let mean = component.iter().sum::<f64>() / points as f64;
                 if mean.abs() > 1e-12 * largest {
@@ -113,12 +113,12 @@ impl BaseField {
                 }
             }
         }
-        if held == Held::Sliding
+        if support == Support::Sliding
             && let Some(index) = field[..expected - points].iter().position(|value| *value != 0.0)
         {
             return Err(InteriorError::Sideways { found: field[index], index });
         }
-        Ok((field, held))
+        Ok((field, support))
     }
 }
 
