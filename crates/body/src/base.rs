@@ -5,36 +5,39 @@ use gfmd_response::Components;
 use crate::InteriorError;
 use crate::interior::check_finite;
 
-/// The prescription on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on a line, component
-/// after component.
+/// Displacement or traction prescribed on the base of a body, as fields on the grid of its surface: x, y, z, or x, z on
+/// a line, component after component.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BaseField {
-    /// Displacement (length) of a bonded base; of a sliding base u_z, with lateral components that are zero.
+    /// Displacement (length) of a bonded base, or of a sliding base, whose lateral components must be zero.
     Displacement(Vec<f64>),
-    /// Traction (stress) that acts on the lower face of a plate, of mean zero: the mean is borne against the load (theory.md, section 4.2).
+    /// Traction (stress) on the lower face of a plate. Its mean must be zero, since the mean traction balances the load
+    /// (theory.md, section 4.2).
     Traction(Vec<f64>),
 }
 
-/// Which field a base can have.
+/// The support of the base, which determines the field that it can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Held {
+enum Support {
     Bonded,
     Sliding,
     Free,
 }
 
 impl BaseField {
-    /// The displacement (length) that it gives to the surface of `body` while that is free of traction, component after component. The displacement under a
-    /// load is the sum of this one and of that with the base at rest.
+    /// The displacement (length) of the traction-free surface of `body` caused by this base, component after component.
+    /// The displacement under a load is the sum of this displacement and that with the base at rest.
     ///
-    /// By reciprocity: w = (Σ G)† u_b with Σ G the traction σ_xz, σ_yz, σ_zz at the base of rest per traction on the surface, and w = (T G)† t_b with T G the
-    /// displacement of the lower face (theory.md, section 4.2). Of a [pair](Body::against) of bodies it is the base of the first.
+    /// By reciprocity: w = (Σ G)† u_b with Σ G the traction σ_xz, σ_yz, σ_zz on the base at rest per traction on the
+    /// surface, and w = (T G)† t_b with T G the displacement of the lower face (theory.md, section 4.2). For a
+    /// [pair](Body::against) of bodies it is the base of the first body.
     ///
     /// # Errors
-    /// A body without such a base; a field of the wrong length, not finite, with a mean traction, or with a lateral displacement of a sliding base.
+    /// A body without such a base; a field of the wrong length, not finite, with a mean traction, or with a lateral
+    /// displacement of a sliding base.
     pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
         let body = body.alone();
-        let (field, held) = self.check(&body, &grid)?;
+        let (field, support) = self.check(&body, &grid)?;
         let (components, points) = (Components::of(&grid), grid.len());
         let transform = Transform::new(grid);
         let mut memory = transform.workspace();
@@ -51,13 +54,13 @@ impl BaseField {
             let given = [at(0), at(1), at(2)];
             let found = if mode.is_uniform() {
                 // A base that moves as a whole takes the body with it.
-                if held == Held::Free { [Complex64::ZERO; 3] } else { given }
+                if support == Support::Free { [Complex64::ZERO; 3] } else { given }
             } else {
                 let rows = base.continuous_transfer_of(&mode);
-                let below: Matrix3 = match held {
-                    Held::Bonded => [rows[5], rows[4], rows[3]],
-                    Held::Sliding => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], rows[3]],
-                    Held::Free => base.displacement_transfer_of(&mode),
+                let below: Matrix3 = match support {
+                    Support::Bonded => [rows[5], rows[4], rows[3]],
+                    Support::Sliding => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], rows[3]],
+                    Support::Free => base.displacement_transfer_of(&mode),
                 };
                 reversed(&below, &body.compliance_of(&mode), given)
             };
@@ -72,26 +75,26 @@ impl BaseField {
         Ok(lifted)
     }
 
-    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Held), InteriorError> {
+    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Support), InteriorError> {
         let mut lowest = body;
         while let Base::Elastic(below) = lowest.base() {
             lowest = below;
         }
         let on = match lowest.base() {
             _ if body.total_height() == f64::INFINITY => None,
-            Base::Bonded => Some(Held::Bonded),
-            Base::Sliding => Some(Held::Sliding),
-            _ => Some(Held::Free),
+            Base::Bonded => Some(Support::Bonded),
+            Base::Sliding => Some(Support::Sliding),
+            _ => Some(Support::Free),
         };
-        let (field, held) = match (self, on) {
-            (Self::Displacement(field), Some(held @ (Held::Bonded | Held::Sliding))) => (field, held),
+        let (field, support) = match (self, on) {
+            (Self::Displacement(field), Some(support @ (Support::Bonded | Support::Sliding))) => (field, support),
             (Self::Displacement(_), _) => {
                 return Err(InteriorError::Base {
                     given: "displacement",
                     allowed: "layers on a bonded or sliding base",
                 });
             }
-            (Self::Traction(field), Some(Held::Free)) => (field, Held::Free),
+            (Self::Traction(field), Some(Support::Free)) => (field, Support::Free),
             (Self::Traction(_), _) => {
                 return Err(InteriorError::Base { given: "traction", allowed: "a plate, whose base is free" });
             }
@@ -102,7 +105,7 @@ impl BaseField {
         }
         check_finite(field)?;
         let largest = field.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        if held == Held::Free {
+        if support == Support::Free {
             for component in field.chunks_exact(points) {
                 let mean = component.iter().sum::<f64>() / points as f64;
                 if mean.abs() > 1e-12 * largest {
@@ -110,12 +113,12 @@ impl BaseField {
                 }
             }
         }
-        if held == Held::Sliding
+        if support == Support::Sliding
             && let Some(index) = field[..expected - points].iter().position(|value| *value != 0.0)
         {
             return Err(InteriorError::Sideways { found: field[index], index });
         }
-        Ok((field, held))
+        Ok((field, support))
     }
 }
 

@@ -14,12 +14,12 @@ pub struct Interior {
     components: Components,
     /// ũ_x, ũ_y, ũ_z of the surface; ũ_y is zero on a line.
     surface: [Vec<Complex64>; 3],
-    /// ũ_z of the Nyquist modes of a surface without shear traction, by their index in the half spectrum, in ascending order.
-    /// They are not in `surface`, since their lateral displacement vanishes at the points of the grid only.
+    /// ũ_z of the Nyquist modes of a surface without shear traction, by their index in the half spectrum, in ascending
+    /// order. They are not in `surface`, since their lateral displacement vanishes at the points of the grid only.
     nyquist: Vec<(usize, Complex64)>,
     /// The mean of σ_xz, σ_yz, σ_zz, if it was given.
     mean_traction: Option<[f64; 3]>,
-    /// The same of the base, if it moves.
+    /// The same for the base, if it moves.
     base: Option<[Vec<Complex64>; 3]>,
 }
 
@@ -95,15 +95,16 @@ pub enum InteriorError {
 
 impl Interior {
     /// The interior below a displacement of the surface (length), given component after component: x, y, z, or x, z on
-    /// a line. The relative displacement of a [pair](Body::against) of bodies; then the interior is that of the first
-    /// body, which takes its share.
+    /// a line. For a [pair](Body::against) of bodies it is the relative displacement; the interior is then that of the
+    /// first body under its part of it.
     ///
-    /// The mean displacement is measured against the mean level of what does not hold the body
-    /// ([`Body::level_compliance`]): it strains slabs and layers, a half-space moves with it.
+    /// The mean displacement is measured against the reference level of [`Body::level_compliance`]: it strains slabs
+    /// and layers, and a half-space moves with it.
     ///
-    /// The mean traction follows from the mean displacement where the body has a stiffness against it. It is zero where it has
-    /// none, on a half-space, and along z on incompressible layers, unless [`with_mean_traction`](Self::with_mean_traction)
-    /// gives it (theory.md, section 5). The mean of u_z must vanish if all layers are incompressible.
+    /// The mean traction follows from the mean displacement where the body has a stiffness against it. Where it has
+    /// none (on a half-space, and along z on incompressible layers) the mean traction is zero, unless
+    /// [`with_mean_traction`](Self::with_mean_traction) gives it (theory.md, section 5). The mean of u_z must vanish if
+    /// all layers are incompressible.
     ///
     /// # Errors
     /// A displacement of the wrong length or with a value that is not finite; incompressible layers whose volume would
@@ -124,11 +125,12 @@ impl Interior {
         Ok(interior)
     }
 
-    /// The interior below the normal displacement (length) of a surface without shear traction, whose lateral displacement
-    /// follows (theory.md, section 3).
+    /// The interior below the normal displacement (length) of a surface without shear traction, whose lateral
+    /// displacement follows (theory.md, section 3).
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// A displacement of the wrong length or with a value that is not finite; incompressible layers whose volume would
+    /// change.
     pub fn frictionless(body: &Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         interior.check("displacement", normal, grid.len())?;
@@ -155,10 +157,11 @@ impl Interior {
         Ok(interior)
     }
 
-    /// The interior below a traction on the surface (stress), given component after component: σ_xz, σ_yz, σ_zz, or σ_xz, σ_zz
-    /// on a line. Of a [pair](Body::against) of bodies it is the traction on the first, whose interior it is.
+    /// The interior below a traction on the surface (stress), given component after component: σ_xz, σ_yz, σ_zz, or
+    /// σ_xz, σ_zz on a line. For a [pair](Body::against) of bodies it is the traction on the first body, and the
+    /// interior is that of the first body.
     ///
-    /// The mean displacement is that of [`Body::level_compliance`].
+    /// The mean displacement follows from [`Body::level_compliance`].
     ///
     /// # Errors
     /// A traction of the wrong length or with a value that is not finite.
@@ -184,10 +187,10 @@ impl Interior {
         Ok(interior)
     }
 
-    /// The same with the mean traction σ_xz, σ_yz, σ_zz on the surface (stress; a mean pressure p is −p along z), for bodies
-    /// whose mean displacement does not say it: half-spaces, and incompressible layers along z. It is the mean of these
-    /// stresses at every depth. The mean lateral strain is zero, so that a uniform strain along z belongs to it in every layer,
-    /// and below the surface of a half-space a displacement that is linear in depth (theory.md, section 5).
+    /// Sets the mean traction σ_xz, σ_yz, σ_zz on the surface (stress; a mean pressure p is −p along z), for bodies
+    /// whose mean displacement does not determine it: half-spaces, and incompressible layers along z. It is the mean of
+    /// these stresses at every depth. Since the mean lateral strain is zero, it causes a uniform strain along z in
+    /// every layer, and a displacement linear in depth in a half-space (theory.md, section 5).
     ///
     /// # Errors
     /// A value that is not finite; a traction that the mean displacement of layers contradicts, by more than a tenth.
@@ -221,7 +224,7 @@ impl Interior {
         })
     }
 
-    /// The compliance of the uniform mode along x, y, z against the mean level of what does not hold the body.
+    /// The compliance of the uniform mode along x, y, z against the reference level.
     fn uniform_compliance(&self) -> [f64; 3] {
         let [lateral, normal] = self.body.level_compliance();
         [lateral, lateral, normal]
@@ -240,9 +243,9 @@ impl Interior {
         }
     }
 
-    /// The same with a base that moves by `displacement` (length), component after component, while the surface has the
-    /// displacement given: for one slab on a bonded base. The field is that of the slab whose base is at rest, and that
-    /// of the same slab upside down, whose surface is at rest (theory.md, section 5).
+    /// Moves the base by `displacement` (length), component after component, while the surface keeps its displacement:
+    /// for one slab on a bonded base. The field is the sum of that with the base at rest, and that of the same slab
+    /// upside down with the surface at rest (theory.md, section 5).
     ///
     /// # Errors
     /// Another body; a displacement of the wrong length or with a value that is not finite.
@@ -261,11 +264,11 @@ impl Interior {
         Ok(self)
     }
 
-    /// The same with what a base that moves by `displacement` (length) adds to it while the surface is free of
-    /// traction, at the surface, too: for one slab on a bonded base (theory.md, section 4.2).
+    /// Adds the field of a base that moves by `displacement` (length) while the surface is free of traction and moves
+    /// as well: for one slab on a bonded base (theory.md, section 4.2).
     ///
     /// # Errors
-    /// As [`with_base`](Self::with_base).
+    /// Another body; a displacement of the wrong length or with a value that is not finite.
     pub fn over_base(mut self, displacement: &[f64]) -> Result<Self, InteriorError> {
         let grid = *self.grid();
         let lifted = BaseField::Displacement(displacement.to_vec()).surface_displacement(&self.body, grid)?;
@@ -298,8 +301,8 @@ impl Interior {
         check_finite(field)
     }
 
-    /// Replaces the relative displacement of a `pair` by that of the first body: at q ≠ 0 as `part` says, and for the uniform
-    /// mode in proportion to the compliances.
+    /// Replaces the relative displacement of a `pair` by that of the first body: at q ≠ 0 by the function `part`, and
+    /// for the uniform mode in proportion to the compliances.
     fn share(&mut self, pair: &Body, part: impl Fn(&Mode, [Complex64; 3]) -> [Complex64; 3] + Sync) {
         let (own, all) = (self.body.level_compliance(), pair.level_compliance());
         let uniform = [0, 0, 1].map(|axis: usize| if all[axis] > 0.0 { own[axis] / all[axis] } else { 0.0 });
@@ -379,7 +382,8 @@ impl Interior {
         Ok(&ws.fields[..self.components.len() * self.grid().len()])
     }
 
-    /// The strain and the stress at `depth` (length) below the surface. Between two layers they are those of the upper one.
+    /// The strain and the stress at `depth` (length) below the surface. Between two layers they are those of the upper
+    /// one.
     ///
     /// # Errors
     /// As [`Self::displacement`].
@@ -387,7 +391,7 @@ impl Interior {
         self.deformation_on(self.body.at_depth(depth)?, depth, ws)
     }
 
-    /// As [`deformation`](Self::deformation), but between two layers it is that of the lower one: the stresses σ_xx, σ_yy and
+    /// The [`deformation`](Self::deformation) at `depth`, but between two layers that of the lower layer: σ_xx, σ_yy,
     /// σ_xy and the strains along z jump there.
     ///
     /// # Errors
@@ -455,7 +459,8 @@ impl Interior {
         Ok(())
     }
 
-    /// The uniform strain of the mean traction along z, from the top of the half-space that the plane cuts down to the plane.
+    /// The uniform strain of the mean traction along z, from the top of the half-space that the plane cuts down to the
+    /// plane.
     fn linear_displacement(&self, section: &Section<'_>) -> [f64; 3] {
         let Some(depth) = section.depth_in_half_space() else { return [0.0; 3] };
         let material = section.material();
@@ -465,7 +470,7 @@ impl Interior {
         std::array::from_fn(|axis| -depth * compliance[axis] * mean[axis])
     }
 
-    /// ũ_z of a mode of a surface without shear traction, if it is set apart.
+    /// ũ_z of a mode of a surface without shear traction, if it is stored separately.
     fn set_apart(&self, index: usize, mode: &Mode) -> Option<Complex64> {
         if self.nyquist.is_empty() || mode.nyquist == [false; 2] {
             return None;
@@ -497,11 +502,11 @@ const ROUNDING: f64 = 1e-12;
 /// The relative difference of two mean tractions that contradict each other, beyond the tolerance of any search.
 const CONTRADICTION: f64 = 0.1;
 
-/// The ratio of a mean displacement to the largest amplitude below which it says nothing about the mean traction.
+/// The ratio of a mean displacement to the largest amplitude below which it does not determine the mean traction.
 const UNCERTAIN: f64 = 1e-6;
 
-/// The product of a matrix and an amplitude. Zero amplitudes give zero even where the matrix is infinite, as for u_z of an
-/// incompressible slab at q = 0.
+/// The product of a matrix and an amplitude. Zero amplitudes give zero even where the matrix is infinite, as for u_z of
+/// an incompressible slab at q = 0.
 fn apply<const ROWS: usize>(matrix: &[[Complex64; 3]; ROWS], surface: [Complex64; 3]) -> [Complex64; ROWS] {
     let product = |entry: &Complex64, u: Complex64| if u == Complex64::ZERO { u } else { entry * u };
     matrix.map(|row| row.iter().zip(surface).map(|(entry, u)| product(entry, u)).sum())

@@ -1,12 +1,13 @@
-//! Fields inside an elastic body from the displacement of its surface: displacement, strain, stress, von Mises stress and
-//! elastic energy density at any depth ([theory.md](../gfmd/theory/index.html), section 5).
+//! Fields inside an elastic body from the displacement of its surface: displacement, strain, stress, von Mises stress
+//! and elastic energy density at any depth ([theory.md](../gfmd/theory/index.html), section 5).
 //!
-//! Start at [`Interior`], which computes the spectra of a surface displacement once. Each depth then costs one pass over the
-//! modes and one inverse transform for each component. All depths share their memory, so that a volume takes the memory of
-//! a few of its planes. The body is a half-space or a slab on any base, layers included; the surface is a plane or a line
-//! (plane strain). Fields and their components are laid out as in `gfmd-response`.
+//! Start at [`Interior`], which computes the spectra of a surface displacement once. Each depth then costs one pass
+//! over the modes and one inverse transform for each component. All depths share their memory, so that a volume takes
+//! the memory of a few of its planes. The body is a half-space or a slab on any base, layers included; the surface is a
+//! plane or a line (plane strain). Fields and their components are laid out as in `gfmd-response`.
 //!
-//! - [`Interior::new`] takes all components of the displacement; a surface that is held sideways has zeros for u_x, u_y.
+//! - [`Interior::new`] takes all components of the displacement; for a surface without lateral displacement u_x and u_y
+//!   are zero.
 //! - [`Interior::frictionless`] takes only u_z, for a surface without shear traction.
 //!
 //! Not here: contact (`gfmd-contact`), the matrices of one wave vector (`gfmd-green`), files (`gfmd-files`).

@@ -501,7 +501,7 @@ impl Level {
         };
         let Some((what, found)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) else { return Ok(()) };
         let reason = format!("the {what} at depth {:e} is {found}; it must be finite", self.depth);
-        Err(Failure::input(surface, reason + ", which other units of stress or length make it"))
+        Err(Failure::input(surface, reason + "; choose other units of stress or length"))
     }
 
     fn at(Plane { depth, side }: Plane) -> Self {

@@ -1,5 +1,5 @@
-//! `check`: recomputes the certificates of a result file from its own stored inputs, runs its configuration again on request,
-//! and compares number for number.
+//! `check`: recomputes the certificates of a result file from its own stored inputs, runs its configuration again on
+//! request, and compares number for number.
 
 #[cfg(test)]
 mod configuration;
@@ -75,7 +75,7 @@ pub struct Report {
     pub rerun: bool,
     /// Number of numbers that were compared.
     pub compared: u64,
-    /// Those that are equal but for rounding on another processor.
+    /// The numbers that are equal up to rounding on another processor.
     pub rounded: u64,
     /// Number of numbers that differ.
     pub differing: u64,
@@ -95,7 +95,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
     let kinds = "a result of contact, path, slide, punch, body or kappa-sweep";
     let kind = Kind::of(&reader)
-        .ok_or_else(|| Failure::Input(format!("{} is no result file; it must be {kinds}", file.display())))?;
+        .ok_or_else(|| Failure::Input(format!("{} is not a result file; it must be {kinds}", file.display())))?;
     // A file that the library cannot read to its end is damaged.
     let intact = reader.is_intact().unwrap_or(Some(false));
     let mut comparison = Comparison::default();

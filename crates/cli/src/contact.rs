@@ -82,7 +82,8 @@ pub struct Args {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
-    /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or inf
+    /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or
+    /// inf
     #[arg(long, default_value = "inf", value_name = "H|inf", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "is_infinite", with = "height")]
     conductor_height: Height,
@@ -112,14 +113,14 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Write the surface of the last load to this file of VTK, for ParaView: .vti the points of the undeformed surface, .vtp the
-    /// deformed surface, both with all fields, the heights and the points in contact
+    /// Write the surface of the last load to this file of VTK, for ParaView: .vti the points of the undeformed surface,
+    /// .vtp the deformed surface, both with all fields, the heights and the points in contact
     #[arg(long, value_name = "FILE.vti|FILE.vtp")]
     #[serde(skip)]
     vtk: Option<PathBuf>,
-    /// Draw the last load, and area against pressure: PREFIX-map.svg, .png (pressure), PREFIX-gap, PREFIX-section (both surfaces and the
-    /// pressure along x), with an attraction PREFIX-traction, PREFIX-area; with a lower surface also PREFIX-lower-map and so on, with
-    /// the statistics also patches, distributions and spectrum, with the flow its flux
+    /// Draw the last load, and area against pressure: PREFIX-map.svg, .png (pressure), PREFIX-gap, PREFIX-section (both
+    /// surfaces and the pressure along x), with an attraction PREFIX-traction, PREFIX-area; with a lower surface also
+    /// PREFIX-lower-map and so on, with the statistics also patches, distributions and spectrum, with the flow its flux
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -268,8 +269,8 @@ impl Loads {
         Ok(Self { prepared, conducting, drives, output, vtk })
     }
 
-    /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the gradient with
-    /// free boundaries.
+    /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the
+    /// gradient with free boundaries.
     fn pressure_variance(&self, surface: &Surface, unknown: Unknown) -> f64 {
         let Surface { grid, heights, boundary, .. } = surface;
         let modulus = self.prepared.body.contact_modulus();
@@ -426,7 +427,7 @@ impl Loads {
     }
 }
 
-/// What is measured of the loads.
+/// Measurements of the loads.
 struct Measuring<'a> {
     loads: &'a Loads,
     contact: &'a Posed,
@@ -514,8 +515,8 @@ impl Measuring<'_> {
     }
 }
 
-/// The stiffness of a state at rest to a relative error, or the reason why it has none; `warn` takes the remark on one that is less exact than it
-/// should be.
+/// The stiffness of a state at rest to a relative error, or the reason why it has none; `warn` takes the remark on one that
+/// is less exact than it should be.
 ///
 /// # Errors
 /// The reason.

@@ -81,12 +81,13 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     boundary: Boundary,
-    /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that of each point;
-    /// the plastic depth stays
+    /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that
+    /// of each point; the plastic depth stays
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, conflicts_with_all = ["friction", "shear_strength"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     hardness: Option<GivenHardness>,
-    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid, too
+    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
+    /// too
     #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
@@ -119,8 +120,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section
-    /// (both surfaces and the pressure along x), with an attraction PREFIX-traction
+    /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap,
+    /// PREFIX-section (both surfaces and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -372,7 +373,7 @@ impl Beside<'_> {
     }
 }
 
-/// What a path makes of its states.
+/// The outlet of a path.
 struct Log<'a> {
     contact: &'a Posed,
     drives: &'a [Drive],

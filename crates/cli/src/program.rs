@@ -226,7 +226,7 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
             };
             let rules = rules.iter().map(|(with, others)| format!("\n  with {with}: {}", others.join(", ")));
             let rules = rules.collect::<String>();
-            let together = if rules.is_empty() { rules } else { format!("\n\nDoes not go together:{rules}") };
+            let together = if rules.is_empty() { rules } else { format!("\n\nRefused combinations:{rules}") };
             command.after_long_help(format!("{text}{together}")).after_help(text)
         }
         None => command,

@@ -244,7 +244,7 @@ impl Prepared {
         args.method()?;
         for (flag, given) in [("--mask", &args.mask), ("--traction", &args.traction)] {
             if let (Some(name), true) = (given, args.refine > 1) {
-                return Err(Failure::value(flag, name, "left out with --refine: it is of one grid"));
+                return Err(Failure::value(flag, name, "left out with --refine, which solves on several grids"));
             }
         }
         if !(args.depth.is_finite() && args.depth > 0.0) {

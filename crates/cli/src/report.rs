@@ -57,7 +57,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         let surface = reader.contains("/surface/height");
         let other = format!("; gfmd surface --surface {name} --report PAGE.html makes the page of a surface");
         let other = if surface { &*other } else { "" };
-        Failure::Input(format!("{name} is no result file; it must be one of {kinds}{other}"))
+        Failure::Input(format!("{name} is not a result file; it must be one of {kinds}{other}"))
     })?;
     // Numbers of a damaged file are not shown.
     let intact = reader.is_intact().unwrap_or(Some(false));

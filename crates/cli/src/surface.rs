@@ -51,13 +51,13 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     source: SourceArgs,
-    /// Wavelengths between which the Hurst exponent is fitted, length [default: the cut-offs of a generated surface; for
-    /// a file, half of the cell and 4 grid spacings]
+    /// Wavelengths between which the Hurst exponent is fitted, length [default: the cut-offs of a generated surface;
+    /// for a file, half of the cell and 4 grid spacings]
     #[arg(long, value_delimiter = ',', value_name = "LONGEST,SHORTEST", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fit_range: Vec<f64>,
-    /// Window on the heights before their spectrum is computed, for the fit, the spectrum in a file and in a figure; heights
-    /// and their statistics stay
+    /// Window on the heights before their spectrum is computed, for the fit, the spectrum in a file and in a figure;
+    /// heights and their statistics stay
     #[arg(long, value_enum, default_value_t = Window::None)]
     #[serde(skip_serializing_if = "Window::is_none")]
     window: Window,
@@ -139,7 +139,7 @@ pub struct Report {
     pub lowest: f64,
     pub highest: f64,
     pub peak_to_valley: f64,
-    /// Of ISO 25178, beside Sq and Sz, which are the rms height and the height from peak to valley.
+    /// Height parameters of ISO 25178, in addition to Sq and Sz, the rms height and the height from peak to valley.
     pub sa: f64,
     pub sp: f64,
     pub sv: f64,

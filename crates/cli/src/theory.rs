@@ -78,7 +78,8 @@ pub struct Load {
     /// `null` for profiles, bodies other than a half-space, and where the theory has no such load.
     pub bush_gibson_thomas: Option<AsperityRecord>,
     pub greenwood_williamson: Option<AsperityRecord>,
-    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, profiles, and bodies other than a half-space.
+    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, profiles, and bodies other than a
+    /// half-space.
     pub self_affine: Option<AreaRecord>,
 }
 
@@ -116,7 +117,7 @@ pub struct AreaRecord {
     pub standard_error: f64,
     /// The area of a spectrum that ends, as the generator's does.
     pub of_band: f64,
-    /// As counted on the grid.
+    /// The area counted on the grid.
     pub counted: f64,
 }
 

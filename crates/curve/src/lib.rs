@@ -1,9 +1,9 @@
-//! The shape-preserving cubic through points: tables of laws and of bodies as functions.
+//! Shape-preserving cubic interpolation: tables of laws and of bodies as functions.
 //!
-//! Piecewise cubics with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), as
-//! `scipy.interpolate.PchipInterpolator` has them: the curve and its slope are continuous, the curve is monotone where the points
-//! are, and no extremum lies between points. The error falls with the third power of the spacing, next to an extremum of the points
-//! with the second.
+//! Piecewise cubics with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), as in
+//! `scipy.interpolate.PchipInterpolator`: the curve and its slope are continuous, the curve is monotone where the
+//! points are, and no extremum lies between points. The error falls with the third power of the spacing, near an
+//! extremum of the points with the second.
 //!
 //! ```
 //! use gfmd_curve::Curve;
@@ -25,14 +25,14 @@ pub const LEAST: usize = 4;
 /// A shape-preserving cubic through points, continued beyond them along its tangents.
 #[derive(Clone, PartialEq)]
 pub struct Curve {
-    /// One for each stretch between two points, in rising order, after the tangent on the left, before that on the right.
+    /// In rising order: the tangent on the left, one piece between each two points, the tangent on the right.
     pieces: Vec<Piece>,
 }
 
 /// The cubic y = c₀ + c₁ s + c₂ s² + c₃ s³ of s = x − `start`.
 #[derive(Clone, Copy, PartialEq)]
 struct Piece {
-    /// The point where the piece begins; of the tangent on the left where it ends.
+    /// The point where the piece begins; for the tangent on the left, where it ends.
     start: f64,
     cubic: [f64; 4],
     /// The integral from the first point to `start`.
@@ -67,7 +67,7 @@ pub enum CurveError {
         /// The abscissa of the point before.
         before: f64,
     },
-    /// A slope or an integral that is too large for a number.
+    /// A slope or an integral that overflows.
     #[error("slope or integral up to row {row} is not finite; other units of the columns make it so")]
     Overflow {
         /// The row, from 1.
@@ -79,7 +79,8 @@ impl Curve {
     /// The curve through the points [x, y].
     ///
     /// # Errors
-    /// Fewer than four points; one that is not finite; abscissae that do not rise; a slope or an integral that is not finite.
+    /// Fewer than four points; one that is not finite; abscissae that do not rise; a slope or an integral that is not
+    /// finite.
     pub fn new(points: &[[f64; 2]]) -> Result<Self, CurveError> {
         if points.len() < LEAST {
             return Err(CurveError::Few { found: points.len() });
@@ -204,7 +205,8 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     slopes
 }
 
-/// The slope at the first or last point: that of the parabola through three points, kept between zero and three secants.
+/// The slope at the first or last point: that of the parabola through three points, kept between zero and three
+/// secants.
 fn edge([near, far]: [f64; 2], [secant, next]: [f64; 2]) -> f64 {
     let slope = ((2.0 * near + far) * secant - near * next) / (near + far);
     if slope * secant.signum() <= 0.0 || secant == 0.0 {

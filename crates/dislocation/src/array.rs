@@ -7,8 +7,8 @@ use num_complex::Complex64;
 
 /// An edge dislocation of a periodic row: one at `place` + (n L, 0) for each integer n.
 ///
-/// Its Burgers vector is the jump of the displacement along a closed counter-clockwise path in the x-z plane, seen with x to the
-/// right and z up.
+/// Its Burgers vector is the jump of the displacement along a closed counter-clockwise path in the x-z plane, seen with
+/// x to the right and z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
     /// x, and z from the surface (negative inside), in length.
@@ -29,8 +29,8 @@ pub struct Stress {
 }
 
 impl Stress {
-    /// The shear stress τ on a plane with the unit vector `along` in it: positive if it moves the side to the left of `along`
-    /// forward.
+    /// The resolved shear stress τ on a plane with the unit vector `along` in it: positive if it moves the side to the
+    /// left of `along` forward.
     pub fn resolved(&self, along: [f64; 2]) -> f64 {
         let [c, s] = along;
         (self.zz - self.xx) * s * c + self.xz * (c * c - s * s)
@@ -88,7 +88,7 @@ impl Row {
         Stress { xx: 0.5 * (sum - difference.re), zz: 0.5 * (sum + difference.re), xz: 0.5 * difference.im }
     }
 
-    /// σ_xx that the row leaves far above it, minus half of which lies far below it.
+    /// The uniform σ_xx far above the row, −E* b_x/(2L), stress; far below the row it has the opposite sign.
     pub(crate) fn uniform_stress(&self, burgers: [f64; 2]) -> f64 {
         -0.5 * self.contact_modulus * burgers[0] / self.period
     }

@@ -2,7 +2,8 @@ use crate::{DislocationError, Domain, Edge, State, Step};
 
 /// The slip system: parallel slip planes that meet the surface.
 ///
-/// A place on a plane is a distance along the slip direction (cos, sin of the angle) from the surface: negative inside.
+/// A position on a plane is the distance along the slip direction (cos, sin of the angle) from the surface: negative
+/// inside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlipSystem {
     /// The angle of the slip direction with the x axis, in radians: between 0 and π, both excluded.
@@ -13,25 +14,27 @@ pub struct SlipSystem {
     pub planes: Vec<f64>,
     /// The drag: force per length of line over velocity (stress × time).
     pub drag: f64,
-    /// The distance (length) at which dislocations of opposite sign annihilate, and at which they leave through the surface.
+    /// The distance (length) at which dislocations of opposite sign annihilate, and at which they leave through the
+    /// surface.
     pub capture: f64,
 }
 
-/// A dislocation on a slip plane. With the sign +1 it moves forward, towards the surface, under a positive resolved shear stress.
+/// A dislocation on a slip plane. With the sign +1 it moves forward, towards the surface, under a positive resolved
+/// shear stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dislocation {
     /// The index of its plane.
     pub plane: usize,
-    /// The place on the plane, negative.
+    /// The position on the plane, negative.
     pub place: f64,
     /// +1 or −1.
     pub sign: f64,
-    /// The obstacle that holds it.
+    /// The obstacle that holds the dislocation.
     pub obstacle: Option<usize>,
 }
 
-/// A Frank-Read source: a point that sends out a pair of dislocations of opposite signs after the resolved shear stress there was above its
-/// strength for some time.
+/// A Frank-Read source: a point that emits a pair of dislocations of opposite signs after the resolved shear stress has
+/// exceeded its strength for some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
     /// The index of its plane.
@@ -69,7 +72,7 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// Work less what it was spent on: the error of the time steps.
+    /// Work and jumps less dissipated and stored energy: the error of the time steps.
     pub fn error(&self) -> f64 {
         self.work + self.jumps - self.dissipated - self.stored
     }
@@ -78,13 +81,14 @@ impl Balance {
 /// Numbers of events since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Pairs that sources sent out.
+    /// Pairs emitted by sources.
     pub nucleated: usize,
     /// Pairs that annihilated.
     pub annihilated: usize,
     /// Dislocations that left through the surface.
     pub departed: usize,
-    /// Motions that were cut short, so that equal dislocations on one plane do not pass each other: none if the step is small enough.
+    /// Motions that were shortened so that equal dislocations on one plane do not pass each other; none if the step is
+    /// small enough.
     pub shortened: usize,
 }
 
@@ -116,11 +120,11 @@ pub struct Crystal {
 }
 
 impl Crystal {
-    /// A crystal with `dislocations` that are there from the start, below a punch that touches without load. Their partners are taken to have left
-    /// through the surface, so that all Burgers vectors on a plane add up to zero.
+    /// A crystal with initial `dislocations`, below a punch that touches without load. Their partners are assumed to
+    /// have left through the surface, so that all Burgers vectors on a plane add up to zero.
     ///
     /// # Errors
-    /// Values out of range; places outside the body; planes that do not exist.
+    /// Values out of range; positions outside the body; planes that do not exist.
     pub fn new(
         domain: Domain,
         slip: SlipSystem,
@@ -187,7 +191,7 @@ impl Crystal {
         self.depth
     }
 
-    /// Surface and fields now.
+    /// The current surface and fields.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -202,7 +206,8 @@ impl Crystal {
         self.events
     }
 
-    /// Moves on by `time`, while the punch goes down by `indent` (length), in one step: glide by Heun's rule, of second order in the step, then events.
+    /// Advances by `time` in one step, while the punch moves down by `indent` (length): glide by Heun's rule, of second
+    /// order in the step, then events.
     ///
     /// # Errors
     /// A step that is not positive and finite; a surface that does not come to equilibrium.
@@ -211,11 +216,12 @@ impl Crystal {
         self.accept(trial, time, indent)
     }
 
-    /// As [`advance`](Self::advance), in as many steps as it takes for no dislocation to err by more than `accuracy` (length) in a step: half the difference of
-    /// its velocities at both ends, times the step. A step is no shorter than 1e-4 of `time`.
+    /// Advances like [`advance`](Self::advance), in as many steps as needed for an error of each dislocation of at most
+    /// `accuracy` (length) per step: half the difference of its velocities at both ends, times the step. A step is at
+    /// least 1e-4 of `time`.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance); an accuracy that is not positive.
+    /// The errors of [`advance`](Self::advance); an accuracy that is not positive.
     pub fn advance_within(&mut self, time: f64, indent: f64, accuracy: f64) -> Result<(), DislocationError> {
         if accuracy.is_nan() || accuracy <= 0.0 {
             return Err(DislocationError::Value { what: "accuracy", found: accuracy, allowed: "positive" });
@@ -288,8 +294,8 @@ impl Crystal {
         held.iter().zip(forces).map(|(held, force)| if held.is_some() { 0.0 } else { force / self.slip.drag }).collect()
     }
 
-    /// The dislocations after `glides`, which end at obstacles, before other dislocations, at the surface and at the base; and the number of those cut
-    /// short by equal dislocations.
+    /// The dislocations after `glides`, which end at obstacles, before other dislocations, at the surface and at the
+    /// base; and the number of those shortened by equal dislocations.
     fn moved(&self, held: &[Option<usize>], glides: impl Iterator<Item = f64>) -> (Vec<Dislocation>, usize) {
         let mut shortened = 0;
         let lowest = self.domain.height().map(|height| -height / self.slip.angle.sin());
@@ -327,7 +333,7 @@ impl Crystal {
         (moved, shortened)
     }
 
-    /// Departures, annihilations and nucleations.
+    /// Applies departures, annihilations and nucleations.
     fn happen(&mut self, time: f64) -> Result<(), DislocationError> {
         let before = self.dislocations.len();
         self.dislocations.retain(|dislocation| dislocation.place < -self.slip.capture);
@@ -350,7 +356,8 @@ impl Crystal {
         Ok(())
     }
 
-    /// Two dislocations of opposite signs on one plane that are within reach of each other, or have passed each other: the first such pair.
+    /// Two dislocations of opposite signs on one plane that are within reach of each other, or have passed each other:
+    /// the first such pair.
     fn meeting(&self) -> Option<[usize; 2]> {
         for (i, one) in self.dislocations.iter().enumerate() {
             for (j, other) in self.dislocations.iter().enumerate().skip(i + 1) {
@@ -363,7 +370,7 @@ impl Crystal {
         None
     }
 
-    /// Sends out pairs; true if any.
+    /// Emits pairs; true if there are any.
     fn nucleate(&mut self, time: f64) -> Result<bool, DislocationError> {
         let along = self.slip.direction();
         let [c, s] = along;
@@ -401,13 +408,14 @@ impl SlipSystem {
         [self.angle.cos(), self.angle.sin()]
     }
 
-    /// The distance of a new pair whose attraction its source's strength τ balances: μ b/(2π (1 − ν) τ).
+    /// The distance of a new pair at which its attraction balances the strength τ of the source: μ b/(2π (1 − ν) τ),
+    /// length.
     pub fn separation(&self, material: &gfmd_green::Material, strength: f64) -> f64 {
         material.shear_modulus() * self.burgers / (2.0 * std::f64::consts::PI * (1.0 - material.poisson()) * strength)
     }
 }
 
-/// The state of a domain with `dislocations` on their planes, with the steps that their partners left.
+/// The state of a domain with `dislocations` on their planes, and the steps left by their partners.
 fn equilibrium(
     domain: &Domain,
     slip: &SlipSystem,

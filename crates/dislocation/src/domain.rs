@@ -12,17 +12,17 @@ use num_complex::Complex64;
 use crate::array::Row;
 use crate::{DislocationError, Edge, Stress};
 
-/// A body in plane strain whose surface is held by a frictionless flat punch on some points, and free of traction elsewhere; periodic
-/// along x.
+/// A body in plane strain, periodic along x, whose surface is held by a frictionless flat punch at some points and free
+/// of traction elsewhere.
 ///
-/// The state with dislocations in it is the sum of their fields in an unbounded body and of an image field without singularities, which
-/// makes good the conditions at the surface and at the base (van der Giessen and Needleman 1995). The image field is a boundary-value
-/// problem of the surface alone (theory.md, section 15.2).
+/// The state with dislocations in it is the sum of their fields in an unbounded body and of an image field without
+/// singularities, which restores the conditions at the surface and at the base (van der Giessen and Needleman 1995).
+/// The image field is a boundary-value problem of the surface alone (theory.md, section 15.2).
 #[derive(Clone, Debug)]
 pub struct Domain {
     body: Body,
     below: Body,
-    /// That of a slab.
+    /// The layer of a slab; `None` for a half-space.
     layer: Option<Layer>,
     response: Arc<FullResponse>,
     held: Vec<bool>,
@@ -30,10 +30,11 @@ pub struct Domain {
     tolerance: f64,
 }
 
-/// A jump of the surface displacement where dislocations have left the body: `jump` (x, z; length) between both sides of `x`.
+/// A jump of the surface displacement where dislocations have left the body: `jump` (x, z; length) between both sides
+/// of `x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The place on the surface.
+    /// The position on the surface.
     pub x: f64,
     /// The displacement on the right less that on the left.
     pub jump: [f64; 2],
@@ -48,7 +49,7 @@ pub struct State {
     surface: Vec<[Complex64; 2]>,
     /// Image displacement of the base.
     base: Vec<[Complex64; 2]>,
-    /// σ_xx without waves, but for what the rows have of it.
+    /// The uniform part of σ_xx, without that of the rows.
     uniform: f64,
     /// The mean pressure of the punch over the whole surface.
     mean_pressure: f64,
@@ -61,8 +62,8 @@ impl Domain {
     /// A domain below the points of `grid` that are `held` by the punch; with none of them the surface is free.
     ///
     /// # Errors
-    /// A body that is not a half-space or one slab on a bonded base; a grid that is no line or has an even number of points; a mask of
-    /// another length.
+    /// A body that is not a half-space or one slab on a bonded base; a grid that is no line or has an even number of
+    /// points; a mask of another length.
     pub fn new(body: &Body, grid: &Grid, held: &[bool]) -> Result<Self, DislocationError> {
         if body.second().is_some() || *body.base() != Base::Bonded {
             return Err(DislocationError::Body);
@@ -109,8 +110,9 @@ impl Domain {
 
     /// The state with dislocations `edges`, `steps` on the surface, and the punch pressed in by `depth` (length).
     ///
-    /// The Burgers vectors of edges and steps together must add up to zero on each slip plane, else the displacement does not repeat;
-    /// this is not checked. `rise` is the mean height (length) that slip and the mean strain of the dislocations give the surface.
+    /// The Burgers vectors of edges and steps together must add up to zero on each slip plane, otherwise the
+    /// displacement is not periodic; this is not checked. `rise` is the mean height (length) that slip and the mean
+    /// strain of the dislocations give the surface.
     ///
     /// # Errors
     /// A dislocation outside the body; a surface that does not come to equilibrium.
@@ -217,8 +219,8 @@ impl Domain {
             .collect()
     }
 
-    /// The energy of a wave per area, for either sign of the wave number, less that of the rows in an unbounded body: half the surface
-    /// integral of t·u + t_r·u − t·u_r, with r for the rows (theory.md, section 15.3).
+    /// The energy of a wave per area, for either sign of the wave number, less that of the rows in an unbounded body:
+    /// half the surface integral of t·u + t_r·u − t·u_r, with r for the rows (theory.md, section 15.3).
     fn wave_energy(&self, m: usize, wave: &Wave, image: [Complex64; 2], added: [Complex64; 2]) -> f64 {
         let (top, base) = (&wave.top, &wave.base);
         let traction = add(add(added, wave.from_base), top.traction);
@@ -236,8 +238,8 @@ impl Domain {
         0.5 * twice
     }
 
-    /// The energy of the rows in an unbounded body and of the uniform strain that keeps what is far below them unstrained, per length
-    /// along the lines for each cell.
+    /// The energy of the rows in an unbounded body and of the uniform strain that keeps what is far below them
+    /// unstrained, per length along the lines for each cell.
     fn rows_energy(&self, edges: &[Edge]) -> f64 {
         let mut energy = 0.0;
         for (i, edge) in edges.iter().enumerate() {
@@ -248,8 +250,8 @@ impl Domain {
         energy + 0.5 * self.material().contact_modulus() / self.grid().lengths()[0] * -(jump * moment)
     }
 
-    /// The image of a body whose base is at rest: traction and displacement of the surface, x then z, from the traction on free points
-    /// and the height of held ones.
+    /// The image field of a body whose base is at rest: traction and displacement of the surface, x then z, from the
+    /// traction on free points and the height of held points.
     fn image(
         &self,
         shear: &[f64],
@@ -293,7 +295,8 @@ impl State {
         self.mean_pressure
     }
 
-    /// The pressure at each point of the surface. It pulls where it is negative: the punch does not let go.
+    /// The pressure at each point of the surface, stress. It may be negative (tension), since the punch does not
+    /// separate from the surface.
     pub fn pressure(&self) -> &[f64] {
         &self.pressure
     }
@@ -303,8 +306,8 @@ impl State {
         &self.displacement
     }
 
-    /// The elastic energy of a cell per length along the lines (force), up to the constant energy of each dislocation line. In a
-    /// half-space the uniform compression below the punch, whose energy has no bound, is left out.
+    /// The elastic energy of a cell per length along the lines (force), up to the constant energy of each dislocation
+    /// line. In a half-space the uniform compression below the punch, whose energy has no bound, is left out.
     pub fn energy(&self) -> f64 {
         self.energy
     }
@@ -346,7 +349,7 @@ impl State {
         Ok(Stress { xx: xx + lateral, zz: zz - self.mean_pressure, xz })
     }
 
-    /// The stress at `place`; without the field in an unbounded body of the dislocation number `but`.
+    /// The stress at `place`, without the singular field of the dislocation number `but`.
     ///
     /// # Errors
     /// A place outside the body.
@@ -367,7 +370,7 @@ impl State {
     }
 }
 
-/// The q·depth beyond which a wave does not reach: e^(−40) is below 1e-17.
+/// The q·depth beyond which a wave has decayed: e^(−40) is below 1e-17.
 const FAR: f64 = 40.0;
 
 /// Traction (x, z) on a plane that faces +z, and displacement, of the rows in an unbounded body.
@@ -377,7 +380,7 @@ struct Face {
     displacement: [Complex64; 2],
 }
 
-/// The rows at the surface and at the base, and the traction that a base brought back to rest leaves on a surface that is held.
+/// The rows at the surface and at the base, and the traction on the held surface when the base is brought back to rest.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wave {
     top: Face,

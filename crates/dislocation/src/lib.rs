@@ -1,19 +1,21 @@
-//! Green's function dislocation dynamics in plane strain: edge dislocations glide on one slip system below a rigid flat punch without friction, so that
-//! plasticity comes from dislocations and contact from the elastic response of the surface (Venugopalan, Müser and Nicola 2017; discrete dislocation
-//! plasticity: van der Giessen and Needleman 1995).
+//! Green's function dislocation dynamics in plane strain: edge dislocations glide on one slip system below a rigid flat
+//! punch without friction, so that plasticity comes from dislocations and contact from the elastic response of the
+//! surface (Venugopalan, Müser and Nicola 2017; discrete dislocation plasticity: van der Giessen and Needleman 1995).
 //!
-//! The dislocations have their fields in an unbounded body, in closed form for periodic rows. What these violate at the surface and at the base is made good by
-//! a smooth image field, and that is a problem of the surface alone, solved by the operators of the other crates: `gfmd-mixed` with the
-//! compliance of the body ([`Domain::state`]). Forces are those of Peach and Koehler, sources send out pairs, obstacles hold
-//! dislocations, opposite ones annihilate, and those that reach the surface leave a step ([`Crystal`]).
+//! Fields of dislocations in an unbounded body are in closed form for periodic rows. A smooth image field restores the
+//! conditions at the surface and at the base; it is a boundary-value problem of the surface alone, solved by
+//! `gfmd-mixed` with the compliance of the body ([`Domain::state`]). Forces are those of Peach and Koehler. Sources
+//! emit pairs, obstacles hold dislocations, opposite ones annihilate, and those that reach the surface leave a step
+//! ([`Crystal`]).
 //!
 //! - [`Edge`], [`Stress`]: dislocations with any Burgers vector, and stresses.
-//! - [`Domain`], [`State`]: body, punch, and their equilibrium with given dislocations: pressure, stresses, forces, energy.
+//! - [`Domain`], [`State`]: body, punch, and their equilibrium with given dislocations: pressure, stresses, forces,
+//!   energy.
 //! - [`Crystal`]: dynamics on a [`SlipSystem`], with a [`Balance`] of energy.
 //!
-//! The image is made of the waves of the grid: closer to the surface than about two spacings the image force is too
-//! weak. Small strains; the body is a half-space or one slab on a bonded base; the mean strain along x is zero far
-//! below. The punch does not let go where it pulls. Equations: theory.md, section 15.
+//! The image field consists of the waves of the grid: within about two spacings of the surface the image force is too
+//! weak. Strains are small; the body is a half-space or one slab on a bonded base; the mean strain along x is zero far
+//! below. The punch does not separate under tension. Equations: theory.md, section 15.
 //!
 //! The force on one dislocation below a free surface is that of its image (Head 1953):
 //!

@@ -5,12 +5,13 @@ use gfmd_vector::Split;
 use crate::plan::Plan;
 use crate::{Grid, GridError, Real, ShapeError, Workspace};
 
-/// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the grid, with
-/// a kernel that is even in both directions. It is built once and shared between threads.
+/// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the
+/// grid, with a kernel that is even in both directions. It is built once and shared between threads.
 ///
-/// Fields are zero outside of the patch: the sum becomes a product of spectra on a cell of twice the points in each direction
-/// (Hockney 1970). The zeros are neither stored nor transformed along y, and a quarter of the kernel's spectrum is stored.
-/// Memory is about one field, and two in each [`Workspace`]; the result has the same bits for any number of threads.
+/// Fields are zero outside the patch: the sum becomes a product of spectra on a cell of twice the points in each
+/// direction (Hockney 1970). The zeros are neither stored nor transformed along y, and a quarter of the kernel's
+/// spectrum is stored. Memory is about one field, and two in each [`Workspace`]; the result has the same bits for any
+/// number of threads.
 ///
 /// ```
 /// use gfmd_field::{Convolution, Grid};
@@ -29,7 +30,8 @@ pub struct Convolution<T = f64> {
 }
 
 impl<T: Real> Convolution<T> {
-    /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along y.
+    /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along
+    /// y.
     pub fn new(grid: Grid, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
         let points = grid.points().map(|points| if points == 1 { 1 } else { padded_length(points) });
         let plan = Plan::new(&grid, points);
@@ -60,7 +62,7 @@ impl<T: Real> Convolution<T> {
         self.plan.convolve(&self.kernel, field, out, ws)
     }
 
-    /// The first half of [`apply`](Self::apply), of a field that is made row by row, as by
+    /// The first half of [`apply`](Self::apply), for a field that is generated row by row; see
     /// [`Transform::convolve_ahead`](crate::Transform::convolve_ahead).
     ///
     /// # Errors
@@ -74,7 +76,7 @@ impl<T: Real> Convolution<T> {
         self.plan.ahead(&self.kernel, input, source, ws)
     }
 
-    /// The second half, as by [`Transform::convolve_back`](crate::Transform::convolve_back).
+    /// The second half; see [`Transform::convolve_back`](crate::Transform::convolve_back).
     ///
     /// # Errors
     /// Outputs or a workspace that do not fit the grid.
@@ -98,7 +100,7 @@ impl<T: Real> Convolution<T> {
 }
 
 impl Convolution {
-    /// The largest magnitude in the spectrum of the kernel: how much the convolution amplifies a wave, at most.
+    /// The largest magnitude in the spectrum of the kernel: the largest amplification of a wave.
     pub fn largest(&self) -> f64 {
         self.kernel.iter().fold(0.0, |largest, k| k.abs().max(largest))
     }
@@ -117,8 +119,8 @@ impl<T> fmt::Debug for Convolution<T> {
 }
 
 impl Grid {
-    /// The periodic cell in which a patch on this grid does not meet its images: the same spacing and at least twice the points
-    /// along each axis with more than one, an even product of 2, 3, 5 and 7.
+    /// The periodic cell in which a patch on this grid does not overlap its images: the same spacing, and at least
+    /// twice the points along each axis with more than one point, an even product of 2, 3, 5 and 7.
     ///
     /// # Errors
     /// More points than memory can address.

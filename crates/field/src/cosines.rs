@@ -10,11 +10,11 @@ use crate::plan::{check, check_rows};
 use crate::{Grid, Real, ShapeError};
 use gfmd_plan::Plans as _;
 
-/// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny): those of fields that
-/// are continued beyond the edges by mirroring. They are planned once and shared between threads.
+/// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny), for fields
+/// continued beyond the edges by mirroring. Planned once and shared between threads.
 ///
-/// A kernel has one value for each wave, `[n, m]` (transposed: m is contiguous). A grid with one point along an axis is a
-/// single row. The result has the same bits for any number of threads.
+/// A kernel has one value for each wave, `[n, m]` (transposed: m is contiguous). A grid with one point along an axis is
+/// a single row. The result has the same bits for any number of threads.
 ///
 /// ```
 /// use gfmd_field::{Cosines, Grid, Rows};
@@ -110,9 +110,10 @@ impl<T: Real> Cosines<T> {
 }
 
 impl Cosines {
-    /// The quotients ⟨c, K c⟩/⟨c, c⟩ of every cosine wave c, laid out as a kernel, for the convolution K on the patch with
-    /// the even kernel `kernel([i, j])` (see [`Convolution`](crate::Convolution)). Of all operators that are diagonal in the
-    /// cosines, the one with these values is nearest to K, and it is positive definite if K is (Chan, Chan and Wong 1999).
+    /// The quotients ⟨c, K c⟩/⟨c, c⟩ of every cosine wave c, laid out as a kernel, for the convolution K on the patch
+    /// with the even kernel `kernel([i, j])` (see [`Convolution`](crate::Convolution)). Of all operators that are
+    /// diagonal in the cosines, the one with these values is nearest to K, and it is positive definite if K is (Chan,
+    /// Chan and Wong 1999).
     pub fn quotients(&self, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Vec<f64> {
         let [nx, ny] = self.shape;
         let is_line = self.grid.is_line();

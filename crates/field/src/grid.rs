@@ -18,10 +18,11 @@ pub struct Mode {
     pub number: [i64; 2],
     /// Wave vector `(2π m/Lx, 2π n/Ly)` in rad/length.
     pub wavevector: [f64; 2],
-    /// The number of modes of the full spectrum that this one stands for: 2, or 1 at zero and Nyquist of the halved axis.
+    /// The number of modes of the full spectrum that this mode represents: 2, or 1 at zero and Nyquist of the halved
+    /// axis.
     pub weight: f64,
-    /// True where m (n) is the Nyquist number of an even axis; kernel entries odd in that component of q must vanish there
-    /// (theory.md, section 0).
+    /// True where m (n) is the Nyquist number of an even axis; kernel entries odd in that component of q must vanish
+    /// there (theory.md, section 0).
     pub nyquist: [bool; 2],
 }
 
@@ -100,8 +101,8 @@ impl Grid {
         Self::new([points, 1], [length, 1.0])
     }
 
-    /// The same cell with lengths in units of `unit`, a positive number. The extent of a line along y remains one unit. A side that is
-    /// too short or too long to be a number in this unit has the least or the largest one.
+    /// The same cell with lengths in units of `unit`, a positive number. The extent of a line along y remains one unit.
+    /// A side that under- or overflows in this unit becomes the smallest or the largest number.
     pub fn in_units(&self, unit: f64) -> Self {
         let [lx, ly] = self.lengths.map(|length| (length / unit).clamp(f64::from_bits(1), f64::MAX));
         Self { points: self.points, lengths: [lx, if self.is_line() { self.lengths[1] } else { ly }] }
@@ -133,7 +134,7 @@ impl Grid {
         if self.points.contains(&1) { [1, self.len()] } else { self.points }
     }
 
-    /// All rows, the share of a process that is alone.
+    /// The partition of a single process: all rows.
     pub fn whole(&self) -> Share {
         let [rows, columns] = self.rows();
         Share::whole(rows, columns)
@@ -144,7 +145,7 @@ impl Grid {
         self.points[1] == 1
     }
 
-    /// The axis of which the half spectrum keeps the non-negative wave numbers: y, or x of a line.
+    /// The axis along which the half spectrum has only non-negative wave numbers: y, or x for a line.
     pub fn halved_axis(&self) -> usize {
         usize::from(!self.is_line())
     }
@@ -182,7 +183,7 @@ impl Grid {
     }
 
     /// The place of the mode with wave numbers `number` in the half spectrum, the inverse of [`Self::mode_at`]. `None`
-    /// if the half spectrum does not hold it: it may hold the opposite mode instead.
+    /// if the half spectrum does not contain it; it may contain the opposite mode instead.
     pub fn index_of(&self, number: [i64; 2]) -> Option<usize> {
         let [lanes, positions] = self.spectrum_shape();
         let [x, y] = [0, 1].map(|axis| number[axis].rem_euclid(self.points[axis] as i64) as usize);

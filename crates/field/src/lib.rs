@@ -52,7 +52,7 @@
 
 mod convolution;
 mod cosines;
-mod deal;
+mod distribute;
 mod grid;
 mod line;
 mod plan;

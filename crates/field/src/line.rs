@@ -13,7 +13,7 @@ use crate::real::square;
 /// The number of modes in one partial sum of an energy.
 const STRETCH: usize = 1 << 10;
 
-/// Plans for one row. A field may fill its first points only, and is zero on the others.
+/// Plans for one row. A field may fill only the first points; it is zero on the others.
 pub(crate) struct Line<T> {
     points: usize,
     shown: usize,
@@ -103,8 +103,8 @@ impl<T: Real> Line<T> {
         (2.0 * all - once) * (1.0 / self.points as f64).powi(2)
     }
 
-    /// The spectrum of an even kernel, for fields on the first points. `source` fills the values at the distances 0, 1, …;
-    /// beyond these the kernel is zero.
+    /// The spectrum of an even kernel, for fields on the first points. `source` fills the values at the distances 0, 1,
+    /// …; beyond these the kernel is zero.
     pub(crate) fn even(&self, source: &impl Fn(usize, &mut [T]), memory: &mut Memory<T>) -> Vec<T> {
         let (near, far) = memory.field.split_at_mut(self.shown);
         source(0, near);

@@ -24,13 +24,13 @@ pub(crate) struct Plan<T> {
 enum Kind<T> {
     Line(Line<T>),
     Plane(Plane<T>),
-    /// The rows of one of several processes.
+    /// A plan for the rows of one of several processes.
     Shared(Shared<T>),
 }
 
 /// The working memory of one caller, made by [`Transform::workspace`](crate::Transform::workspace) or
-/// [`Convolution::workspace`](crate::Convolution::workspace) and used at every call: about one field (a convolution: two), and
-/// 16 columns for each thread. A call itself allocates nothing.
+/// [`Convolution::workspace`](crate::Convolution::workspace) and used at every call: about one field (a convolution:
+/// two), and 16 columns for each thread. A call itself allocates nothing.
 pub struct Workspace<T = f64> {
     points: [usize; 2],
     line: line::Memory<T>,
@@ -38,7 +38,7 @@ pub struct Workspace<T = f64> {
     shared: shared::Memory<T>,
 }
 
-/// A slice of the wrong length, or a workspace of another grid.
+/// Error: a slice of the wrong length, or a workspace of another grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the {what} has {found} values; it must have {expected} on this grid")]
 pub struct ShapeError {
@@ -220,7 +220,7 @@ impl<T: Real> Plan<T> {
         }
     }
 
-    /// A quarter of a kernel that is even along x, too, suffices.
+    /// Checks the size of a kernel; a quarter of a kernel that is also even along x suffices.
     fn check_kernel(&self, kernel: &[T]) -> Result<(), ShapeError> {
         let [nx, _] = self.points;
         let is_quarter = !matches!(self.kind, Kind::Line(_)) && kernel.len() == (nx / 2 + 1) * self.lanes().len();
@@ -252,7 +252,7 @@ pub(crate) fn check(what: &'static str, found: usize, expected: usize) -> Result
     if found == expected { Ok(()) } else { Err(ShapeError { what, found, expected }) }
 }
 
-/// Checks that what goes into a convolution, or comes out of it, has a part for each row.
+/// Checks that the input or output of a convolution has a part for each row.
 pub(crate) fn check_rows(parts: &impl Split, rows: usize) -> Result<(), ShapeError> {
     if parts.fits(rows) { Ok(()) } else { Err(ShapeError { what: "rows", found: parts.length(), expected: rows }) }
 }

@@ -1,9 +1,9 @@
 //! Two-dimensional grids: rows, then columns panel by panel.
 //!
 //! The rows of a field become half spectra in [`Block`]s of rows. A panel of neighbouring columns is then copied, block
-//! by block, to memory in which each column is contiguous. It is transformed, multiplied by the kernel, transformed back
-//! while it is in the second-level cache, and copied back. A convolution thus reads and writes memory three times, and a
-//! transposed spectrum is made only by [`Plane::forward`] and [`Plane::inverse`].
+//! by block, to memory in which each column is contiguous. It is transformed, multiplied by the kernel, transformed
+//! back while it is in the second-level cache, and copied back. A convolution thus reads and writes memory three times,
+//! and a transposed spectrum is made only by [`Plane::forward`] and [`Plane::inverse`].
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,14 +16,14 @@ use realfft::{ComplexToReal, RealToComplex};
 use rustfft::Fft;
 
 use crate::Real;
-use crate::deal::{deal, lock};
+use crate::distribute::{distribute, lock};
 use crate::prefetch::{LINE, prefetch};
 use crate::real::{copy, square};
 
 /// The number of rows in a block: the part of a block that belongs to a panel fits the first-level cache.
 pub(crate) const BLOCK: usize = 64;
-/// The number of cache lines of every row in a panel of columns. Fewer, down to one line, if the columns are so long that the
-/// panel would be larger than [`PANEL`].
+/// The number of cache lines of every row in a panel of columns. Fewer, down to one line, if the columns are so long
+/// that the panel would be larger than [`PANEL`].
 const WIDTH: usize = 4;
 /// The largest number of bytes in a panel: twice a second-level cache; half of it measured no better.
 const PANEL: usize = 1 << 21;
@@ -34,7 +34,7 @@ const SHARED: usize = 1 << 15;
 /// The number of values above which a field no longer stays in the cache between two passes.
 pub(crate) const LARGE: usize = 1 << 19;
 
-/// Plans for nx rows of ny points. A field may fill a corner of them only, and is zero on the rest, which is not stored.
+/// Plans for nx rows of ny points. A field may fill only a corner of them; it is zero on the rest, which is not stored.
 pub(crate) struct Plane<T> {
     rows: usize,
     points: usize,
@@ -51,16 +51,16 @@ pub(crate) struct Plane<T> {
 #[derive(Default)]
 pub(crate) struct Memory<T> {
     pub(crate) blocks: Vec<Block<T>>,
-    pub(crate) seats: Vec<Seat<T>>,
+    pub(crate) workers: Vec<Worker<T>>,
     sums: Vec<f64>,
 }
 
-/// The half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies the panel's part
-/// in or out.
+/// The half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies the panel's
+/// part in or out.
 pub(crate) type Block<T> = Mutex<Vec<Complex<T>>>;
 
 /// The working memory of one thread.
-pub(crate) struct Seat<T> {
+pub(crate) struct Worker<T> {
     row: Vec<T>,
     tile: Vec<Complex<T>>,
     pub(crate) columns: Vec<Complex<T>>,
@@ -68,8 +68,8 @@ pub(crate) struct Seat<T> {
 }
 
 impl<T: Real> Plane<T> {
-    /// The number of complex values in a cache line, which is also the number of unused values between neighbouring columns
-    /// of a panel: columns that lie a power of two apart would evict each other from the cache.
+    /// The number of complex values in a cache line, which is also the number of unused values between neighbouring
+    /// columns of a panel: columns that lie a power of two apart would evict each other from the cache.
     pub(crate) const GAP: usize = LINE / size_of::<Complex<T>>();
 
     /// Plans for fields that fill the `corner` of the points.
@@ -79,7 +79,7 @@ impl<T: Real> Plane<T> {
         Self { rows, points, corner, width: width.min(points / 2 + 1), to_half, from_half, ahead, back }
     }
 
-    /// Allocates memory for this plan, with a seat for each of `threads`.
+    /// Allocates memory for this plan, with working memory for each of `threads`.
     pub(crate) fn memory(&self, threads: usize) -> Memory<T> {
         let threads = if self.rows * self.points < SHARED { 1 } else { threads.max(1) };
         let rows = self.corner[0];
@@ -87,19 +87,19 @@ impl<T: Real> Plane<T> {
         Memory {
             // Zeros are written by all threads.
             blocks: (0..rows.div_ceil(BLOCK)).into_par_iter().map(block).collect(),
-            seats: (0..threads).map(|_| self.seat()).collect(),
+            workers: (0..threads).map(|_| self.worker()).collect(),
             sums: vec![0.0; self.half()],
         }
     }
 
-    fn seat(&self) -> Seat<T> {
+    fn worker(&self) -> Worker<T> {
         let scratch = [
             self.to_half.get_scratch_len(),
             self.from_half.get_scratch_len(),
             self.ahead.get_inplace_scratch_len(),
             self.back.get_inplace_scratch_len(),
         ];
-        Seat {
+        Worker {
             row: vec![T::ZERO; self.points],
             tile: vec![Complex::ZERO; BLOCK.min(self.corner[0]) * self.width],
             columns: vec![Complex::ZERO; self.width * self.column()],
@@ -115,29 +115,33 @@ impl<T: Real> Plane<T> {
         memory: &mut Memory<T>,
     ) {
         self.rows_ahead((), &|i, (), row| source(i, row), self.points, memory);
-        let Memory { blocks, seats, .. } = memory;
+        let Memory { blocks, workers, .. } = memory;
         let scale = self.scale();
-        deal(seats, self.panels().zip(spectrum.chunks_mut(self.width * self.rows)), |(panel, columns), seat| {
-            self.load(blocks, &panel, columns, self.rows, &mut seat.tile);
-            self.ahead.process_with_scratch(columns, &mut seat.scratch);
-            columns.iter_mut().for_each(|mode| *mode *= scale);
-        });
+        distribute(
+            workers,
+            self.panels().zip(spectrum.chunks_mut(self.width * self.rows)),
+            |(panel, columns), worker| {
+                self.load(blocks, &panel, columns, self.rows, &mut worker.tile);
+                self.ahead.process_with_scratch(columns, &mut worker.scratch);
+                columns.iter_mut().for_each(|mode| *mode *= scale);
+            },
+        );
     }
 
     /// Writes the field of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
-        let Memory { blocks, seats, .. } = memory;
-        deal(seats, self.panels(), |panel, seat| {
-            let columns = &mut seat.columns[..panel.len() * self.rows];
+        let Memory { blocks, workers, .. } = memory;
+        distribute(workers, self.panels(), |panel, worker| {
+            let columns = &mut worker.columns[..panel.len() * self.rows];
             columns.copy_from_slice(&spectrum[panel.start * self.rows..panel.end * self.rows]);
-            self.back.process_with_scratch(columns, &mut seat.scratch);
-            self.store(columns, self.rows, blocks, &panel, &mut seat.tile);
+            self.back.process_with_scratch(columns, &mut worker.scratch);
+            self.store(columns, self.rows, blocks, &panel, &mut worker.tile);
         });
         self.rows_back(Rows(field, self.corner[1]), &copy, memory);
     }
 
-    /// Computes the half spectra of the rows of K f, for the rows f that `source` fills from those of `input`, which has one
-    /// entry for each row.
+    /// Computes the half spectra of the rows of K f, for the rows f that `source` fills from those of `input`, which
+    /// has one entry for each row.
     pub(crate) fn convolve<I: Split>(
         &self,
         kernel: &[T],
@@ -146,9 +150,9 @@ impl<T: Real> Plane<T> {
         memory: &mut Memory<T>,
     ) {
         self.rows_ahead(input, source, self.corner[1], memory);
-        let Memory { blocks, seats, .. } = memory;
+        let Memory { blocks, workers, .. } = memory;
         let line = kernel.len() / self.half();
-        deal(seats, self.panels(), |panel, Seat { tile, columns, scratch, .. }| {
+        distribute(workers, self.panels(), |panel, Worker { tile, columns, scratch, .. }| {
             self.load(blocks, &panel, columns, self.column(), tile);
             let kernels = kernel[panel.start * line..panel.end * line].chunks_exact(line);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels) {
@@ -168,10 +172,10 @@ impl<T: Real> Plane<T> {
         memory: &mut Memory<T>,
     ) -> f64 {
         self.rows_ahead((), &|i, (), row| source(i, row), self.corner[1], memory);
-        let Memory { blocks, seats, sums } = memory;
+        let Memory { blocks, workers, sums } = memory;
         let line = kernel.len() / self.half();
-        deal(seats, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), seat| {
-            let Seat { tile, columns, scratch, .. } = seat;
+        distribute(workers, self.panels().zip(sums.chunks_mut(self.width)), |(panel, sums), worker| {
+            let Worker { tile, columns, scratch, .. } = worker;
             self.load(blocks, &panel, columns, self.column(), tile);
             let kernels = kernel[panel.start * line..].chunks_exact(line);
             let columns = columns.chunks_exact_mut(self.column());
@@ -227,8 +231,9 @@ impl<T: Real> Plane<T> {
         self.back.process_with_scratch(column, scratch);
     }
 
-    /// The spectrum of a kernel that is even in both directions, for fields in the corner: a quarter of it, which is real.
-    /// `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is zero.
+    /// The spectrum of a kernel that is even in both directions, for fields in the corner: a quarter of it, which is
+    /// real. `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is
+    /// zero.
     pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) -> Vec<T> {
         let [held, shown] = self.corner;
         let both_sides = |i: usize, (): (), row: &mut [T]| {
@@ -238,11 +243,11 @@ impl<T: Real> Plane<T> {
             far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
         };
         self.rows_ahead((), &both_sides, self.points, memory);
-        let Memory { blocks, seats, .. } = memory;
+        let Memory { blocks, workers, .. } = memory;
         let line = self.line();
         let mut kernel = vec![T::ZERO; self.half() * line];
-        deal(seats, self.panels().zip(kernel.chunks_mut(self.width * line)), |(panel, kernels), seat| {
-            let Seat { tile, columns, scratch, .. } = seat;
+        distribute(workers, self.panels().zip(kernel.chunks_mut(self.width * line)), |(panel, kernels), worker| {
+            let Worker { tile, columns, scratch, .. } = worker;
             self.load(blocks, &panel, columns, self.column(), tile);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels.chunks_exact_mut(line)) {
                 let column = &mut column[..self.rows];
@@ -266,7 +271,7 @@ impl<T: Real> Plane<T> {
     ) {
         let rows = self.portion();
         let portions = portions(&mut memory.blocks, rows * self.stride()).zip(input.parts(rows)).enumerate();
-        deal(&mut memory.seats, portions, |(number, (portion, input)), Seat { row, scratch, .. }| {
+        distribute(&mut memory.workers, portions, |(number, (portion, input)), Worker { row, scratch, .. }| {
             for (i, (half, input)) in portion.chunks_exact_mut(self.stride()).zip(input.parts(1)).enumerate() {
                 let (own, padding) = row.split_at_mut(filled);
                 source(number * rows + i, input, own);
@@ -287,7 +292,7 @@ impl<T: Real> Plane<T> {
         let rows = self.portion();
         let large = self.corner[0] * self.corner[1] > LARGE;
         let portions = portions(&mut memory.blocks, rows * self.stride()).zip(output.parts(rows)).enumerate();
-        deal(&mut memory.seats, portions, |(number, (mut portion, output)), seat| {
+        distribute(&mut memory.workers, portions, |(number, (mut portion, output)), worker| {
             for (i, output) in output.parts(1).enumerate().take(portion.len() / self.stride()) {
                 let (half, rest) = std::mem::take(&mut portion).split_at_mut(self.stride());
                 portion = rest;
@@ -299,9 +304,9 @@ impl<T: Real> Plane<T> {
                 if self.points.is_multiple_of(2) {
                     half[self.points / 2].im = T::ZERO;
                 }
-                let done = self.from_half.process_with_scratch(half, &mut seat.row, &mut seat.scratch);
+                let done = self.from_half.process_with_scratch(half, &mut worker.row, &mut worker.scratch);
                 done.expect("lengths are those of the plan, edges are real");
-                sink(number * rows + i, &mut seat.row[..self.corner[1]], output);
+                sink(number * rows + i, &mut worker.row[..self.corner[1]], output);
             }
         });
     }

@@ -1,4 +1,4 @@
-//! A hint to the cache, which safe Rust has no call for.
+//! A prefetch instruction, for which safe Rust has no function.
 
 /// Asks the processor to bring `values` into the second-level cache while the row before them is transformed. Does
 /// nothing without the feature `prefetch` or on another processor than x86-64.

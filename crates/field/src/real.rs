@@ -40,15 +40,15 @@ use private::Wire;
 mod private {
     use num_complex::Complex;
 
-    /// Complex numbers as words that travel between processes. No other crate can name it, and thus make other numbers.
+    /// Complex numbers as words that are sent between processes. The trait is sealed: no other crate can implement it.
     pub trait Wire: Sized {
         /// The number of words of a complex number.
         const WORDS: usize;
 
-        /// Writes its words.
+        /// Writes the words of a number.
         fn put(number: &Complex<Self>, words: &mut [u64]);
 
-        /// The number of these words.
+        /// Reads a number from its words.
         fn get(words: &[u64]) -> Complex<Self>;
     }
 

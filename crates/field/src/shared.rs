@@ -1,30 +1,30 @@
 //! Two-dimensional grids whose rows several processes share.
 //!
-//! A rank makes the half spectra of its rows, and transforms the columns that are its own. They travel in rounds, each with
-//! some of the columns of every rank, so that the letters stay small beside a field:
+//! A rank computes the half spectra of its rows, and transforms the columns that it owns. Columns are exchanged in
+//! rounds, each with some of the columns of every rank, so that messages are small compared with a field:
 //!
 //! ```text
 //!   rows ahead │ pack k+1 ─▶ post │ wait k │ columns of k: transform, multiply, transform back ─▶ post │ unpack k−1 │ rows back
 //! ```
 //!
-//! Every row and every column is transformed by one rank as by one process, and has the same bits.
+//! Every row and every column is transformed on one rank, with the same bits as in a single process.
 
 use std::ops::Range;
 
-use gfmd_vector::{Letters, Pending, Rows, Share, Split};
+use gfmd_vector::{Messages, Pending, Rows, Share, Split};
 use num_complex::Complex;
 
 use crate::Real;
-use crate::deal::{deal, lock};
-use crate::plane::{self, BLOCK, Plane, Seat};
+use crate::distribute::{distribute, lock};
+use crate::plane::{self, BLOCK, Plane, Worker};
 use crate::real::copy;
 
-/// The number of rounds: the letters of a round are a sixteenth of a field, and those of three rounds are under way.
+/// The number of rounds: each round's messages carry 1/16 of a field, and those of three rounds are pending at once.
 const ROUNDS: usize = 16;
 
 /// Plans for the rows of one rank.
 pub(crate) struct Shared<T> {
-    /// For transforms of all points, with the own rows alone.
+    /// Transforms of all points, for the rows of this rank.
     plane: Plane<T>,
     share: Share,
     /// The columns of the half spectrum that belong to each rank.
@@ -33,16 +33,16 @@ pub(crate) struct Shared<T> {
     width: usize,
 }
 
-/// Working memory: that of the own rows, and letters.
+/// Working memory: that of the rows of this rank, and message buffers.
 #[derive(Default)]
 pub(crate) struct Memory<T> {
     plane: plane::Memory<T>,
-    letters: Vec<Letters>,
+    messages: Vec<Messages>,
 }
 
-/// The way of the columns: to the ranks that own them, and back.
+/// The transfers of the columns: to the ranks that own them, and back.
 #[derive(Clone, Copy)]
-struct Way {
+struct Direction {
     there: bool,
     back: bool,
 }
@@ -67,7 +67,7 @@ impl<T: Real> Shared<T> {
     }
 
     pub(crate) fn memory(&self, threads: usize) -> Memory<T> {
-        Memory { plane: self.plane.memory(threads), letters: Vec::new() }
+        Memory { plane: self.plane.memory(threads), messages: Vec::new() }
     }
 
     /// Writes the own columns of the spectrum of the rows that `source` fills.
@@ -79,27 +79,27 @@ impl<T: Real> Shared<T> {
     ) {
         self.plane.rows_ahead((), &|i, (), row| source(i, row), self.plane.points(), &mut memory.plane);
         let output = Rows(spectrum, self.plane.rows());
-        let take = |_: usize, Rows(to, _): Rows<&mut [Complex<T>]>, column: &mut [Complex<T>], seat: &mut Vec<_>| {
-            self.plane.ahead(column, seat);
+        let take = |_: usize, Rows(to, _): Rows<&mut [Complex<T>]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
+            self.plane.ahead(column, scratch);
             to.copy_from_slice(column);
             to.iter_mut().for_each(|mode| *mode *= self.plane.scale());
         };
-        self.rounds(Way { there: true, back: false }, output, &take, memory);
+        self.rounds(Direction { there: true, back: false }, output, &take, memory);
     }
 
     /// Writes the own rows of the field of the spectrum, of which this rank has its columns.
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         let input = Rows(spectrum, self.plane.rows());
-        let give = |_: usize, Rows(from, _): Rows<&[Complex<T>]>, column: &mut [Complex<T>], seat: &mut Vec<_>| {
+        let give = |_: usize, Rows(from, _): Rows<&[Complex<T>]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
             column.copy_from_slice(from);
-            self.plane.back(column, seat);
+            self.plane.back(column, scratch);
         };
-        self.rounds(Way { there: false, back: true }, input, &give, memory);
+        self.rounds(Direction { there: false, back: true }, input, &give, memory);
         self.plane.rows_back(Rows(field, self.plane.points()), &copy, &mut memory.plane);
     }
 
-    /// Computes the half spectra of the own rows of K f, for the rows f that `source` fills from those of `input`. The kernel
-    /// has the own columns only.
+    /// Computes the half spectra of the own rows of K f, for the rows f that `source` fills from those of `input`. The
+    /// kernel has the own columns only.
     pub(crate) fn convolve<I: Split>(
         &self,
         kernel: &[T],
@@ -109,10 +109,10 @@ impl<T: Real> Shared<T> {
     ) {
         self.plane.rows_ahead(input, source, self.plane.points(), &mut memory.plane);
         let kernel = Rows(kernel, self.line(kernel));
-        let filter = |_: usize, Rows(kernel, _): Rows<&[T]>, column: &mut [Complex<T>], seat: &mut Vec<_>| {
-            self.plane.filter(column, kernel, seat);
+        let filter = |_: usize, Rows(kernel, _): Rows<&[T]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
+            self.plane.filter(column, kernel, scratch);
         };
-        self.rounds(Way { there: true, back: true }, kernel, &filter, memory);
+        self.rounds(Direction { there: true, back: true }, kernel, &filter, memory);
     }
 
     /// Hands the rows of the half spectra in the memory to `sink`, with those of `output`.
@@ -137,10 +137,10 @@ impl<T: Real> Shared<T> {
         let mut sums = vec![0.0; self.columns().len()];
         let output = (&mut sums[..], Rows(kernel, self.line(kernel)));
         type Both<'a, T> = (&'a mut [f64], Rows<&'a [T]>);
-        let add = |local: usize, (sum, Rows(kernel, _)): Both<T>, column: &mut [Complex<T>], seat: &mut Vec<_>| {
-            sum[0] = self.plane.form(first + local, column, kernel, seat);
+        let add = |local: usize, (sum, Rows(kernel, _)): Both<T>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
+            sum[0] = self.plane.form(first + local, column, kernel, scratch);
         };
-        self.rounds(Way { there: true, back: false }, output, &add, memory);
+        self.rounds(Direction { there: true, back: false }, output, &add, memory);
         let lengths: Vec<usize> = self.columns.iter().map(Range::len).collect();
         self.plane.whole_form(&self.share.collect(&sums, &lengths))
     }
@@ -153,7 +153,7 @@ impl<T: Real> Shared<T> {
     /// Applies `work(number, parts, column, scratch)` to each of the own columns, with its parts of `output`.
     fn rounds<V: Split>(
         &self,
-        way: Way,
+        direction: Direction,
         output: V,
         work: &(impl Fn(usize, V, &mut [Complex<T>], &mut Vec<Complex<T>>) + Sync),
         memory: &mut Memory<T>,
@@ -161,76 +161,76 @@ impl<T: Real> Shared<T> {
         let most = self.columns.iter().map(Range::len).max().unwrap_or(0);
         let rounds = most.div_ceil(self.width);
         let mut rest = Some(output);
-        let mut arriving = self.leave(0, way, memory);
+        let mut arriving = self.send_columns(0, direction, memory);
         let mut returning: Option<(usize, Box<dyn Pending + '_>)> = None;
         for round in 0..rounds {
-            let next = self.leave(round + 1, way, memory);
-            let mut letters = std::mem::replace(&mut arriving, next).wait();
+            let next = self.send_columns(round + 1, direction, memory);
+            let mut messages = std::mem::replace(&mut arriving, next).wait();
             let own = self.of_round(self.share.ranks().rank(), round);
             if let Some((output, after)) = rest.take().map(|rest| rest.split(own.len())) {
-                self.transform(round, way, output, work, &mut letters.into, memory);
+                self.transform(round, direction, output, work, &mut messages.into, memory);
                 rest = Some(after);
             }
-            if way.back {
-                let Letters { out, out_lengths, into, into_lengths } = letters;
-                let home = Letters { out: into, out_lengths: into_lengths, into: out, into_lengths: out_lengths };
-                let posted = self.share.ranks().post(home);
+            if direction.back {
+                let Messages { out, out_lengths, into, into_lengths } = messages;
+                let reply = Messages { out: into, out_lengths: into_lengths, into: out, into_lengths: out_lengths };
+                let posted = self.share.ranks().post(reply);
                 if let Some((round, pending)) = returning.replace((round, posted)) {
-                    self.arrive(round, pending.wait(), memory);
+                    self.store_columns(round, pending.wait(), memory);
                 }
             } else {
-                memory.letters.push(letters);
+                memory.messages.push(messages);
             }
         }
-        memory.letters.push(arriving.wait());
+        memory.messages.push(arriving.wait());
         if let Some((round, pending)) = returning {
-            self.arrive(round, pending.wait(), memory);
+            self.store_columns(round, pending.wait(), memory);
         }
     }
 
     /// Sends the columns of a round to the ranks that own them; nothing after the last round.
-    fn leave(&self, round: usize, way: Way, memory: &mut Memory<T>) -> Box<dyn Pending + '_> {
-        let Memory { plane, letters } = memory;
-        let mut letters = letters.pop().unwrap_or_default();
+    fn send_columns(&self, round: usize, direction: Direction, memory: &mut Memory<T>) -> Box<dyn Pending + '_> {
+        let Memory { plane, messages } = memory;
+        let mut messages = messages.pop().unwrap_or_default();
         let size = self.columns.len();
         let words = |rows: usize, columns: usize| rows * columns * T::WORDS;
         let (own, rows) = (self.of_round(self.share.ranks().rank(), round).len(), self.share.rows().len());
-        letters.out_lengths = (0..size).map(|rank| words(rows, self.of_round(rank, round).len())).collect();
-        letters.into_lengths = self.share.all_rows().iter().map(|rows| words(rows.len(), own)).collect();
-        letters.out.resize(letters.out_lengths.iter().sum(), 0);
-        letters.into.resize(letters.into_lengths.iter().sum(), 0);
-        if !way.there {
-            return Box::new(Here(letters));
+        messages.out_lengths = (0..size).map(|rank| words(rows, self.of_round(rank, round).len())).collect();
+        messages.into_lengths = self.share.all_rows().iter().map(|rows| words(rows.len(), own)).collect();
+        messages.out.resize(messages.out_lengths.iter().sum(), 0);
+        messages.into.resize(messages.into_lengths.iter().sum(), 0);
+        if !direction.there {
+            return Box::new(NotSent(messages));
         }
-        let plane::Memory { blocks, seats, .. } = plane;
+        let plane::Memory { blocks, workers, .. } = plane;
         let stride = self.plane.stride();
-        let items = self.pieces(round, &mut letters.out);
-        deal(seats, items.into_iter(), |(block, columns, piece), _| {
+        let items = self.pieces(round, &mut messages.out);
+        distribute(workers, items.into_iter(), |(block, columns, piece), _| {
             let lines = piece.chunks_exact_mut(columns.len() * T::WORDS);
             for (line, half) in lines.zip(lock(&blocks[block]).chunks_exact(stride)) {
                 let words = line.chunks_exact_mut(T::WORDS);
                 words.zip(&half[columns.clone()]).for_each(|(words, mode)| T::put(mode, words));
             }
         });
-        self.share.ranks().post(letters)
+        self.share.ranks().post(messages)
     }
 
-    /// Puts the columns of a round back to their places in the own rows.
-    fn arrive(&self, round: usize, mut letters: Letters, memory: &mut Memory<T>) {
-        let plane::Memory { blocks, seats, .. } = &mut memory.plane;
+    /// Stores the columns of a round in the rows of this rank.
+    fn store_columns(&self, round: usize, mut messages: Messages, memory: &mut Memory<T>) {
+        let plane::Memory { blocks, workers, .. } = &mut memory.plane;
         let stride = self.plane.stride();
-        let items = self.pieces(round, &mut letters.into);
-        deal(seats, items.into_iter(), |(block, columns, piece), _| {
+        let items = self.pieces(round, &mut messages.into);
+        distribute(workers, items.into_iter(), |(block, columns, piece), _| {
             let lines = piece.chunks_exact(columns.len() * T::WORDS);
             for (line, half) in lines.zip(lock(&blocks[block]).chunks_exact_mut(stride)) {
                 let words = line.chunks_exact(T::WORDS);
                 half[columns.clone()].iter_mut().zip(words).for_each(|(mode, words)| *mode = T::get(words));
             }
         });
-        memory.letters.push(letters);
+        memory.messages.push(messages);
     }
 
-    /// The pieces of the letters about the own rows, in their order: block of rows, columns, words.
+    /// The pieces of the messages with the rows of this rank, in order: block of rows, columns, words.
     fn pieces<'a>(&self, round: usize, mut words: &'a mut [u64]) -> Vec<(usize, Range<usize>, &'a mut [u64])> {
         let rows = self.share.rows().len();
         let mut pieces = Vec::new();
@@ -247,11 +247,11 @@ impl<T: Real> Shared<T> {
         pieces
     }
 
-    /// Works on the own columns of a round, which are in the words from all ranks.
+    /// Works on the columns of this rank in a round, which are in the words from all ranks.
     fn transform<V: Split>(
         &self,
         round: usize,
-        way: Way,
+        direction: Direction,
         output: V,
         work: &(impl Fn(usize, V, &mut [Complex<T>], &mut Vec<Complex<T>>) + Sync),
         words: &mut [u64],
@@ -259,42 +259,46 @@ impl<T: Real> Shared<T> {
     ) {
         let rank = self.share.ranks().rank();
         let (own, first) = (self.of_round(rank, round), self.columns[rank].start);
-        let mut letters = Vec::new();
+        let mut messages = Vec::new();
         let mut rest = words;
         for rows in self.share.all_rows() {
-            let (letter, after) = rest.split_at_mut(rows.len() * own.len() * T::WORDS);
-            letters.push(letter);
+            let (message, after) = rest.split_at_mut(rows.len() * own.len() * T::WORDS);
+            messages.push(message);
             rest = after;
         }
         let mut items = Vec::new();
         for panel in panels::<T>(own) {
             let mut parts = Vec::new();
-            for (letter, rows) in letters.iter_mut().zip(self.share.all_rows()) {
-                let (part, after) = std::mem::take(letter).split_at_mut(rows.len() * panel.len() * T::WORDS);
-                *letter = after;
+            for (message, rows) in messages.iter_mut().zip(self.share.all_rows()) {
+                let (part, after) = std::mem::take(message).split_at_mut(rows.len() * panel.len() * T::WORDS);
+                *message = after;
                 parts.push((rows.clone(), part));
             }
             items.push((panel, parts));
         }
         let (rows, stride) = (self.plane.rows(), self.plane.column());
         let items = items.into_iter().zip(output.parts(Plane::<T>::GAP));
-        deal(&mut memory.plane.seats, items, |((panel, mut parts), output), Seat { columns, scratch, .. }| {
-            let width = panel.len();
-            for (rows, part) in parts.iter().filter(|_| way.there) {
-                for (i, line) in rows.clone().zip(part.chunks_exact(width * T::WORDS)) {
-                    let line = line.chunks_exact(T::WORDS).enumerate();
-                    line.for_each(|(place, words)| columns[place * stride + i] = T::get(words));
+        distribute(
+            &mut memory.plane.workers,
+            items,
+            |((panel, mut parts), output), Worker { columns, scratch, .. }| {
+                let width = panel.len();
+                for (rows, part) in parts.iter().filter(|_| direction.there) {
+                    for (i, line) in rows.clone().zip(part.chunks_exact(width * T::WORDS)) {
+                        let line = line.chunks_exact(T::WORDS).enumerate();
+                        line.for_each(|(place, words)| columns[place * stride + i] = T::get(words));
+                    }
                 }
-            }
-            let all = panel.zip(columns.chunks_exact_mut(stride)).zip(output.parts(1));
-            all.for_each(|((number, column), output)| work(number - first, output, &mut column[..rows], scratch));
-            for (rows, part) in parts.iter_mut().filter(|_| way.back) {
-                for (i, line) in rows.clone().zip(part.chunks_exact_mut(width * T::WORDS)) {
-                    let line = line.chunks_exact_mut(T::WORDS).enumerate();
-                    line.for_each(|(place, words)| T::put(&columns[place * stride + i], words));
+                let all = panel.zip(columns.chunks_exact_mut(stride)).zip(output.parts(1));
+                all.for_each(|((number, column), output)| work(number - first, output, &mut column[..rows], scratch));
+                for (rows, part) in parts.iter_mut().filter(|_| direction.back) {
+                    for (i, line) in rows.clone().zip(part.chunks_exact_mut(width * T::WORDS)) {
+                        let line = line.chunks_exact_mut(T::WORDS).enumerate();
+                        line.for_each(|(place, words)| T::put(&columns[place * stride + i], words));
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 
     /// The columns of a rank in a round.
@@ -310,11 +314,11 @@ fn panels<T: Real>(columns: Range<usize>) -> impl Iterator<Item = Range<usize>> 
     (start..end).step_by(Plane::<T>::GAP).map(move |first| first..end.min(first + Plane::<T>::GAP))
 }
 
-/// Letters that nobody sends.
-struct Here(Letters);
+/// Message buffers without an exchange.
+struct NotSent(Messages);
 
-impl Pending for Here {
-    fn wait(self: Box<Self>) -> Letters {
+impl Pending for NotSent {
+    fn wait(self: Box<Self>) -> Messages {
         self.0
     }
 }

@@ -4,8 +4,8 @@ use num_complex::Complex64;
 
 use crate::{Grid, ShapeError, Transform};
 
-/// A periodic field between its points: the cubic spline through them, with two continuous derivatives. Between the points
-/// of a wave of n points its error is that of the fourth order, (2π/n)⁴/720 of the amplitude.
+/// A periodic field between its points: the cubic spline through them, with two continuous derivatives. Its error is of
+/// fourth order: (2π/n)⁴/720 of the amplitude for a wave of n points.
 ///
 /// ```
 /// use gfmd_field::{Grid, Spline};
@@ -26,7 +26,7 @@ pub struct Spline {
     factors: Vec<f64>,
 }
 
-/// The values of the four B-splines at a point, and their derivatives by the index.
+/// The values of the four B-splines at a point, and their derivatives with respect to the index.
 struct Weights {
     /// The index of the first.
     first: i64,
@@ -58,8 +58,8 @@ impl Spline {
         Ok(Self { points, spacing: grid.spacing(), factors })
     }
 
-    /// The value at the `offset` (length) from the point `[i, j]`, and its derivatives by x and y. An axis with one point has
-    /// no offset.
+    /// The value at the `offset` (length) from the point `[i, j]`, and its derivatives with respect to x and y. An axis
+    /// with one point has no offset.
     pub fn near(&self, point: [usize; 2], offset: [f64; 2]) -> (f64, [f64; 2]) {
         let [x, y] = [0, 1].map(|axis| self.weights(axis, point[axis], offset[axis]));
         let (mut value, mut slopes) = (0.0, [0.0; 2]);

@@ -9,27 +9,28 @@ use crate::{Grid, Real, ShapeError, Workspace};
 
 /// The planned Fourier transforms of one grid: built once, shared between threads.
 ///
-/// A spectrum is laid out as [`Grid::modes`], a field as on the front page. Work is distributed over the threads of the
-/// current rayon pool; the result has the same bits for any number of threads.
+/// A spectrum is in the order of [`Grid::modes`], a field as described in the crate documentation. Work is distributed
+/// over the threads of the current rayon pool; the result has the same bits for any number of threads.
 pub struct Transform<T = f64> {
     grid: Grid,
     plan: Plan<T>,
 }
 
 impl<T: Real> Transform<T> {
-    /// Plans the transforms of `grid`. Any number of points will do; products of small primes are fast.
+    /// Plans the transforms of `grid`. Any number of points is allowed; products of small primes are fast.
     pub fn new(grid: Grid) -> Self {
         Self { grid, plan: Plan::new(&grid, grid.points()) }
     }
 
-    /// Plans the transforms of the rows that are the `share` of this process. A field has these rows, a spectrum and a kernel
-    /// have the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the bits of one
-    /// process. Letters take some 0.4 fields beside the memory of [`new`](Self::new) for these rows.
+    /// Plans the transforms of the rows that are the `share` of this process. A field has these rows, a spectrum and a
+    /// kernel have the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the
+    /// bits of one process. Message buffers take some 0.4 fields in addition to the memory of [`new`](Self::new) for
+    /// these rows.
     pub fn over(grid: Grid, share: &Share) -> Self {
         Self { grid, plan: Plan::over(&grid, share) }
     }
 
-    /// The lanes of the half spectrum ([`Grid::spectrum_shape`]) that belong to this process: all of one that is alone.
+    /// The lanes of the half spectrum ([`Grid::spectrum_shape`]) that belong to this process; a single process has all.
     pub fn lanes(&self) -> Range<usize> {
         self.plan.lanes()
     }
@@ -64,7 +65,8 @@ impl<T: Real> Transform<T> {
         self.plan.inverse(spectrum, field, ws)
     }
 
-    /// Computes `out` = F⁻¹\[k F\[field\]\] for a real kernel k laid out as [`Grid::modes`]. The spectrum is never stored.
+    /// Computes `out` = F⁻¹\[k F\[field\]\] for a real kernel k laid out as [`Grid::modes`]. The spectrum is never
+    /// stored.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -72,13 +74,14 @@ impl<T: Real> Transform<T> {
         self.plan.convolve(kernel, field, out, ws)
     }
 
-    /// Computes a [`convolution`](Self::convolve) of a field that `source` makes row by row, and hands each row of the result
-    /// to `sink` while it is in the cache. Further work on field and result then costs no pass over memory.
+    /// Computes a [`convolution`](Self::convolve) of a field that `source` generates row by row, and hands each row of
+    /// the result to `sink` while it is in the cache. Further work on field and result then costs no pass over memory.
     ///
-    /// `source(i, input, row)` fills `row` with the values `[i, ..]` of the field; `sink(i, row, output)` gets the row `[i, ..]`
-    /// of the result. The `input` and the `output` are cut into one part for each row, and the parts of row i are handed over:
-    /// [`Rows`](crate::Rows) of vectors to read and to change, vectors with a value for each row, or `()`. A grid with one point along an
-    /// axis is a single row, number 0. Each row is visited once, in any order and on any thread.
+    /// `source(i, input, row)` fills `row` with the values `[i, ..]` of the field; `sink(i, row, output)` gets the row
+    /// `[i, ..]` of the result. The `input` and the `output` are cut into one part for each row, and the parts of row i
+    /// are handed over: [`Rows`](crate::Rows) of vectors to read and to change, vectors with a value for each row, or
+    /// `()`. A grid with one point along an axis is a single row, number 0. Each row is visited once, in any order and
+    /// on any thread.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.
@@ -95,9 +98,9 @@ impl<T: Real> Transform<T> {
         self.convolve_back(output, sink, ws)
     }
 
-    /// The first half of [`convolve_rows`](Self::convolve_rows), which fills the workspace; the second one may then read what
-    /// the source has changed. The kernel may also have the first nx/2 + 1 values only of every column of modes, if it is even
-    /// in q_x.
+    /// The first half of [`convolve_rows`](Self::convolve_rows), which fills the workspace; the second one may then
+    /// read what the source has changed. A kernel that is even in q_x may have only the first nx/2 + 1 values of every
+    /// column of modes.
     ///
     /// # Errors
     /// A slice or a workspace that does not fit the grid.

@@ -1,17 +1,17 @@
 //! Result files: HDF5 with named dimensions and units, written to a part file and renamed when complete.
 //!
 //! - [`Output::claim`] reserves a path for this process; a second process is refused. The claim is a lock of the
-//!   operating system on `NAME.lock`, so that it ends with the process in any case.
+//!   operating system on `NAME.lock`, so that it always ends with the process.
 //! - [`Archive::create`] writes `NAME.part`; [`Archive::finish`] syncs it to the disk and renames it to the target.
-//!   Until then an older file under that name is unchanged; an unfinished archive removes its part when dropped.
-//! - Every variable has named dimensions, `units` and `long_name`. The dimension scales lie in the group of the
+//!   Until then an older file under that name is unchanged; an unfinished archive removes its part file when dropped.
+//! - Every variable has named dimensions, `units` and `long_name`. The dimension scales are in the group of the
 //!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
 //! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file.
 //! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
-//! - [`Reader`] reads values, for resuming and for input. It is written in Rust, the HDF5 library only writes: a damaged file can
-//!   end a process that reads it by the library.
+//! - [`Reader`] reads values, for resuming and for input. It is written in Rust, and the HDF5 library only writes,
+//!   since a damaged file can crash the library.
 
 mod chunks;
 mod content;
@@ -165,9 +165,9 @@ impl<'a> Archive<'a> {
         self.new_dataset::<f64>(path, variable, None).map(drop)
     }
 
-    /// Writes whole rows from row `first` on of a variable made by [`Archive::define_rows`], or of entry `index` of one of three
-    /// dimensions made by [`Archive::define`]. Blocks of [`rows_of_chunk`] rows, or a multiple, that begin at a multiple of it
-    /// give the bytes of a whole field.
+    /// Writes whole rows from row `first` on of a variable made by [`Archive::define_rows`], or of entry `index` of one
+    /// of three dimensions made by [`Archive::define`]. Blocks of [`rows_of_chunk`] rows, or a multiple, that begin at
+    /// a multiple of it give the bytes of a whole field.
     pub fn write_rows(
         &mut self,
         path: &str,
@@ -397,11 +397,11 @@ pub fn rows_of_chunk(columns: usize) -> usize {
 /// The shape of a chunk: as many whole rows as fit into [`CHUNK_BYTES`]; one entry of the first of three dimensions.
 fn chunk(shape: &[usize], size: usize) -> Vec<usize> {
     let mut chunk = vec![1; shape.len()];
-    let mut room = (CHUNK_BYTES / size).max(1);
+    let mut entries = (CHUNK_BYTES / size).max(1);
     let keep = usize::from(shape.len() > 2);
     for (chunk, &length) in chunk[keep..].iter_mut().zip(&shape[keep..]).rev() {
-        *chunk = length.clamp(1, room);
-        room = (room / *chunk).max(1);
+        *chunk = length.clamp(1, entries);
+        entries = (entries / *chunk).max(1);
     }
     chunk
 }

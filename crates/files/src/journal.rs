@@ -1,11 +1,12 @@
-//! Journals: append-only files of records with checksums, for work that a kill at any moment must not lose.
+//! Journals: append-only files of records with checksums, which preserve finished work if the process is killed at any
+//! moment.
 //!
 //! The first record, the head, identifies the work. Records are appended and never changed; each is on the disk before
-//! [`Journal::append`] returns. An incomplete record at the end is the trace of a kill: opening the journal removes it. Any
-//! other record that its checksum does not match is an error, and the file is left as it is.
+//! [`Journal::append`] returns. An incomplete record at the end is the trace of a kill: opening the journal removes it.
+//! Any other record with a wrong checksum is an error, and the file is not changed.
 //!
-//! A record is a line of fixed length, `length checksum check` in hexadecimal digits (16, 64 and 8 of them; `check` guards
-//! the two before it), then the bytes, then a line break.
+//! A record is a line of fixed length, `length checksum check` in hexadecimal digits (16, 64 and 8 of them; `check`
+//! guards the two before it), then the bytes, then a line break.
 
 mod records;
 
@@ -37,7 +38,7 @@ pub enum JournalError {
         /// The file.
         path: PathBuf,
     },
-    /// The journal of other work.
+    /// A journal of other work.
     #[error("{}: the journal belongs to a run of another configuration, input or version; finish that run, or delete it", path.display())]
     Other {
         /// The journal.
@@ -65,7 +66,7 @@ impl Journal {
     /// Opens the journal at `path` of the work that `head` identifies, or starts one.
     ///
     /// # Errors
-    /// A journal of other work, or a damaged one, which is left as it is; a file that cannot be read or written.
+    /// A journal of other work, or a damaged one, which is not changed; a file that cannot be read or written.
     pub fn open(path: &Path, head: &[u8]) -> Result<Self, JournalError> {
         let failed = |source| JournalError::Io { action: "open", path: path.into(), source };
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
@@ -73,8 +74,8 @@ impl Journal {
         Self::of(path, Records::open(file, head))
     }
 
-    /// Reads the journal at `path` of the work that `head` identifies, also while another process writes to it, and changes
-    /// nothing. Nothing can be appended.
+    /// Reads the journal at `path` of the work that `head` identifies, also while another process writes to it, and
+    /// changes nothing. Nothing can be appended.
     ///
     /// # Errors
     /// A journal of other work, or a damaged one; a file that cannot be read.
@@ -118,7 +119,7 @@ impl Journal {
         self.locked().read(index).map_err(|source| JournalError::Io { action: "read", path: self.path.clone(), source })
     }
 
-    /// The error of a record that is whole, but of no use.
+    /// The error of a complete record that the reader cannot use.
     pub fn unusable(&self, index: usize, reason: impl Into<String>) -> JournalError {
         JournalError::Record { path: self.path.clone(), record: index + 2, reason: reason.into() }
     }

@@ -2,10 +2,12 @@
 //!
 //! - [`Output`] claims a path. Every writer writes to a part file, syncs it, and renames it, so that an older file of
 //!   that name is valid until the new one is complete.
-//! - [`gfmd_topography`] reads height maps of instruments and programs; [`X3p`] writes them for other programs. Of it are also:
-//! - [`input`] opens files: regular ones only, without waiting, and seen to stay the same while they are read.
+//! - [`gfmd_topography`] reads height maps of instruments and programs; [`X3p`] writes them for other programs. Also
+//!   from that crate:
+//! - [`input`] opens regular files only, without waiting, and detects changes while they are read.
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
-//! - [`Journal`] keeps the finished parts of long work through a kill at any moment; [`Checksum`] identifies files and arrays.
+//! - [`Journal`] preserves the finished parts of long work if the process is killed; [`Checksum`] identifies files and
+//!   arrays.
 //! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes arrays of NumPy.
 //!
 //! ```

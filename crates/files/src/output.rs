@@ -18,9 +18,9 @@ pub struct Output {
 }
 
 impl Output {
-    /// Claims `path` and leaves an existing file unchanged; of a symbolic link, the file to which it points. Fails while
-    /// another process holds the claim, if the folder does not exist or cannot be written, or if `path` exists and is
-    /// no regular file: renaming a result to a device or a pipe would destroy it.
+    /// Claims `path`, or the target of a symbolic link, and leaves an existing file unchanged. Fails while another
+    /// process holds the claim, if the folder does not exist or cannot be written, or if `path` exists and is not a
+    /// regular file: renaming a result to a device or a pipe would destroy it.
     pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = target(path.as_ref())?;
         for path in [beside(&path, ".lock"), beside(&path, ".part")] {
@@ -50,28 +50,28 @@ impl Output {
         Err(FileError::Busy { path })
     }
 
-    /// Claims `NAME` + `suffix` beside `path` in place of `path` itself, for a process that does a share of its work. Fails
-    /// if `path` could not be claimed by a process that comes later, or as [`claim`](Self::claim) does.
+    /// Claims `NAME` + `suffix` beside `path` in place of `path` itself, for a process that does part of the work.
+    /// Fails like [`claim`](Self::claim), and if `path` itself could not be claimed later.
     ///
     /// # Errors
-    /// A claim that another process holds; paths at which there can be no file.
+    /// A claim held by another process; paths at which no file can exist.
     pub fn claim_beside(path: &Path, suffix: &str) -> Result<Self, FileError> {
         Self::claim(beside(&target(path)?, suffix))
     }
 
-    /// A target in memory: nothing is written to the disk, and an [`Archive`](crate::Archive) puts its variables there. Its path
-    /// is empty.
+    /// A target in memory: nothing is written to the disk, and an [`Archive`](crate::Archive) puts its variables there.
+    /// Its path is empty.
     pub fn memory(memory: &Memory) -> Self {
         Self { path: PathBuf::new(), lock: None, has_values: true, memory: Some(memory.clone()) }
     }
 
-    /// The place in memory, if it is the target.
+    /// The memory, if it is the target.
     pub fn in_memory(&self) -> Option<&Memory> {
         self.memory.as_ref()
     }
 
-    /// The same target for the layout of a file alone: an [`Archive`](crate::Archive) then has all names, shapes, units, attributes and
-    /// coordinates, but no values and no checksum.
+    /// Restricts the target to the layout of a file: an [`Archive`](crate::Archive) then has all names, shapes, units,
+    /// attributes and coordinates, but no values and no checksum.
     #[must_use]
     pub fn layout(mut self) -> Self {
         self.has_values = false;
@@ -92,7 +92,7 @@ impl Output {
         self.beside(".part")
     }
 
-    /// Checks that there can be files of the names `NAME` + `suffix`: a work of hours must not fail because of them.
+    /// Checks that files with the names `NAME` + `suffix` can exist, so that long work does not fail because of them.
     ///
     /// # Errors
     /// A name that is too long for the file system.
@@ -203,7 +203,7 @@ fn followed(path: &Path) -> Result<PathBuf, FileError> {
     }
 }
 
-/// Refuses what exists and is no regular file.
+/// Refuses an existing object that is not a regular file.
 fn check_regular(path: &Path) -> Result<(), FileError> {
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
     if metadata.is_file() {

@@ -1,8 +1,8 @@
 //! VTK image data (`.vti`) for ParaView and similar programs: values on a regular grid, written plane by plane.
 //!
-//! The values follow the header in binary form. The position of each plane in the file is therefore known in advance, and no
-//! plane is kept in memory. x varies fastest; z varies slowest and points upwards. (The crate `vtkio` needs the whole volume in
-//! memory, and has not been developed since 2022.)
+//! The values follow the header in binary form. The position of each plane in the file is therefore known in advance,
+//! and no plane is kept in memory. x varies fastest; z varies slowest and points upwards. (The crate `vtkio` needs the
+//! whole volume in memory, and is not maintained since 2022.)
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};

@@ -16,7 +16,7 @@ pub struct PointArray<'a> {
     pub name: &'a str,
     /// Names of the components; empty for a scalar. ParaView reads 3 components as a vector, 6 as a symmetric tensor.
     pub components: &'a [&'a str],
-    /// Its unit; none if empty.
+    /// Unit of the quantity; none if empty.
     pub units: &'a str,
 }
 
@@ -50,7 +50,7 @@ impl Header {
         self.text.push('\n');
     }
 
-    /// Declares the values at so many points; the first scalar is shown when a program opens the file.
+    /// Declares the values at `points` points; programs show the first scalar when they open the file.
     pub(crate) fn point_data(&mut self, arrays: &[PointArray], points: usize) {
         let shown = arrays.iter().find(|array| array.components.is_empty());
         let shown = shown.map_or_else(String::new, |array| format!(" Scalars=\"{}\"", escape(array.name)));

@@ -1,5 +1,5 @@
-//! VTK polygons (`.vtp`) for ParaView and similar programs: a surface as quadrilaterals between its points, or a line, with
-//! values at the points.
+//! VTK polygons (`.vtp`) for ParaView and similar programs: a surface as quadrilaterals between its points, or a line,
+//! with values at the points.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -63,9 +63,9 @@ pub fn write(output: &Output, sheet: &Sheet, arrays: &[Values]) -> Result<PathBu
 
 /// The cells between the points.
 enum Cells {
-    /// One line through all.
+    /// One line through all points.
     Line,
-    /// So many quadrilaterals.
+    /// Quadrilaterals, with their number.
     Quadrilaterals(usize),
 }
 

@@ -28,7 +28,7 @@ pub struct X3p<'a> {
 }
 
 impl X3p<'_> {
-    /// Writes the file and returns what was done to the unit, which is always metres in the file.
+    /// Writes the file, whose unit is always metres, and returns a description of the conversion.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -146,7 +146,7 @@ struct Checked {
     sum: String,
 }
 
-/// The spacing that gives back the length when it is multiplied by the number of points, if a number does.
+/// The spacing whose product with the number of points is exactly the length, if there is such a number.
 fn spacing(length: f64, points: usize) -> f64 {
     let count = points as f64;
     let nearest = length / count;

@@ -30,8 +30,8 @@ pub struct Model {
     pub f: Option<Exponent>,
     /// Term in eps_c.
     pub c: Option<Exponent>,
-    /// If true, the term in eps_t is multiplied by the power of eps_f: C_t eps_t^alpha_t eps_f^alpha_f. Without a term in
-    /// eps_f it is C_t eps_t^alpha_t.
+    /// If true, the term in eps_t is multiplied by the power of eps_f: C_t eps_t^alpha_t eps_f^alpha_f. Without a term
+    /// in eps_f it is C_t eps_t^alpha_t.
     pub crossed: bool,
     /// The continuum error as a multiple of the measured edge of every realisation ([`crate::Datum::edge`]): unlike a
     /// constant times eps_c, it grows and falls with the perimeter of the contact. `c` must then be `None`.
@@ -44,17 +44,17 @@ pub struct Model {
 pub struct Edge {
     /// The expected f.
     pub factor: f64,
-    /// Its standard error, above zero; infinite if nothing is known beforehand.
+    /// The standard error of f, above zero; infinite without prior knowledge.
     pub standard_error: f64,
-    /// The standard error of f', which is expected to be zero; zero if it is.
+    /// The standard error of f', whose expected value is zero; zero fixes f' = 0.
     pub coarse: f64,
 }
 
-/// The eps_c at which f' counts once: four points on the shortest wave.
+/// The eps_c at which f' is added once: four points per shortest wave.
 pub const COARSE: f64 = 0.25;
 
 impl Edge {
-    /// The factor follows from the data alone, and does not depend on eps_c.
+    /// No prior: the factor follows from the data alone and does not depend on eps_c.
     pub const UNKNOWN: Self = Self { factor: 1.0, standard_error: f64::INFINITY, coarse: 0.0 };
 
     /// The number of columns.
@@ -98,7 +98,8 @@ impl Model {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
     /// The average of the datum's own variance and the variance pooled over all data, weighted by degrees of freedom,
-    /// with `prior` degrees of freedom for the pooled one: it dominates for few realisations, the own one for many.
+    /// with `prior` degrees of freedom for the pooled one. The pooled variance dominates for few realisations, the
+    /// datum's own for many.
     Shrunk {
         /// Degrees of freedom assigned to the pooled variance.
         prior: f64,

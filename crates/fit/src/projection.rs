@@ -212,7 +212,7 @@ impl Means {
         self.edges.iter().map(|edge| edge.iter().zip(&self.root_weight).map(|(e, w)| e * w).collect())
     }
 
-    /// Rows with the factors of the edge held.
+    /// Rows with fixed factors of the edge.
     pub(crate) fn without_edges(&self) -> Self {
         Self { edges: Vec::new(), root_weight: self.root_weight[..self.eps.len()].to_vec(), ..self.clone() }
     }

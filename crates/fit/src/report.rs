@@ -11,8 +11,8 @@ use crate::{Axis, Datum, Parameters, Richardson};
 pub struct Estimate {
     /// Value from the fit to the means.
     pub value: f64,
-    /// Standard error by linear propagation of the scatter (or misfit), times √(χ²/degrees of freedom) where that is above
-    /// one; `None` if the number is fixed or at its bound, or if its error is unknown.
+    /// Standard error by linear propagation of the scatter (or misfit), times √(χ²/degrees of freedom) where that is
+    /// above one; `None` if the number is fixed or at its bound, or if its error is unknown.
     pub standard_error: Option<f64>,
     /// 95 % interval; see [`Uncertainty`] for its source.
     pub ci95: Option<[f64; 2]>,
@@ -55,7 +55,7 @@ pub struct Term {
     pub exponent: Estimate,
     /// True if the exponent was fitted.
     pub free: bool,
-    /// True if the exponent should be fitted but two levels do not determine it; it is then held at one.
+    /// True if the exponent should be fitted but two levels do not determine it; it is then fixed at one.
     pub held: bool,
     /// True if the fitted exponent stopped at a bound.
     pub at_bound: bool,
@@ -68,9 +68,9 @@ pub struct Term {
 pub struct EdgeTerm {
     /// f, from the data and from its expected value.
     pub factor: Estimate,
-    /// f', likewise; `None` if it is zero.
+    /// f', from the data and from its expected value; `None` if it is fixed at zero.
     pub coarse: Option<Estimate>,
-    /// The part of the standard error of kappa_TFC that the factors make; `None` without errors.
+    /// The fraction of the standard error of kappa_TFC that stems from the factors; `None` without errors.
     pub share: Option<f64>,
 }
 
@@ -111,8 +111,8 @@ pub struct BootstrapReport {
     pub at_bound: Vec<(Axis, usize)>,
     /// Seed of the draws.
     pub seed: u64,
-    /// Student's factor on the deviations of the percentiles of kappa_TFC; it is above one for few realisations and tends
-    /// to one for many.
+    /// Student's factor on the deviations of the percentiles of kappa_TFC; it is above one for few realisations and
+    /// tends to one for many.
     pub stretch: f64,
     /// The refitted parameters of the successful resamples, in the order of the draws.
     pub samples: Vec<Parameters>,
@@ -159,8 +159,8 @@ impl Fit {
         self.parameters.predict(eps)
     }
 
-    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against the function of eps that belongs to this
-    /// axis ([`Parameters::power`]), or against the mean edge.
+    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against the function of eps that belongs
+    /// to this axis ([`Parameters::power`]), or against the mean edge.
     pub fn isolate(&self, datum: &Datum, axis: Axis) -> f64 {
         let others = Axis::ALL.iter().filter(|&&other| other != axis);
         let terms: f64 = others.map(|&other| self.parameters.term(other as usize, datum.all_eps())).sum();
@@ -228,7 +228,7 @@ pub enum Warning {
     ExponentHeld {
         /// The axis.
         axis: Axis,
-        /// The value at which the exponent is held.
+        /// The value at which the exponent is fixed.
         alpha: f64,
     },
     /// A free exponent stopped at its bound.
@@ -275,9 +275,9 @@ pub enum Warning {
         /// The smallest number of realisations.
         least: usize,
     },
-    /// The fractal limit is extrapolated by a power of eps_f, which no theory pins beyond the first terms: for H near 1 the
-    /// way to the limit is long, and the interval may be too narrow. [`fit`](crate::fit()) does not give this warning; whoever
-    /// knows the physics adds it.
+    /// The fractal limit is extrapolated by a power of eps_f, which no theory determines beyond the first terms. For H
+    /// near 1 convergence is slow, and the interval may be too narrow. [`fit`](crate::fit()) does not give this
+    /// warning; callers that know the physics add it.
     PowerOfEpsF,
     /// Some resamples gave no fit.
     FailedRefits {

@@ -3,9 +3,9 @@
 //! kappa of one surface at two discretisations differs much less than kappa of two surfaces. A datum whose surfaces are
 //! among those of another one, its parent, therefore enters the fit as the mean of kappa - b kappa_parent over these
 //! surfaces, with b the coefficient of their regression. The residual of the regression does not correlate with
-//! kappa_parent, so that all rows are independent, and the many surfaces of a coarse parent improve its finer children (the
-//! regression estimator of double sampling; for nested surfaces it is the estimate of maximum likelihood: T. W. Anderson,
-//! J. Am. Stat. Assoc. 52, 200, 1957).
+//! kappa_parent, so that all rows are independent, and the many surfaces of a coarse parent improve its finer children
+//! (the regression estimator of double sampling; for nested surfaces it is the estimate of maximum likelihood: T. W.
+//! Anderson, J. Am. Stat. Assoc. 52, 200, 1957).
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -14,7 +14,7 @@ use crate::projection::{Means, Parent, factor};
 use crate::student::stretch;
 use crate::{Axis, Datum, Edge, Settings, Weighting};
 
-/// The least number of common surfaces from which b is computed; with fewer, b = 1.
+/// The smallest number of common surfaces from which b is computed; with fewer, b = 1.
 const LEAST_REGRESSION: usize = 4;
 
 /// The variance of a realisation in a row is at least this fraction of the pooled one: a few realisations that agree by
@@ -30,7 +30,7 @@ const COMPARED_PRIOR: f64 = 0.25;
 pub(crate) struct Rows {
     /// The values that are fitted.
     pub(crate) means: Means,
-    /// Standard error of each row.
+    /// The standard error of each row.
     errors: Vec<f64>,
     /// Degrees of freedom of each error; zero if it is taken from the other rows.
     freedom: Vec<f64>,
@@ -49,8 +49,8 @@ pub(crate) struct Spread {
 }
 
 impl Rows {
-    /// Makes the rows of the data, with the columns of the measured edge if the model has `edge`. `factors` are the current
-    /// estimates of f and f', which decide what counts as scatter.
+    /// Makes the rows of the data, with the columns of the measured edge if the model has `edge`. `factors` are the
+    /// current estimates of f and f', with which the scatter is computed.
     pub(crate) fn new(data: &[Datum], settings: &Settings, edge: Option<Edge>, factors: [f64; 2]) -> Self {
         let paired = settings.paired && settings.weighting != Weighting::Equal;
         let scatter: Vec<Scatter> = (0..data.len()).map(|index| Scatter::of(data, index, paired, factors)).collect();
@@ -199,8 +199,8 @@ impl Pool {
     }
 }
 
-/// The datum with which datum `index` is compared: of those that have all its surfaces and come before it (more surfaces,
-/// or a coarser grid), the one at the least distance in the logarithms of eps.
+/// The datum with which datum `index` is compared: the one nearest in the logarithms of eps, among those before it
+/// (more surfaces, or a coarser grid) that have all its surfaces.
 fn parent(data: &[Datum], index: usize) -> Option<usize> {
     let datum = &data[index];
     if datum.kappa.len() < 2 {

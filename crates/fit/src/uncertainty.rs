@@ -24,7 +24,7 @@ pub(crate) struct Errors<'a> {
     minimum: &'a Minimum,
     sensitivities: Vec<Vec<f64>>,
     degrees_of_freedom: usize,
-    /// The factor on standard errors by which chi^2 exceeds what the scatter explains, at least one.
+    /// The factor on standard errors, √(χ²/degrees of freedom) if chi^2 exceeds the scatter; at least one.
     inflation: f64,
     pub(crate) source: Uncertainty,
     pub(crate) bootstrap: Option<BootstrapReport>,
@@ -113,8 +113,8 @@ impl<'a> Errors<'a> {
         Estimate { value, standard_error, ci95 }
     }
 
-    /// The part of the standard error of the limit that the factors of the edge make: what is beyond that of a fit in which
-    /// they are held.
+    /// The fraction of the standard error of the limit that stems from the factors of the edge: its excess over that of
+    /// a fit with fixed factors.
     pub(crate) fn share_of_edge(&self) -> Option<f64> {
         let held = self.rows.means.without_edges().sensitivities(self.shapes, &self.minimum.parameters).ok()?;
         let without = self.inflation * self.rows.spread(held.first()?)?.standard_error;

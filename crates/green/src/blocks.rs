@@ -6,8 +6,8 @@ pub type Matrix3 = [[Complex64; 3]; 3];
 /// A 2 × 2 matrix of one wave vector in plane strain, rows and columns x, z.
 pub type Matrix2 = [[Complex64; 2]; 2];
 
-/// A 3 × 3 matrix of one wave vector in the frame of that vector: the sagittal part on (long, z), where `long` points along
-/// q, and the transverse part (theory.md, sections 1 and 2).
+/// A 3 × 3 matrix of one wave vector in the frame of that vector: the sagittal part on (long, z), where `long` points
+/// along q, and the transverse part (theory.md, sections 1 and 2).
 ///
 /// ```text
 ///               long              z
@@ -15,8 +15,8 @@ pub type Matrix2 = [[Complex64; 2]; 2];
 ///   z     [  i coupling[1]   normal         ]
 /// ```
 ///
-/// A stiffness (stress/length) has coupling `[Kc, −Kc]`, a compliance (length/stress) `[−Gc, Gc]`. The two couplings differ
-/// for the transfer into the body and for the blocks between the two faces of a layer.
+/// A stiffness (stress/length) has coupling `[Kc, −Kc]`, a compliance (length/stress) `[−Gc, Gc]`. The two couplings
+/// differ for the transfer into the body and for the blocks between the two faces of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocks {
     /// The entry along the wave vector.
@@ -58,7 +58,7 @@ impl Blocks {
         }
     }
 
-    /// The matrix seen from below: z mirrored.
+    /// The matrix with z mirrored.
     pub(crate) fn mirrored(self) -> Self {
         Self { coupling: self.coupling.map(|c| -c), ..self }
     }

@@ -35,12 +35,12 @@ pub enum Base {
     Elastic(Box<Body>),
 }
 
-/// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`]; or two such bodies with their
-/// surfaces on each other, see [`against`](Self::against).
+/// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`]; or two such bodies with
+/// their surfaces on each other, see [`against`](Self::against).
 ///
 /// All stiffnesses K and compliances G are those of one wave vector q (rad/length) of fields ~ e^(+i q·r): t = K u and
-/// u = G t, with t the traction on the body's surface, positive along +z, and u its displacement (theory.md, section 0).
-/// K is Hermitian and, for q ≠ 0, positive definite.
+/// u = G t, with t the traction on the body's surface, positive along +z, and u its displacement (theory.md, section
+/// 0). K is Hermitian and, for q ≠ 0, positive definite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     material: Material,
@@ -57,7 +57,7 @@ struct Table {
     curve: Arc<Curve>,
     /// The compliance of the mean level.
     uniform: f64,
-    /// A unit of length of the body over that of the table, as a factor of wavenumbers.
+    /// The unit of length of the body over that of the table: the factor of wavenumbers.
     length: f64,
     /// The compliance in the units of the body over that in those of the table.
     compliance: f64,
@@ -80,13 +80,14 @@ impl Body {
         Self { material, height: Height::Infinite, base: Base::Bonded, second: None, table: None }
     }
 
-    /// A body of which the normal compliance alone is known: the rows [wavenumber (rad/length), compliance (length/stress)] of a table,
-    /// between which ln G is a [shape-preserving cubic](gfmd_curve::Curve) of ln q, and the `uniform` compliance of its mean level, 0 if
-    /// that is fixed. The `contact_modulus` (stress) is the unit of its pressures. Compliances and stiffnesses of other components are
-    /// NaN, as are states inside.
+    /// A body whose normal compliance is given by a table with the rows [wavenumber (rad/length), compliance
+    /// (length/stress)]. Between the rows ln G is a [shape-preserving cubic](gfmd_curve::Curve) of ln q. `uniform` is
+    /// the compliance of the mean level, 0 if that is fixed; `contact_modulus` (stress) is the unit of reduced
+    /// pressures. Compliances and stiffnesses of other components, and states inside the body, are NaN.
     ///
     /// # Errors
-    /// A modulus, wavenumbers or compliances that are not positive and finite; fewer than four rows; wavenumbers that do not rise.
+    /// A modulus, wavenumbers or compliances that are not positive and finite; fewer than four rows; wavenumbers that
+    /// do not rise.
     pub fn tabulated(contact_modulus: f64, rows: &[[f64; 2]], uniform: f64) -> Result<Self, GreenError> {
         let material = Material::from_contact_modulus(contact_modulus, 0.0)?;
         for (row, numbers) in (1..).zip(rows) {
@@ -103,7 +104,8 @@ impl Body {
         Ok(Self { table: Some(table), ..Self::half_space(material) })
     }
 
-    /// The wavenumbers (rad/length) from the first to the last row of the table of a [tabulated](Self::tabulated) body; `None` of others.
+    /// The wavenumbers (rad/length) of the first and the last row of a [tabulated](Self::tabulated) body; `None` for
+    /// other bodies.
     pub fn tabulated_wavenumbers(&self) -> Option<[f64; 2]> {
         self.table.as_ref().map(|table| table.curve.ends().map(|end| end.exp() / table.length))
     }
@@ -151,9 +153,10 @@ impl Body {
         self.on(Base::Elastic(Box::new(substrate)))
     }
 
-    /// Returns this body with `second` above it, upside down, whose surface meets its own. Stiffness and compliance are then
-    /// those of the relative displacement u₁ − u₂ of the two surfaces, and t is the traction on the first: G = G₁ + J G₂ J
-    /// with J = diag(1, 1, −1) (theory.md, section 4.1). Places inside are those of the first body.
+    /// Returns this body with `second` above it, upside down, their surfaces facing each other. Stiffness and
+    /// compliance then refer to the relative displacement u₁ − u₂ of the two surfaces, and t is the traction on the
+    /// first: G = G₁ + J G₂ J with J = diag(1, 1, −1) (theory.md, section 4.1). Positions inside refer to the first
+    /// body.
     #[must_use]
     pub fn against(self, second: Body) -> Self {
         Self { second: Some(Box::new(second.alone())), ..self }
@@ -164,13 +167,14 @@ impl Body {
         self.second.as_deref()
     }
 
-    /// The first body of a pair; a body that is alone.
+    /// The first body of a pair; a single body itself.
     #[must_use]
     pub fn alone(&self) -> Self {
         Self { second: None, ..self.clone() }
     }
 
-    /// The body in other units of stress and length, given in the present ones. Powers of two keep every digit.
+    /// The body in other units of stress and length. The new units are given in the present ones; powers of two keep
+    /// every digit.
     #[must_use]
     pub fn in_units(&self, stress: f64, length: f64) -> Self {
         let height = match self.height {
@@ -223,8 +227,8 @@ impl Body {
 
     /// The stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
     ///
-    /// At q = 0 it is that of the uniform mode (theory.md, section 3): normal entry C11/height, infinite if ν = 1/2; zero
-    /// along directions in which the base does not hold the body.
+    /// At q = 0 it is that of the uniform mode (theory.md, section 3): normal entry C11/height, infinite if ν = 1/2;
+    /// zero along directions in which the base does not hold the body.
     pub fn stiffness_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -278,12 +282,12 @@ impl Body {
         }
     }
 
-    /// The compliance of the uniform mode against the mean level of what does not hold the body, in length/stress: lateral and
-    /// normal (theory.md, section 4.1).
+    /// The compliance of the uniform mode relative to the reference level, in length/stress: lateral and normal
+    /// (theory.md, section 4.1).
     ///
-    /// It is that of all slabs and layers in series, Σ h/C44 and Σ h/C11. A half-space at the bottom adds nothing: its mean
-    /// level is the reference. A base that does not hold the body bears the opposite of the mean traction, uniformly. On a
-    /// bonded base it is the compliance at q = 0.
+    /// It is the compliance of all slabs and layers in series, Σ h/C44 and Σ h/C11. The reference is the base, or the
+    /// mean level of a half-space at the bottom, which adds nothing. A base that does not hold the body bears the
+    /// opposite of the mean traction, uniformly. On a bonded base the result is the compliance at q = 0.
     pub fn level_compliance(&self) -> [f64; 2] {
         let first = self.first_level_compliance();
         self.second.as_ref().map_or(first, |second| plus(first, second.level_compliance()))
@@ -309,8 +313,8 @@ impl Body {
         on_axes(q, |q| self.compliance_blocks(q))
     }
 
-    /// The stiffness of a mode of a grid: as [`Self::stiffness`], but entries odd in a Nyquist component are zero, so that
-    /// real fields stay real (theory.md, section 0).
+    /// The stiffness of a mode of a grid: as [`Self::stiffness`], but entries odd in a Nyquist component are zero, so
+    /// that real fields remain real (theory.md, section 0).
     pub fn stiffness_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.stiffness(wavevector(mode));
         average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
@@ -335,9 +339,9 @@ impl Body {
         self.compliance_blocks(q).plane(q.signum())
     }
 
-    /// The frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress, without shear
-    /// traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0 it is height/C11 for a slab
-    /// on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate.
+    /// The frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress, without
+    /// shear traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0 it is height/C11
+    /// for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate.
     #[inline]
     pub fn normal_compliance(&self, q: f64) -> f64 {
         let q = q.abs();
@@ -366,22 +370,22 @@ impl Body {
     }
 
     /// The frictionless normal stiffness 1/G_zz of the wavenumber `q` (rad/length), in stress/length; E* q/2 for a
-    /// half-space. At q = 0 it is C11/height for a slab on a rigid base (infinite if ν = 1/2), and 0 for a half-space or a
-    /// free plate.
+    /// half-space. At q = 0 it is C11/height for a slab on a rigid base (infinite if ν = 1/2), and 0 for a half-space
+    /// or a free plate.
     #[inline]
     pub fn normal_stiffness(&self, q: f64) -> f64 {
         1.0 / self.normal_compliance(q)
     }
 
-    /// The normal stiffness K_N of the wavenumber `q` (rad/length) of a surface that is held sideways, in stress/length
-    /// (theory.md, section 3).
+    /// The normal stiffness K_N of the wavenumber `q` (rad/length) of a surface without lateral displacement, in
+    /// stress/length (theory.md, section 3).
     pub fn restricted_normal_stiffness(&self, q: f64) -> f64 {
         self.stiffness_blocks(q).normal
     }
 
-    /// The compliance G_TT of the wavenumber `q` (rad/length) to a shear traction across the wave vector, in length/stress: that
-    /// of anti-plane shear, 1/(C44 q) for a half-space and tanh(q height)/(C44 q) for a bonded slab. At q = 0 it is
-    /// height/C44, infinite where the base does not hold the body.
+    /// The compliance G_TT of the wavenumber `q` (rad/length) to a shear traction across the wave vector, in
+    /// length/stress: that of anti-plane shear, 1/(C44 q) for a half-space and tanh(q height)/(C44 q) for a bonded
+    /// slab. At q = 0 it is height/C44, infinite where the base does not hold the body.
     pub fn transverse_compliance(&self, q: f64) -> f64 {
         self.compliance_blocks(q).transverse
     }
@@ -396,8 +400,8 @@ impl Body {
         stiffness.coupling[0] / stiffness.longitudinal
     }
 
-    /// The factors (f_x, f_y) = −i ρ q/|q| in (u_x, u_y) = (f_x, f_y) u_z of a mode of a grid, without shear traction on the
-    /// surface. Zero at q = 0; the component along a Nyquist direction is zero (theory.md, section 3).
+    /// The factors (f_x, f_y) = −i ρ q/|q| in (u_x, u_y) = (f_x, f_y) u_z of a mode of a grid, without shear traction
+    /// on the surface. Zero at q = 0; the component along a Nyquist direction is zero (theory.md, section 3).
     pub fn lateral_displacement(&self, mode: &Mode) -> [Complex64; 2] {
         let Some((direction, q)) = direction(wavevector(mode)) else { return [Complex64::ZERO; 2] };
         let ratio = self.lateral_ratio(q);
@@ -447,7 +451,8 @@ pub(crate) fn on_axes(q: [f64; 2], blocks: impl Fn(f64) -> Blocks) -> Matrix3 {
     }
 }
 
-/// The inverse of a Hermitian matrix in which the Nyquist axis is decoupled, and the other lateral axis may couple to z.
+/// The inverse of a Hermitian matrix in which the Nyquist axis is decoupled, and the other lateral axis may couple to
+/// z.
 fn inverse_of_nyquist(matrix: Matrix3, nyquist: [bool; 2]) -> Matrix3 {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let block =

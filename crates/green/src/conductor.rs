@@ -1,11 +1,11 @@
 use crate::{Body, GreenError, Height, Material};
 
-/// A conductor of unit conductivity, of heat or of electric current, through whose surface a current enters: a half-space, or
-/// a slab that stands on an electrode of potential zero.
+/// A conductor of heat or of electric current, with unit conductivity, into whose surface a current flows: a
+/// half-space, or a slab on an electrode of potential zero.
 ///
-/// Conduction and anti-plane shear have one equation, Laplace's: potential stands for displacement, current density for
-/// traction, conductivity for shear modulus. A conductor is thus a bonded [`Body`] of shear modulus 1, whose resistance is
-/// the [transverse compliance](Body::transverse_compliance) (theory.md, section 7.6).
+/// Conduction and anti-plane shear obey the same equation, Laplace's: the potential corresponds to the displacement,
+/// current density to traction, conductivity to shear modulus. A conductor is therefore a bonded [`Body`] of shear
+/// modulus 1, whose resistance is the [transverse compliance](Body::transverse_compliance) (theory.md, section 7.6).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conductor(Body);
 
@@ -19,13 +19,13 @@ impl Conductor {
         Ok(Self(Body::new(Material::from_young(2.0, 0.0)?, height)?))
     }
 
-    /// The conductor in another unit of length, given in the present one.
+    /// The conductor in another unit of length, which is given in the present one.
     #[must_use]
     pub fn in_units(&self, length: f64) -> Self {
         Self(self.0.in_units(1.0, length))
     }
 
-    /// The potential of the surface by a current density of wavenumber `q` (rad/length), over that density, in length:
+    /// The potential of the surface over a current density of wavenumber `q` (rad/length), in length:
     /// tanh(q H)/q on an electrode at the depth H, 1/q on a half-space. At q = 0 it is H, the resistance of the bulk.
     pub fn resistance(&self, q: f64) -> f64 {
         self.0.transverse_compliance(q)

@@ -15,7 +15,7 @@ pub enum GreenError {
     /// Poisson's ratio is outside the range of stable isotropic materials.
     #[error("Poisson's ratio is {0}; it must be above -1 and at most 0.5")]
     Poisson(f64),
-    /// A table of compliances through which no curve goes.
+    /// A table of compliances with points that no curve can have.
     #[error("the table of compliances has {0}")]
     Table(gfmd_curve::CurveError),
     /// A wavenumber or a compliance of a table that is not positive.
@@ -87,7 +87,7 @@ pub enum GreenError {
         /// The largest.
         largest: f64,
     },
-    /// A height above the base was asked of a half-space.
+    /// A height above the base, for a half-space, which has none.
     #[error("the height above the base is {0}, but a half-space has no base; give the depth below the surface")]
     HalfSpaceHeight(f64),
     /// A place outside the body.

@@ -1,8 +1,8 @@
 /// The functions of h = q·thickness in the kernels of a layer, free of overflow and of cancellation.
 ///
-/// Numerator and denominator of a kernel are both quadratic in them, so a common factor f drops out. For thin layers
-/// (h < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite. Functions
-/// that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
+/// Numerator and denominator of a kernel are both quadratic in them, so a common factor f drops out. For thin layers (h
+/// < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite.
+/// Functions that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hyperbolic {
     /// h itself, never scaled, up to the h beyond which no kernel changes.
@@ -23,7 +23,7 @@ pub(crate) struct Hyperbolic {
     pub(crate) sinh_cosh_minus_h: f64,
 }
 
-/// The h beyond which e^(−h) is zero: a face of a layer no longer feels the other one.
+/// The h beyond which e^(−h) is zero: the two faces of a layer are then uncoupled.
 pub(crate) const FARTHEST: f64 = 800.0;
 
 impl Hyperbolic {

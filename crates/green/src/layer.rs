@@ -2,13 +2,13 @@ use num_complex::Complex64;
 
 use crate::{Blocks, Body, GreenError, Material, Matrix2, Matrix3, body::on_axes, slab::LayerMode};
 
-/// A layer whose two faces may both move, with all components: the starting point for a base with a prescribed displacement or
-/// traction (theory.md, section 4). Contacts over a base that moves use `gfmd_body::BaseField` instead, slabs between two surfaces
-/// [`Plate`](crate::Plate); this serves problems of your own.
+/// A layer whose two faces may both move, with all components: the starting point for a base with a prescribed
+/// displacement or traction (theory.md, section 4). Contacts over a moving base use `gfmd_body::BaseField`, slabs
+/// between two surfaces [`Plate`](crate::Plate); this type serves other problems.
 ///
-/// The matrix L gives the outward tractions on top and bottom from the displacements of top and bottom; on the bottom the
-/// traction is −(σ_xz, σ_yz, σ_zz). L is Hermitian, and positive definite for q ≠ 0; at q = 0 rigid translations cost no
-/// energy, and the entries on zz are infinite if ν = 1/2.
+/// The matrix L gives the outward tractions on top and bottom from the displacements of top and bottom; on the bottom
+/// the traction is −(σ_xz, σ_yz, σ_zz). L is Hermitian, and positive definite for q ≠ 0; at q = 0 rigid translations
+/// cost no energy, and the entries on zz are infinite if ν = 1/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
     material: Material,
@@ -32,7 +32,8 @@ impl Layer {
         if q == 0.0 { self.uniform() } else { self.mode(q).bonded_stiffness() }
     }
 
-    /// The block L_bb at |q| = `q`: traction on the bottom per displacement of the bottom, L_tt with the coupling reversed.
+    /// The block L_bb at |q| = `q`: traction on the bottom per displacement of the bottom, L_tt with the coupling
+    /// reversed.
     pub fn bottom_blocks(&self, q: f64) -> Blocks {
         self.top_blocks(q).mirrored()
     }
@@ -43,7 +44,8 @@ impl Layer {
         if q == 0.0 { self.uniform().map(|entry| -entry) } else { self.mode(q).cross_stiffness() }
     }
 
-    /// The matrix L of the wave vector `q` (rad/length), in stress/length: rows and columns x, y, z of the top, then of the bottom.
+    /// The matrix L of the wave vector `q` (rad/length), in stress/length: rows and columns x, y, z of the top, then of
+    /// the bottom.
     pub fn matrix(&self, q: [f64; 2]) -> [[Complex64; 6]; 6] {
         let tt: Matrix3 = on_axes(q, |q| self.top_blocks(q));
         let bb: Matrix3 = on_axes(q, |q| self.bottom_blocks(q));
@@ -60,8 +62,8 @@ impl Layer {
         matrix
     }
 
-    /// The matrix L in plane strain of the wave vector `q` along x (either sign), in stress/length: rows and columns x, z of
-    /// the top, then of the bottom.
+    /// The matrix L in plane strain of the wave vector `q` along x (either sign), in stress/length: rows and columns x,
+    /// z of the top, then of the bottom.
     pub fn plane_matrix(&self, q: f64) -> [[Complex64; 4]; 4] {
         let on_plane = |blocks: Blocks| -> Matrix2 { blocks.plane(q.signum()) };
         let (tt, bb) = (on_plane(self.top_blocks(q)), on_plane(self.bottom_blocks(q)));

@@ -18,8 +18,8 @@
 //! mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact, and no product q·height
 //! overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
-//! [`patch_compliance`] has the displacements of a half-space that is loaded on a patch of its surface, which does not
-//! repeat: one number for each distance between two cells.
+//! [`patch_compliance`] gives the displacements of a half-space that is loaded on a patch of its surface, without
+//! periodic images: one number for each distance between two cells.
 //!
 //! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping (`gfmd-relax`).
 //!

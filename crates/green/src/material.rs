@@ -4,8 +4,8 @@ use crate::GreenError;
 
 /// An isotropic linearly elastic material: E > 0, −1 < ν ≤ 1/2. ν = 1/2 (incompressible) is exact.
 ///
-/// Combinations that vanish or diverge at ν = 1/2 are computed from closed expressions in ν, never by subtraction, and C11
-/// enters no formula (theory.md, section 0).
+/// Combinations that vanish or diverge at ν = 1/2 are computed from closed expressions in ν, never by subtraction, and
+/// C11 enters no formula (theory.md, section 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     young: f64,
@@ -37,7 +37,7 @@ impl Material {
         Ok(Self { young: contact_modulus * one_minus_square(poisson)?, poisson, contact_modulus })
     }
 
-    /// The material in another unit of stress, given in the present one.
+    /// The material in another unit of stress, which is given in the present one.
     pub(crate) fn in_units(self, stress: f64) -> Self {
         let Self { young, poisson, contact_modulus } = self;
         Self { young: young / stress, poisson, contact_modulus: contact_modulus / stress }
@@ -83,9 +83,9 @@ impl Material {
         1.0 / (3.0 - 4.0 * self.poisson)
     }
 
-    /// The normal strain ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy) from the lateral strains (ε_xx, ε_yy) and the stress
-    /// σ_zz, or from their amplitudes (theory.md, section 5). The lateral stresses follow:
-    /// σ_xx = σ_zz + 2 C44 (ε_xx − ε_zz), likewise σ_yy.
+    /// The normal strain ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy) from the lateral strains (ε_xx, ε_yy) and the
+    /// stress σ_zz, or from their amplitudes (theory.md, section 5). The lateral stresses follow: σ_xx = σ_zz + 2 C44
+    /// (ε_xx − ε_zz), likewise σ_yy.
     pub fn normal_strain<T>(&self, lateral: [T; 2], normal_stress: T) -> T
     where
         T: Copy + Add<Output = T> + Mul<f64, Output = T>,

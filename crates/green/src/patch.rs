@@ -1,4 +1,4 @@
-//! A body whose surface is loaded on a patch only: the displacement by a uniform pressure on one cell of a grid
+//! A body whose surface is loaded on a patch only: displacement caused by a uniform pressure on one cell of a grid
 //! (theory.md, section 3.1).
 
 mod layered;
@@ -10,21 +10,24 @@ use gfmd_field::Grid;
 use crate::{Body, Conductor, GreenError};
 use layered::{Correction, MatrixCorrection};
 
-/// The frictionless compliance of a patch of surface, in length/stress: the displacement, downwards, at the centre of a cell
-/// by a uniform unit pressure on the cell that lies `[i, j]` cells away, and zero far away: of a half-space in closed form (Love
-/// 1929), and what layers add to it by quadrature of their compliance over all wavenumbers, to about 1e-12 of the entry `[0, 0]`.
+/// The frictionless compliance of a patch of surface, in length/stress: the downward displacement at the centre of a
+/// cell caused by a uniform unit pressure on the cell `[i, j]` cells away; zero far away. The half-space is in closed
+/// form (Love 1929). The contribution of layers is a quadrature of their compliance over all wavenumbers, accurate to
+/// about 1e-12 of the entry `[0, 0]`.
 ///
-/// On a line the cells are strips without end. Without a [level](has_level) the displacement is known up to a constant: on a
-/// half-space it is zero at one length of the patch from the centre of a strip that is far shorter.
+/// On a line the cells are infinitely long strips. Without a [level](has_level) the displacement is known up to a
+/// constant, which is chosen so that on a half-space it vanishes at a distance of one patch length from a much narrower
+/// strip.
 ///
 /// # Errors
-/// A plate, which nothing holds; layers thinner than 1/200 of the patch or 1/4 of a cell.
+/// A plate, which has no support; layers thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
     patch_of(body, grid, Body::normal_compliance)
 }
 
-/// The resistance of a patch of surface, in length: the potential at the centre of a cell by a uniform current density of 1 on
-/// the cell that lies `[i, j]` cells away, as [`patch_compliance`]. It is zero far away, and on the electrode.
+/// The resistance of a patch of surface, in length: the potential at the centre of a cell caused by a uniform current
+/// density of 1 on the cell `[i, j]` cells away; see [`patch_compliance`]. The potential is zero far away, and on the
+/// electrode.
 ///
 /// # Errors
 /// An electrode whose depth is less than 1/200 of the patch or 1/4 of a cell.
@@ -51,14 +54,15 @@ fn patch_of(
     })
 }
 
-/// True if the displacement by a pressure on a patch vanishes far away: on a surface, and on a profile if a base holds the
-/// body. Below a profile on a half-space it grows with the logarithm of the distance, and is known up to a constant.
+/// True if the displacement caused by a pressure on a patch vanishes far away: on a surface, and on a profile if a base
+/// holds the body. Below a profile on a half-space it grows with the logarithm of the distance, and is known up to a
+/// constant.
 pub fn has_level(body: &Body, grid: &Grid) -> bool {
     !grid.is_line() || body.normal_compliance(0.0).is_finite()
 }
 
-/// The compliance of a patch for all components, in length/stress: the displacement u at the centre of a cell by a uniform
-/// unit traction on another one (Boussinesq and Cerruti; Johnson 1985, section 3.6), and zero far away.
+/// The compliance of a patch for all components, in length/stress: the displacement u at the centre of a cell caused by
+/// a uniform unit traction on another cell (Boussinesq and Cerruti; Johnson 1985, section 3.6); zero far away.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "entries of the matrix G in u = G t, with +z out of the body")]
 pub struct PatchMatrix {
@@ -70,13 +74,13 @@ pub struct PatchMatrix {
     pub yz: f64,
 }
 
-/// The [matrix](PatchMatrix) of a patch: of the displacement at the cell that lies `[i, j]` cells from the
-/// loaded one, i and j ≥ 0. xy is odd in i and in j, xz in i, yz in j; the others are even. Half-spaces are in closed form, and what
-/// layers add by quadrature, as in [`patch_compliance`].
+/// The [matrix](PatchMatrix) of a patch, for the displacement of the cell `[i, j]` cells from the loaded one, i and j
+/// ≥ 0. xy is odd in i and in j, xz in i, yz in j; the others are even. Half-spaces are in closed form, and
+/// contributions of layers by quadrature, as in [`patch_compliance`].
 ///
 /// # Errors
-/// A line, whose lateral displacement is known up to a constant; a plate, or a body that slides on its base; layers thinner than
-/// 1/200 of the patch or 1/4 of a cell.
+/// A line, whose lateral displacement is known up to a constant; a plate, or a body that slides on its base; layers
+/// thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_matrix(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> PatchMatrix + Sync + use<>, GreenError> {
     if grid.is_line() {
         return Err(GreenError::LineShear);
@@ -109,8 +113,9 @@ pub fn patch_matrix(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> P
     })
 }
 
-/// The distance in cells beyond which integrals are taken by quadrature, since differences of the primitive at the corners
-/// would lose digits; and that beyond which few points are sufficient. They agree to 1e-12 of the integral.
+/// The distance in cells beyond which integrals are taken by quadrature, since differences of the primitive at the
+/// corners would lose digits; and the distance beyond which few points are sufficient. They agree to 1e-12 of the
+/// integral.
 const FAR: [f64; 2] = [8.0, 64.0];
 
 /// Nodes and weights of Gauss's quadrature on −1/2 to 1/2.

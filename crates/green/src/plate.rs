@@ -1,7 +1,7 @@
 use crate::{Base, Blocks, Body, GreenError, Height, Material, sagittal::product, slab::LayerMode};
 
-/// A slab or a stack of layers that is pressed on both faces, without friction. Its base, if it has one, does not matter:
-/// nothing holds it but the pressures (theory.md, section 4.3).
+/// A slab or a stack of layers pressed on both faces without friction. A base is ignored: the plate is held by the
+/// pressures alone (theory.md, section 4.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plate {
     /// From the top down, with a free base.
@@ -10,8 +10,9 @@ pub struct Plate {
     turned: Body,
 }
 
-/// The compliance of a [`Plate`] at one wavenumber, in length/stress: the indentations of upper and lower face, both into the
-/// plate, by the pressures on them, with d₊ = (d_upper + d_lower)/2, d₋ = (d_upper − d_lower)/2, and p₊, p₋ alike:
+/// The compliance of a [`Plate`] at one wavenumber, in length/stress: the indentations of upper and lower face, both
+/// into the plate, caused by the pressures on them, with d₊ = (d_upper + d_lower)/2, d₋ = (d_upper − d_lower)/2, and
+/// p₊, p₋ alike:
 ///
 /// ```text
 ///   d₊ = squeezing p₊ + mixed p₋
@@ -19,9 +20,9 @@ pub struct Plate {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlateCompliance {
-    /// By equal pressures on the two faces.
+    /// Compliance to equal pressures on the two faces.
     pub squeezing: f64,
-    /// By opposite pressures on the two faces. It grows as q⁻⁴ at long waves, and is infinite at q = 0.
+    /// Compliance to opposite pressures on the two faces. It grows as q⁻⁴ at long waves, and is infinite at q = 0.
     pub bending: f64,
     /// Half the difference of the compliances of the two faces; zero for a single layer, and at q = 0.
     pub mixed: f64,
@@ -55,7 +56,7 @@ impl Plate {
         Self { body: self.turned.clone(), turned: self.body.clone() }
     }
 
-    /// The plate in other units of stress and length, given in the present ones.
+    /// The plate in other units of stress and length, which are given in the present ones.
     #[must_use]
     pub fn in_units(&self, stress: f64, length: f64) -> Self {
         Self { body: self.body.in_units(stress, length), turned: self.turned.in_units(stress, length) }

@@ -19,8 +19,8 @@ pub type StressMatrix3 = [[Complex64; 3]; 6];
 pub type StressMatrix2 = [[Complex64; 2]; 3];
 
 /// The strains and stresses of one wave vector that are continuous across a plane, per surface displacement: rows ε_xx,
-/// ε_yy, γ_xy (1/length), σ_zz, σ_yz, σ_xz (stress/length), columns x, y, z. Hooke's law gives the remaining strains and
-/// stresses, beginning with [`Material::normal_strain`].
+/// ε_yy, γ_xy (1/length), σ_zz, σ_yz, σ_xz (stress/length), columns x, y, z. Hooke's law gives the remaining strains
+/// and stresses, beginning with [`Material::normal_strain`].
 pub type ContinuousMatrix = [[Complex64; 3]; 6];
 
 /// The axes of each row of [`StressMatrix3`].
@@ -42,11 +42,11 @@ pub struct Section<'a> {
     depth: f64,
     /// The height above the base of `local`; infinite in a half-space.
     height: f64,
-    /// True if the mean level of what does not hold the body is the reference of the uniform mode.
+    /// True if the uniform mode is measured against the reference level of [`Body::level_compliance`].
     level: bool,
 }
 
-/// A layer that stands on another body.
+/// A layer on another body.
 #[derive(Clone, Copy, Debug)]
 struct Above<'a> {
     material: &'a Material,
@@ -55,7 +55,7 @@ struct Above<'a> {
 }
 
 impl Body {
-    /// The plane at `height` (length) above the base of the body, or of its top layer if that stands on another body.
+    /// The plane at `height` (length) above the base of the body, or of its top layer if that is on another body.
     ///
     /// # Errors
     /// A height outside the body, or any height in a half-space.
@@ -93,7 +93,8 @@ impl Body {
         }
     }
 
-    /// The planes between the layers of a stack, and that between the lowest one and a half-space: their depths, from the top.
+    /// The depths of the planes between the layers of a stack, and between the lowest layer and a half-space, from the
+    /// top, in length.
     pub fn interfaces(&self) -> Vec<f64> {
         let (mut depths, mut local, mut top) = (Vec::new(), self, 0.0);
         while let (Height::Finite(thickness), Base::Elastic(below)) = (local.height(), local.base()) {
@@ -126,7 +127,8 @@ impl Body {
 }
 
 impl<'a> Section<'a> {
-    /// The same plane seen from below: between two layers its material is that of the lower one, elsewhere nothing changes.
+    /// The same plane on its lower side: between two layers the material is that of the lower layer; elsewhere nothing
+    /// changes.
     #[must_use]
     pub fn from_below(mut self) -> Self {
         if let (true, Base::Elastic(below)) = (self.height == 0.0, self.local.base())
@@ -139,8 +141,7 @@ impl<'a> Section<'a> {
         self
     }
 
-    /// The same plane, with the uniform mode measured against the mean level of what does not hold the body, as in
-    /// [`Body::level_compliance`].
+    /// The same plane, with the uniform mode measured against the reference level of [`Body::level_compliance`].
     #[must_use]
     pub fn against_level(self) -> Self {
         Self { level: true, ..self }
@@ -156,12 +157,14 @@ impl<'a> Section<'a> {
         self.local.material()
     }
 
-    /// The displacement at this plane per displacement of the surface, for the wave vector `q` (rad/length); dimensionless.
+    /// The displacement at this plane per displacement of the surface, for the wave vector `q` (rad/length);
+    /// dimensionless.
     pub fn displacement_transfer(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.state(q).displacement)
     }
 
-    /// The lateral strains and tractions at this plane per displacement of the surface, for the wave vector `q` (rad/length).
+    /// The lateral strains and tractions at this plane per displacement of the surface, for the wave vector `q`
+    /// (rad/length).
     ///
     /// At q = 0 they are infinite where the stiffness is: in an incompressible slab on a rigid base.
     pub fn continuous_transfer(&self, q: [f64; 2]) -> ContinuousMatrix {
@@ -173,7 +176,8 @@ impl<'a> Section<'a> {
         [along(q[0], x), along(q[1], y), [0, 1, 2].map(|column| yx[column] + xy[column]), zz, yz, xz]
     }
 
-    /// The stress at this plane per displacement of the surface, for the wave vector `q` (rad/length), in stress/length.
+    /// The stress at this plane per displacement of the surface, for the wave vector `q` (rad/length), in
+    /// stress/length.
     ///
     /// At q = 0 it is infinite where the stiffness is: in an incompressible slab on a rigid base.
     pub fn stress_transfer(&self, q: [f64; 2]) -> StressMatrix3 {
@@ -190,7 +194,8 @@ impl<'a> Section<'a> {
         stress
     }
 
-    /// The displacement transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
+    /// The displacement transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section
+    /// 0).
     pub fn displacement_transfer_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.displacement_transfer(wavevector(mode));
         average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
@@ -204,8 +209,8 @@ impl<'a> Section<'a> {
         matrix
     }
 
-    /// The [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid: entries odd in a Nyquist component are
-    /// zero (theory.md, section 0).
+    /// The [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid: entries odd in a Nyquist component
+    /// are zero (theory.md, section 0).
     pub fn continuous_transfer_of(&self, mode: &Mode) -> ContinuousMatrix {
         let mut matrix = self.continuous_transfer(wavevector(mode));
         average_aliases(&mut matrix, &CONTINUOUS_ROWS, mode.nyquist);
@@ -215,22 +220,22 @@ impl<'a> Section<'a> {
     /// The displacement at this plane per u_z of a surface without shear traction, for a mode of a grid: rows x, y, z;
     /// dimensionless. The lateral displacement of the surface is that of [`Body::lateral_ratio`].
     ///
-    /// A Nyquist mode is the average of its aliases ±q_N, each with its own lateral displacement, which is zero at the points
-    /// of the surface and not between them. The pressure on the surface is thus u_z over [`Body::normal_compliance`] for
-    /// these modes, too (theory.md, section 5).
+    /// A Nyquist mode is the average of its aliases ±q_N, each with its own lateral displacement, which is zero at the
+    /// points of the surface and not between them. The pressure on the surface is thus u_z over
+    /// [`Body::normal_compliance`] for these modes, too (theory.md, section 5).
     pub fn frictionless_displacement_of(&self, mode: &Mode) -> [Complex64; 3] {
         self.without_shear(&self.displacement_transfer(wavevector(mode)), &VECTOR_ROWS, mode)
     }
 
-    /// The lateral strains and tractions at this plane per u_z of a surface without shear traction, for a mode of a grid: the
-    /// rows of a [`ContinuousMatrix`]; Nyquist modes as in
+    /// The lateral strains and tractions at this plane per u_z of a surface without shear traction, for a mode of a
+    /// grid: the rows of a [`ContinuousMatrix`]; Nyquist modes as in
     /// [`frictionless_displacement_of`](Self::frictionless_displacement_of).
     pub fn frictionless_continuous_of(&self, mode: &Mode) -> [Complex64; 6] {
         self.without_shear(&self.continuous_transfer(wavevector(mode)), &CONTINUOUS_ROWS, mode)
     }
 
-    /// The product of a transfer matrix and the displacement of a surface without shear traction whose u_z is 1, averaged over
-    /// the aliases of a Nyquist mode.
+    /// The product of a transfer matrix and the displacement of a surface without shear traction whose u_z is 1,
+    /// averaged over the aliases of a Nyquist mode.
     fn without_shear<const ROWS: usize, const INDICES: usize>(
         &self,
         transfer: &[[Complex64; 3]; ROWS],
@@ -250,8 +255,8 @@ impl<'a> Section<'a> {
         products.map(|[_, _, product]| product)
     }
 
-    /// The displacement (x, z) at this plane per displacement of the surface in plane strain, for the wave vector `q` along
-    /// x.
+    /// The displacement (x, z) at this plane per displacement of the surface in plane strain, for the wave vector `q`
+    /// along x.
     pub fn plane_displacement_transfer(&self, q: f64) -> Matrix2 {
         self.state(q.abs()).displacement.plane(q.signum())
     }
@@ -343,8 +348,8 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// As [`uniform_state`](Self::uniform_state), against the mean level of what does not hold the body. A half-space moves
-    /// with its surface, and bears no stress from a displacement.
+    /// The state at q = 0 measured against the reference level. A half-space moves with its surface, and bears no
+    /// stress from a displacement.
     fn level_state(&self) -> State {
         let below = match self.local.height() {
             Height::Finite(_) => {
@@ -391,8 +396,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The transfer from the top of a slab on a bonded base to the plane at Z = q·height above the base and b = q·depth below
-/// the top (theory.md, section 5).
+/// The transfer from the top of a slab on a bonded base to the plane at Z = q·height above the base and b = q·depth
+/// below the top (theory.md, section 5).
 fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     let b = b.min(FARTHEST);
     let (r, h) = (material.r(), z + b);

@@ -1,4 +1,4 @@
-//! Bodies by name and number: the kinds of bases, and stacks of layers.
+//! Bodies from names and numbers: kinds of bases, and stacks of layers.
 
 use std::fmt;
 use std::str::FromStr;
@@ -33,7 +33,7 @@ impl BaseKind {
         }
     }
 
-    /// The description in one line.
+    /// A description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Bonded => "bonded to a rigid base",
@@ -82,8 +82,8 @@ impl FromStr for BaseKind {
 }
 
 impl Body {
-    /// A stack of layers, from the top down, each a material and a thickness (length), bonded to each other. The lowest one
-    /// stands on `base`.
+    /// A stack of layers from the top down, bonded to each other, each with a material and a thickness (length). `base`
+    /// is below the lowest layer.
     ///
     /// # Errors
     /// No layer; a thickness that is not positive and finite; a pair of bodies below.

@@ -11,21 +11,21 @@ const CHUNK: usize = 4096;
 /// The frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, laid out like [`Grid::modes`].
 ///
 /// `uniform` is the entry of the mode q = 0. The body's own value is
-/// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, infinite for a bonded incompressible slab,
-/// whose mean displacement is held at zero instead (theory.md, section 3). At a Nyquist mode the entry is 1/G_zz(|q|) as at
-/// any other mode (theory.md, section 0).
+/// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, infinite for a bonded incompressible
+/// slab, whose mean displacement is fixed at zero instead (theory.md, section 3). At a Nyquist mode the entry is
+/// 1/G_zz(|q|), as at any other mode (theory.md, section 0).
 pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
     table_of_lanes(grid, all_lanes(grid), uniform, |q| body.normal_stiffness(q))
 }
 
-/// The normal stiffness K_N (stress/length) of every mode of `grid` for a surface that is held sideways, laid out like
-/// [`Grid::modes`]. `uniform` is as in [`normal_stiffness_table`].
+/// The normal stiffness K_N (stress/length) of every mode of `grid` for a surface without lateral displacement, laid
+/// out like [`Grid::modes`]. `uniform` is as in [`normal_stiffness_table`].
 pub fn restricted_normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
     table_of_lanes(grid, all_lanes(grid), uniform, |q| body.restricted_normal_stiffness(q))
 }
 
-/// The table of a function of |q| for the modes in some lanes of the half spectrum ([`Grid::spectrum_shape`]), such as those of one
-/// of several processes. The function is evaluated once for ±m; `uniform` is the entry of the mode q = 0.
+/// The table of a function of |q| for the modes in some lanes of the half spectrum ([`Grid::spectrum_shape`]), such as
+/// those of one of several processes. The function is evaluated once for ±m; `uniform` is the entry of the mode q = 0.
 pub fn table_of_lanes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let [_, positions] = grid.spectrum_shape();
     let mut table = vec![0.0; lanes.len() * positions];
@@ -72,8 +72,8 @@ pub struct StiffnessRange {
 
 /// The range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
 ///
-/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. It is left out without compliance
-/// (half-space, incompressible slab), since no solver moves it by its stiffness. `None` if no mode is left.
+/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. It is left out if it has no
+/// compliance (half-space, incompressible slab), since no solver then uses its stiffness. `None` if no mode is left.
 pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let [_, uniform] = body.level_compliance();
     range(grid, |mode| {
@@ -82,8 +82,8 @@ pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange
     })
 }
 
-/// The range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components of
-/// the surface move: x, y, z, or x, z on a line.
+/// The range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components
+/// of the surface move: x, y, z, or x, z on a line.
 ///
 /// The eigenvalues of the uniform mode are as in [`normal_stiffness_range`].
 pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
@@ -125,8 +125,8 @@ fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64
     }
 }
 
-/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m. Of equal values
-/// the first counts.
+/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m. Of equal
+/// values the first counts.
 fn range(grid: &Grid, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
     let [lanes, positions] = grid.spectrum_shape();
     let different = if grid.is_line() { positions } else { positions / 2 + 1 };

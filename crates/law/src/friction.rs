@@ -35,7 +35,7 @@ impl Limit {
         }
     }
 
-    /// The derivative of [`at`](Self::at) by the pressure.
+    /// The derivative of [`at`](Self::at) with respect to the pressure.
     fn slope(self) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient,
@@ -44,10 +44,11 @@ impl Limit {
     }
 }
 
-/// Friction with elastic sticking: the return map of a tangential spring whose foot slides (theory.md, section 8).
+/// Friction with elastic sticking: the return map of a tangential spring with a sliding end, the foot (theory.md,
+/// section 8).
 ///
-/// The slip s is that of the *elastic* surface relative to the rigid one, and τ has the sign of s − s_p; the traction on
-/// the elastic surface is −τ. This map serves point models and time-stepping codes; the contact with friction in
+/// The slip s is that of the *elastic* surface relative to the rigid one, and τ has the sign of s − s_p; the traction
+/// on the elastic surface is −τ. This map serves point models and time-stepping codes; the contact with friction in
 /// `gfmd-interface` needs only the [`Limit`] and sticks rigidly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
@@ -71,8 +72,8 @@ pub struct Sliding {
 }
 
 impl Friction {
-    /// Friction with a spring of this `stiffness` (stress/length). A spring as stiff as the stiffest mode of the grid hardly
-    /// changes the solution.
+    /// Friction with a spring of this `stiffness` (stress/length). A spring as stiff as the stiffest mode of the grid
+    /// hardly changes the solution.
     ///
     /// # Errors
     /// A negative limit, or a stiffness that is not positive.
@@ -107,8 +108,8 @@ impl Friction {
     }
 }
 
-/// Friction regularised over the sliding velocity v, for time-stepping codes: v_ε is the velocity below which it deviates
-/// from the limit (theory.md, section 8). The quasistatic contacts of this workspace do not use it.
+/// Friction regularised over the sliding velocity v, for time-stepping codes: v_ε is the velocity below which it
+/// deviates from the limit (theory.md, section 8). The quasistatic contacts of this workspace do not use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rate {
     /// The root law τ = limit · v/√(v² + v_ε²).

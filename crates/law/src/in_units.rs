@@ -2,7 +2,8 @@ use std::sync::Arc;
 
 use crate::{Law, MixedMode, Opening, Response};
 
-/// A law in other units of stress and length, given in its own. Powers of two keep every digit.
+/// A law in other units of stress and length. The new units are given in the units of the law; powers of two keep every
+/// digit.
 #[derive(Clone, Debug)]
 pub struct InUnits {
     law: Arc<dyn Law>,

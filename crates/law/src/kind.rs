@@ -28,7 +28,7 @@ pub enum Kind {
     HarmonicCosine,
     /// [`Dugdale`].
     Dugdale,
-    /// [`Tabulated`](crate::Tabulated), made of its rows and not of parameters.
+    /// [`Tabulated`](crate::Tabulated), which has rows instead of parameters.
     Table,
 }
 
@@ -116,8 +116,8 @@ impl Kind {
     /// The law with the parameters `given` by name.
     ///
     /// # Errors
-    /// A name that the law does not know, a parameter given twice, missing, or out of its range; the law of a table, which has rows
-    /// in place of parameters.
+    /// An unknown name; a parameter given twice, missing, or out of range; the law of a table, which has rows instead
+    /// of parameters.
     pub fn with(self, given: &[(impl AsRef<str>, f64)]) -> Result<Box<dyn Law>, LawError> {
         if let Some((found, _)) =
             given.iter().find(|(name, _)| self.parameters().iter().all(|p| p.name != name.as_ref()))

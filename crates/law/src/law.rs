@@ -3,18 +3,18 @@ use std::sync::Arc;
 
 /// An isotropic traction–separation law without memory.
 pub trait Law: fmt::Debug + Send + Sync {
-    /// The traction and its derivatives at the `normal` separation Δ_n and the `sliding` separation Δ_t along one direction
-    /// (length, either sign).
+    /// The traction and its derivatives at the `normal` separation Δ_n and the `sliding` separation Δ_t along one
+    /// direction (length, either sign).
     fn response(&self, normal: f64, sliding: f64) -> Response;
 
     /// The potential Φ, energy per area of surface; `None` if the traction is not the gradient of a potential.
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64>;
 
-    /// The potential of T_n(Δ_n, 0), without sliding, which every law has.
+    /// The potential of T_n(Δ_n, 0), energy per area: without sliding every law has one.
     fn opening_energy(&self, normal: f64) -> f64;
 
-    /// The energy, the traction and its slope at the separation Δ_n without sliding: [`opening_energy`](Self::opening_energy) and
-    /// [`response`](Self::response) at once.
+    /// The energy, the traction and its slope at the separation Δ_n without sliding:
+    /// [`opening_energy`](Self::opening_energy) and [`response`](Self::response) at once.
     fn opening(&self, normal: f64) -> Opening {
         let Response { traction: [traction, _], jacobian: [[slope, _], _], .. } = self.response(normal, 0.0);
         Opening { energy: self.opening_energy(normal), traction, slope }
@@ -25,20 +25,20 @@ pub trait Law: fmt::Debug + Send + Sync {
         false
     }
 
-    /// An upper bound of the magnitude of the eigenvalues of the Jacobian over all Δ_n ≥ `lowest` (stress/length), from which
-    /// a time step follows (theory.md, section 8). Jumps of the traction do not count.
+    /// An upper bound of the magnitude of the eigenvalues of the Jacobian over all Δ_n ≥ `lowest` (stress/length), from
+    /// which a time step follows (theory.md, section 8). Jumps of the traction do not count.
     fn stiffness_bound(&self, lowest: f64) -> f64;
 
-    /// The steepest decay of the attraction (stress/length). Lattice trapping is avoided if it is below about half the stiffness
-    /// of the body at the shortest wavelength of the grid (theory.md, section 8).
+    /// The steepest decay of the attraction (stress/length). Lattice trapping is avoided if it is below about half the
+    /// stiffness of the body at the shortest wavelength of the grid (theory.md, section 8).
     fn steepness(&self) -> f64 {
         self.stiffness_bound(0.0)
     }
 
-    /// The number of grid steps in the process zone, (π/4) E*/[`steepness`](Self::steepness), from which on the pull-off load of a
-    /// sphere is right to 2.5 %. A traction that is continuous in the gap needs few; one that ends in a jump moves the edge of its
-    /// zone from point to point, an error that falls only with the first power of the grid step. Measured in
-    /// docs/laws/adhesion.md.
+    /// The number of grid steps in the process zone, (π/4) E*/[`steepness`](Self::steepness), with which the pull-off
+    /// load of a sphere is right to 2.5 %. A traction that is continuous in the gap needs few. With one that ends in a
+    /// jump, the edge of the zone moves from point to point, and the error falls only with the first power of the grid
+    /// step. Measurements: docs/laws/adhesion.md.
     fn resolving_points(&self) -> f64 {
         2.0
     }
@@ -68,7 +68,7 @@ pub trait Law: fmt::Debug + Send + Sync {
         }
     }
 
-    /// The law behind a pointer that clones share.
+    /// The law behind a shared pointer.
     fn into_shared(self) -> Arc<dyn Law>
     where
         Self: Sized + 'static,
@@ -77,7 +77,7 @@ pub trait Law: fmt::Debug + Send + Sync {
     }
 }
 
-/// A pointer to a law is that law.
+/// Implements the law for a pointer to it.
 macro_rules! pointer_is_law {
     ($pointer:ty) => {
         impl Law for $pointer {

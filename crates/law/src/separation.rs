@@ -62,8 +62,8 @@ impl Separation {
     }
 }
 
-/// The reduced separation from which on tractions are computed as at this one: they are zero, while products of larger
-/// separations with vanishing exponentials are not numbers.
+/// The largest reduced separation. Tractions at larger separations are computed as at this one: they are zero, while
+/// the product of a larger separation and a vanishing exponential may be NaN.
 const FAR: f64 = 1e6;
 
 /// Reasons to refuse the name or the parameters of a law.
@@ -80,7 +80,7 @@ pub enum LawError {
         /// The allowed values, after "it must be".
         allowed: &'static str,
     },
-    /// A name that no law has.
+    /// An unknown name of a law.
     #[error("the law is {found:?}; it must be one of {}", Kind::names())]
     Name {
         /// The name asked for.
@@ -102,10 +102,10 @@ pub enum LawError {
         /// The missing parameter.
         parameter: Parameter,
     },
-    /// A table through which no curve goes.
+    /// A table with points that no curve can have.
     #[error("the table has {0}")]
     Curve(#[from] gfmd_curve::CurveError),
-    /// A table that is no law.
+    /// A table that cannot be a law.
     #[error("the {found}; it must be {allowed}")]
     Table {
         /// The part of the table and its value.
@@ -113,7 +113,7 @@ pub enum LawError {
         /// The allowed values, after "it must be".
         allowed: &'static str,
     },
-    /// The law of a table without one.
+    /// The law of a table, without a table.
     #[error("the law table needs its rows: gaps and tractions")]
     NoTable,
     /// A parameter with two values.

@@ -2,11 +2,11 @@ use gfmd_curve::Curve;
 
 use crate::{Law, LawError, Opening, Response};
 
-/// A law of the gap alone from a table: the shape-preserving cubic [`Curve`] through its tractions, whose exact integral is the
-/// energy. From the largest gap on the traction is zero.
+/// A law of the gap alone from a table: the shape-preserving cubic [`Curve`] through its tractions, whose exact
+/// integral is the energy. The traction is zero beyond the largest gap.
 ///
-/// A table that begins at the gap 0 has a hard wall there; one that begins at a negative gap must begin with a repulsion, which
-/// goes on along its tangent.
+/// A table that begins at the gap 0 has a hard wall there; one that begins at a negative gap must begin with a
+/// repulsion, which is continued along its tangent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     curve: Curve,
@@ -23,9 +23,9 @@ impl Tabulated {
     /// The law through the rows [gap, traction], with attractions above zero.
     ///
     /// # Errors
-    /// Fewer than four rows, a number that is not finite, gaps that do not rise; a smallest gap above 0; a table that begins at a
-    /// negative gap without a repulsion that grows as the surfaces approach; a traction other than 0 at the largest gap, or of 0 everywhere; an
-    /// energy that is not finite.
+    /// Fewer than four rows, a number that is not finite, gaps that do not rise; a smallest gap above 0; a table that
+    /// begins at a negative gap without a repulsion that grows as the surfaces approach; a traction other than 0 at the
+    /// largest gap, or of 0 everywhere; an energy that is not finite.
     pub fn new(rows: &[[f64; 2]]) -> Result<Self, LawError> {
         let refuse = |found: String, allowed: &'static str| Err(LawError::Table { found, allowed });
         let curve = Curve::new(rows)?;
@@ -65,13 +65,13 @@ impl Tabulated {
         Ok(Self { curve, has_wall, opened, stiffest: high.max(-low), steepness: (-decay).max(0.0), work })
     }
 
-    /// The work of separation: the depth of the energy, per area; 0 of a law that repels.
+    /// The work of separation: the depth of the energy, per area; 0 for a law that only repels.
     pub fn work(&self) -> f64 {
         self.work
     }
 }
 
-/// The gap between these two at which the traction changes its sign, by bisection.
+/// The gap between these two at which the traction changes sign, by bisection.
 fn root(curve: &Curve, [mut low, mut high]: [f64; 2]) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

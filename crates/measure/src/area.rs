@@ -8,27 +8,29 @@ use crate::Surroundings;
 pub struct ContactArea {
     /// The number of points with a pressure above zero.
     pub nodes: usize,
-    /// The number of pairs of neighbours (along x and y) of which exactly one is in contact. Points at opposite edges are
-    /// neighbours in a field that repeats, and only there.
+    /// The number of pairs of neighbours (along x and y) of which exactly one is in contact. Points at opposite edges
+    /// are neighbours only in a periodic field.
     pub boundary_links: usize,
     /// The fraction of points in contact.
     pub fraction: f64,
-    /// The fraction without the excess that counting whole pixels adds along the perimeter.
+    /// The fraction without the excess due to whole pixels along the perimeter.
     ///
     /// Yastrebov et al. (2017): A = A_pixels − (π − 1 + ln 2)/24 · S a, with S the length of the pixel edges between
     /// contact and non-contact and a the spacing; for rectangular pixels S a is the sum of the pixel areas over the
-    /// boundary links. The edge of a field that ends is no part of S: a contact that reaches it ends there exactly. Never
-    /// below zero. No correction is known for a line contact (one point along y), where it equals `fraction`.
+    /// boundary links. The edge of a field that does not repeat is not part of S: a contact that reaches it ends there
+    /// exactly. Never below zero. No correction is known for a line contact (one point along y), where it equals
+    /// `fraction`.
     pub corrected_fraction: f64,
 }
 
-/// Counts the contact of a `[x, y]` pressure field with these surroundings.
+/// Measures the contact of a `[x, y]` pressure field (stress) with this boundary condition. Points with a pressure
+/// above zero are in contact.
 pub fn contact_area(pressure: ArrayView2<f64>, surroundings: Surroundings) -> ContactArea {
     let (rows, columns) = pressure.dim();
     contact_area_over(&Share::whole(rows, columns), columns, &contiguous(&pressure), surroundings)
 }
 
-/// Counts the contact of a pressure field of which each process has its rows of so many `columns`.
+/// Measures the contact of a pressure field of which each process has its rows of `columns` values.
 pub(crate) fn contact_area_over(
     share: &Share,
     columns: usize,

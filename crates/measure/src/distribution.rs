@@ -3,14 +3,14 @@
 pub struct Distribution {
     /// Middles of the bins.
     pub middles: Vec<f64>,
-    /// Values in a bin over all values of the field and over the width: the sum of densities times the width is the share of
-    /// values that were counted.
+    /// Number of values in a bin, divided by the number of all values and by the width: the sum of densities times the
+    /// width is the fraction of values counted.
     pub densities: Vec<f64>,
 }
 
 impl Distribution {
-    /// The distribution of the positive `values` over `bins` bins, as shares of `all`. Without positive values all
-    /// densities are zero.
+    /// The distribution of the positive `values` over `bins` bins, as fractions of `all` values. Without positive
+    /// values all densities are zero.
     pub fn of(values: impl Iterator<Item = f64> + Clone, all: usize, bins: usize) -> Self {
         let positive = values.filter(|value| *value > 0.0);
         let largest = positive.clone().fold(0.0, f64::max);
@@ -29,9 +29,9 @@ impl Distribution {
     }
 }
 
-/// Geometric middles and densities of bins of equal width on a logarithmic scale, `bins` in each of so many decades up to the largest
-/// value, from the lowest. A density is the share of the `values` in a bin, of `all`, over the width of the bin. Smaller values are not
-/// counted; without positive values there are no bins.
+/// Geometric middles and densities of bins of equal width on a logarithmic scale, `bins` in each of so many decades up
+/// to the largest value, from the lowest. A density is the number of `values` in a bin over `all` and over the width of
+/// the bin. Smaller values are not counted; without positive values there are no bins.
 pub fn density_over_decades(
     values: impl Iterator<Item = f64> + Clone,
     all: usize,

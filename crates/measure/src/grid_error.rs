@@ -9,32 +9,32 @@ use crate::{Peak, Scales, Summary};
 pub struct GridLimit {
     /// The estimate, in the unit of the number.
     pub limit: f64,
-    /// Half of the width of its interval, which contained the value on a grid 8 times finer in 93 % of the contacts that the
-    /// constants were not fitted to, in the unit of the number.
+    /// Half the width of its interval, in the unit of the number. The interval contained the value on a grid 8 times
+    /// finer in 93 % of contacts to which the constants were not fitted.
     pub half_width: f64,
 }
 
-/// Reasons why one solution does not tell the limit of a number.
+/// Reasons why one solution gives no limit of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoLimit {
-    /// Too few boundary links, the number of which is given: their errors do not average out.
+    /// Too few boundary links (their number): errors do not average out.
     FewLinks(u64),
     /// Boundary links per point in contact: contacts are narrower than the grid resolves.
     Narrow(f64),
     /// The area fraction is too large.
     Area(f64),
-    /// The conductivity is so small that its logarithm is what has an error.
+    /// The conductivity is so small that only an error of its logarithm is meaningful.
     NearClosing(f64),
-    /// Processes share the field, no one of which has all of it.
+    /// Several processes share the field, and none has the whole field.
     Shared,
-    /// Electrodes of a conductance lie at a finite depth.
+    /// The electrodes of a conductance lie at a finite depth.
     Electrodes,
-    /// Patches join and part from grid to grid.
+    /// Patches join and separate from grid to grid.
     Patches,
     /// The difference of two grids is the only measure of the error.
     OneGrid,
-    /// Two grids count the same by chance.
+    /// Two grids may give equal counts by chance.
     Counted,
 }
 
@@ -58,7 +58,8 @@ impl fmt::Display for NoLimit {
         match self {
             Self::FewLinks(found) => write!(
                 f,
-                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed to tell the error of the grid"
+                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed to estimate the \
+                 error of the grid"
             ),
             Self::Narrow(found) => write!(
                 f,
@@ -67,16 +68,16 @@ impl fmt::Display for NoLimit {
             Self::Area(found) => {
                 write!(f, "the area fraction is {found:.2}; the error of the grid is known up to {MOST_AREA}")
             }
-            Self::Shared => f.write_str("processes share the field from which it would be told"),
+            Self::Shared => f.write_str("several processes share the field; none has the whole field for the estimate"),
             Self::Electrodes => {
                 f.write_str("the error of the grid of a conductance was measured with electrodes infinitely far away")
             }
             Self::Patches => f.write_str(
-                "patches that nearly touch join and part from grid to grid, and small ones come and go: no estimate holds for their \
-                 number and size",
+                "patches that nearly touch join and separate from grid to grid, and small ones appear and \
+                 vanish: no estimate holds for their number and size",
             ),
             Self::Counted => f.write_str("it is counted, and two grids agree by chance"),
-            Self::OneGrid => f.write_str("one solution does not tell it (--grid-error refine)"),
+            Self::OneGrid => f.write_str("it cannot be estimated from one solution (use --grid-error refine)"),
             Self::NearClosing(found) => write!(
                 f,
                 "the conductivity is {found:.1e}; below {LEAST_CONDUCTIVITY} the error of the grid is not known"
@@ -88,20 +89,20 @@ impl fmt::Display for NoLimit {
 impl std::error::Error for NoLimit {}
 
 impl GridLimit {
-    /// A limit whose half width is this part of it.
+    /// A limit whose half width is `part` times the limit.
     fn within(limit: f64, part: f64) -> Self {
         Self { limit, half_width: part * limit.abs() }
     }
 
-    /// The limit of a number of which nothing is known but its values on a grid and on one of twice as many points along each side:
-    /// the second, within 2.5 times their difference. A number of first order is a difference off there, one of second order a third,
-    /// and differences are small by chance.
+    /// The limit of a number from its values on a grid and on one of twice as many points along each side alone: the
+    /// second value, within 2.5 times their difference. There the error of a number of first order is the difference,
+    /// of second order a third of it, and differences may be small by chance.
     pub fn of_two_grids(value: f64, fine: f64) -> Self {
         Self { limit: fine, half_width: 2.5 * (fine - value).abs() }
     }
 
-    /// The limit between those of several surfaces of which one is the true one: the middle of the least and the largest one, with
-    /// half of their difference and the largest half width. NaN of none.
+    /// The limit between those of several surfaces, one of which is the true one: the middle of the smallest and the
+    /// largest one; the half width is half of their difference plus the largest half width. NaN without limits.
     pub fn between(limits: &[Self]) -> Self {
         let least = limits.iter().fold(f64::INFINITY, |least, found| least.min(found.limit));
         let most = limits.iter().fold(f64::NEG_INFINITY, |most, found| most.max(found.limit));
@@ -109,19 +110,19 @@ impl GridLimit {
         Self { limit: 0.5 * (least + most), half_width: 0.5 * (most - least) + half_width }
     }
 
-    /// A bound of the error of the `value` that has this limit.
+    /// A bound of the error of `value`, whose limit this is, in its unit.
     pub fn error_of(&self, value: f64) -> f64 {
         (value - self.limit).abs() + self.half_width
     }
 }
 
-/// A number of one surface under one load on two grids, the finer one with twice as many points along each side (theory.md,
-/// section 9.2).
+/// A number of one surface under one load on two grids, the finer one with twice as many points along each side
+/// (theory.md, section 9.2).
 #[derive(Clone, Copy, Debug)]
 pub struct Refined {
     /// The number on the coarser grid.
     pub value: f64,
-    /// Its limit from the coarser grid alone; `None` if that does not tell it.
+    /// Its limit from the coarser grid alone; `None` if that grid gives none.
     pub own: Option<GridLimit>,
     /// The number on the finer grid.
     pub fine: f64,
@@ -130,15 +131,16 @@ pub struct Refined {
 }
 
 impl Refined {
-    /// The limit in a problem for which the formulas of one grid were measured: that of the finer grid; if the two limits contradict
-    /// each other, their difference is the half width.
+    /// The limit in a problem for which the formulas of one grid were calibrated: that of the finer grid. If the two
+    /// limits contradict each other, the half width is their difference.
     pub fn calibrated(&self) -> GridLimit {
         let Self { own, limit, .. } = *self;
         let apart = own.filter(|own| (own.limit - limit.limit).abs() > own.half_width + limit.half_width);
         apart.map_or(limit, |own| GridLimit { half_width: (own.limit - limit.limit).abs(), ..limit })
     }
 
-    /// The limit in another problem, whose half width is the larger of that of the formula and of the difference of the limits.
+    /// The limit in another problem: its half width is the larger of that of the formula and the difference of the
+    /// limits.
     pub fn by_difference(&self) -> GridLimit {
         let Self { value, own, fine, limit } = *self;
         let apart = own.map_or(fine - value, |own| own.limit - limit.limit).abs();
@@ -156,11 +158,12 @@ impl Refined {
 
 /// A contact on its grid, from which the limits of its numbers are estimated (theory.md, section 9.2).
 ///
-/// L is the number of boundary links, ρ = L / points in contact (about 2 over the width of the contacts in points), A the area
-/// fraction and g = 1 − A. The constants are those of the largest likelihood (Student's t, 4 degrees) on 160 contacts of
-/// self-affine surfaces (H = 0, 0.3, 0.8; p* from 0.005 to 0.6; 4 to 16 points on the shortest wave) with a hard wall on a
-/// half-space, beside grids of 64 points a wave; the half widths were scaled on 800 contacts of 200 other surfaces (p* from 0.01 to
-/// 0.5, grids 8 times finer), and those of the peak set on 768 of 96 more, so that 95 % of the errors are smaller.
+/// L is the number of boundary links, ρ = L / points in contact (about 2 over the width of the contacts in points), A
+/// the area fraction and g = 1 − A. The constants are those of the largest likelihood (Student's t, 4 degrees) on 160
+/// contacts of self-affine surfaces (H = 0, 0.3, 0.8; p* from 0.005 to 0.6; 4 to 16 points on the shortest wave) with a
+/// hard wall on a half-space, beside grids of 64 points a wave; the half widths were scaled on 800 contacts of 200
+/// other surfaces (p* from 0.01 to 0.5, grids 8 times finer), and those of the peak set on 768 of 96 more, so that 95 %
+/// of the errors are smaller.
 #[derive(Clone, Copy, Debug)]
 pub struct GridLimits<'a> {
     summary: &'a Summary,
@@ -174,15 +177,15 @@ pub struct GridLimits<'a> {
     is_patch: bool,
 }
 
-/// The ρ beyond which it counts as this.
+/// The largest ρ in the formulas; larger values are replaced by it.
 const LARGEST_NARROW: f64 = 3.0;
 
-/// The part of the strip of Yastrebov et al. by which counting exceeds the area.
+/// The fraction of the strip of Yastrebov et al. by which the counted area is too large.
 fn strip(narrow: f64) -> f64 {
     0.858 + 0.021 * narrow.min(LARGEST_NARROW).powi(2)
 }
 
-/// The part of the mean square pressure that a grid lacks.
+/// The fraction of the mean square pressure that a grid lacks.
 fn lacking(narrow: f64) -> f64 {
     0.0071 * narrow.min(LARGEST_NARROW).powf(2.47)
 }
@@ -193,14 +196,14 @@ impl Summary {
         if self.boundary_links == 0 { 0.0 } else { self.boundary_links as f64 / self.contact_nodes as f64 }
     }
 
-    /// κ less what counting whole points adds along the edge: the limit of [`GridLimits::kappa`], also for contacts for which
-    /// its interval was not measured.
+    /// κ without the excess of whole points along the edge: the limit of [`GridLimits::kappa`], also for contacts for
+    /// which its interval is not calibrated.
     pub fn kappa_limit(&self) -> f64 {
         self.kappa - strip(self.narrow()) * (self.kappa - self.kappa_corrected)
     }
 
-    /// ⟨p²⟩/(E* ḡ)² on an infinitely fine grid: the limit of [`GridLimits::pressure_moment_2`] in reduced units, also for
-    /// contacts for which its interval was not measured.
+    /// ⟨p²⟩/(E* ḡ)² on an infinitely fine grid: the limit of [`GridLimits::pressure_moment_2`] in reduced units, also
+    /// for contacts for which its interval is not calibrated.
     pub fn reduced_square_limit(&self) -> f64 {
         let unit = self.mean_pressure / self.p_star;
         self.pressure_moment_2 * (1.0 + lacking(self.narrow())) / (unit * unit)
@@ -211,7 +214,7 @@ impl<'a> GridLimits<'a> {
     /// The contact with this `summary` in these scales, on a grid of so many `points`, `spacing` (length) apart.
     ///
     /// # Errors
-    /// A contact for which the formulas were not measured.
+    /// A contact for which the formulas are not calibrated.
     pub fn of(summary: &'a Summary, points: usize, spacing: f64, scales: &Scales) -> Result<Self, NoLimit> {
         let &Summary { boundary_links, contact_nodes, area_fraction, .. } = summary;
         let (links, points) = (boundary_links as f64, points as f64);
@@ -237,29 +240,32 @@ impl<'a> GridLimits<'a> {
         })
     }
 
-    /// Limits for a surface of few waves, whose contacts are alike: their edges lie alike on the grid, and the errors do not
-    /// average out. The constants hold 95 % of the errors of 340 contacts of waves (products and sums of two, hexagons, two lengths
-    /// of waves; 8 to 32 points a wave, in phase with the grid and not); those of areas, M₂ and stiffness of Hertz's contact, too.
+    /// Limits for a surface of few waves, whose contacts are alike: their edges cross the grid in the same way, and
+    /// errors do not average out. The constants cover 95 % of the errors of 340 contacts of waves (products and sums of
+    /// two, hexagons, two lengths of waves; 8 to 32 points a wave, in phase with the grid and not); those of areas, M₂
+    /// and stiffness of Hertz's contact, too.
     #[must_use]
     pub fn alike(self) -> Self {
         Self { is_alike: true, ..self }
     }
 
-    /// Limits for a patch that does not repeat, whose compliance between points is not that of waves: areas and links err by 1.2 and
-    /// 1.25 times as much, stiffnesses by 0.62 times (95 % of 100 rough spheres under four loads).
+    /// Limits for a patch that does not repeat, whose compliance between points is not that of waves. Errors of area
+    /// and links are 1.2 and 1.25 times as large, those of stiffnesses 0.62 times (95 % of 100 rough spheres under four
+    /// loads).
     #[must_use]
     pub fn on_patch(self) -> Self {
         Self { is_patch: true, ..self }
     }
 
-    /// A part of a number: a factor times powers of ρ, L and g. Of contacts that are alike it has another factor, and no power of L.
+    /// The relative error of a number: a factor times powers of ρ, L and g. For contacts that are alike the factor is
+    /// `alike`, without a power of L.
     fn part(&self, [factor, narrow, links, apart]: [f64; 4], alike: f64) -> f64 {
         let (factor, links) = if self.is_alike { (alike, 1.0) } else { (factor, self.links.powf(links)) };
         factor * self.narrow.powf(narrow) * links * self.apart.powf(apart)
     }
 
     /// The contact area: counting adds a strip along the edge, (0.858 + 0.021 ρ²) times that of the
-    /// [correction](crate::ContactArea) by Yastrebov et al.; where the edge cuts the links is not known.
+    /// [correction](crate::ContactArea) by Yastrebov et al.; the position of the edge on each link is unknown.
     pub fn area_fraction(&self) -> GridLimit {
         let Summary { area_fraction, area_fraction_corrected, .. } = self.summary;
         let limit = area_fraction - strip(self.narrow) * (area_fraction - area_fraction_corrected);
@@ -308,8 +314,8 @@ impl<'a> GridLimits<'a> {
         GridLimit::within(mean_gap, load * self.part([0.0248, 2.06, -0.38, -2.29], 0.012))
     }
 
-    /// The rigid approach, in length: for a periodic half-space that of the surface's top less the mean gap, where the top is
-    /// `rise` above the highest point of the grid.
+    /// The rigid approach, in length: for a periodic half-space that of the surface's top less the mean gap, where the
+    /// top is `rise` above the highest point of the grid.
     pub fn approach(&self, approach: f64, rise: f64) -> GridLimit {
         GridLimit { limit: approach + rise, ..self.mean_gap() }
     }
@@ -341,13 +347,13 @@ impl<'a> GridLimits<'a> {
         GridLimit::within(value, self.part([factor, 0.93, -0.46, -1.26], 0.16))
     }
 
-    /// The conductivity of the gap along an axis, relative to a uniform gap of the mean height: the points in contact are
-    /// counted whole, so that their edges narrow the channels. With r the number of boundary links over the number of points
-    /// that are not in contact, the limit is k (1 + 1.75 r^1.18 L^−0.18), and its half width 1.44 r L^−0.28 of it, times 0.1/k near
-    /// closing (k < 0.1).
+    /// The conductivity of the gap along an axis, relative to a uniform gap of the mean height: points in contact count
+    /// as wholly closed, so that their edges narrow the channels. With r the number of boundary links over the number
+    /// of points that are not in contact, the limit is k (1 + 1.75 r^1.18 L^−0.18), and its half width 1.44 r L^−0.28
+    /// of it, times 0.1/k near closing (k < 0.1).
     ///
     /// # Errors
-    /// A conductivity so small that its logarithm has the error.
+    /// A conductivity so small that only an error of its logarithm is meaningful.
     pub fn flow(&self, conductivity: f64) -> Result<GridLimit, NoLimit> {
         if conductivity.is_nan() || conductivity < LEAST_CONDUCTIVITY {
             return Err(NoLimit::NearClosing(conductivity));
@@ -370,8 +376,8 @@ mod tests {
     use crate::{Surroundings, contact_area};
     use ndarray::Array2;
 
-    /// Thirty discs of this radius (in points), each at a random place of its cell of the grid: their area over that of the grid,
-    /// and the summary of a contact that has their points.
+    /// Thirty discs of this radius (in points), each at a random place of its cell of the grid: their area over that of
+    /// the grid, and the summary of a contact that has their points.
     fn discs(radius: f64, random: &mut u64) -> (f64, Summary) {
         const SIDE: usize = 180;
         let mut uniform = || {
@@ -410,8 +416,8 @@ mod tests {
 
     const SCALES: Scales = Scales { contact_modulus: 1.0, rms_gradient: 0.1 };
 
-    /// Where an edge cuts the links is not known: points inside of discs have their area on average, and no strip along the edge,
-    /// which is a property of the pressures there.
+    /// The position at which an edge cuts the links is unknown: points inside of discs have their area on average, and
+    /// no strip along the edge, which is a property of the pressures there.
     #[test]
     fn counting_the_points_of_discs_at_random_places_errs_by_the_half_width_of_the_area() {
         let mut random = 7;

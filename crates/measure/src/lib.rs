@@ -1,7 +1,7 @@
-//! Numbers from contact fields, and the closed forms that they are compared with.
+//! Numbers from contact fields, and closed forms for comparison.
 //!
-//! Fields are `[x, y]` arrays; the pressure is compression positive and exactly zero out of contact. The fields may come
-//! from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
+//! Fields are `[x, y]` arrays; the pressure is compression positive and exactly zero out of contact. The fields may
+//! come from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
 //! ```
 //! use gfmd_measure::{Surroundings, contact_area, kappa, theory};

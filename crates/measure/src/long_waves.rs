@@ -1,4 +1,5 @@
-//! The contact of a self-affine surface without end, from contacts of surfaces whose spectrum ends at a longest wave.
+//! The contact of an infinitely large self-affine surface, from contacts of surfaces whose spectrum ends at a longest
+//! wave.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -6,14 +7,15 @@ use statrs::function::erf::{erf, erf_inv, erfc};
 
 use crate::theory::persson_area;
 
-/// Waves longer than the longest one of a simulated surface, added by Persson's theory (theory.md, section 11).
+/// Composition with the waves longer than the longest one of a simulated surface, by Persson's theory (theory.md,
+/// section 11).
 ///
-/// They spread the pressure p̄ into a distribution P(σ) with absorption at σ = 0; where they press with σ, the simulated
-/// short waves have the contact area a(σ). Hence a_∞(p̄) = ∫ P(σ) a(σ) dσ. The long waves have the spectrum of the whole at
-/// another scale, so that P has the contact area a_∞ itself, and with [`LongWaves::with_moments`] its second moment. No
-/// parameter is fitted.
+/// They spread the pressure p̄ into a distribution P(σ) with absorption at σ = 0; where they press with σ, the
+/// simulated short waves have the contact area a(σ). Hence a_∞(p̄) = ∫ P(σ) a(σ) dσ. The long waves have the spectrum
+/// of the whole at another scale, so that P has the contact area a_∞ itself, and with [`LongWaves::with_moments`] its
+/// second moment. No parameter is fitted.
 ///
-/// The result is linear in the simulated κ, with weights that this value holds, so that it applies to means and to single
+/// The result is linear in the simulated κ; the value stores the weights, so that it applies to means and to single
 /// surfaces alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LongWaves {
@@ -21,7 +23,7 @@ pub struct LongWaves {
     full: Vec<f64>,
 }
 
-/// The largest p* must be at least this, where the contact is nearly full: P reaches beyond p̄.
+/// The smallest allowed value of the largest p*, at which the contact is nearly full: P extends beyond p̄.
 pub const LEAST_LARGEST_LOAD: f64 = 1.0;
 
 /// The largest ratio of neighbouring loads between which κ is interpolated.
@@ -37,8 +39,8 @@ const FULL: f64 = 0.98;
 /// The relative change of κ at which the width is consistent.
 const CONSISTENT: f64 = 1e-12;
 
-/// The contact area fraction beyond which area and mean square pressure do not determine two widths: the spread stays, and
-/// the mean square pressure gives the width.
+/// The contact area fraction beyond which area and mean square pressure do not determine two widths: the spread stays,
+/// and the mean square pressure gives the width.
 const HALF: f64 = 0.5;
 
 /// The largest δ of two widths w (1 ± δ); contacts have a quarter.
@@ -49,19 +51,20 @@ const MOST_STEPS: usize = 100;
 const VANISHES: f64 = 1e-15;
 
 impl LongWaves {
-    /// The weights for contacts at the reduced pressures `p_star` with the mean coefficients `kappa`, if the waves that the
-    /// surfaces lack have `missing` times the mean square gradient that the surfaces have. P is Persson's, a Gaussian less its
-    /// mirror image, with the width that has the contact area a_∞.
+    /// The weights for contacts at the reduced pressures `p_star` with the mean coefficients `kappa`, if the missing
+    /// waves have `missing` times the mean square gradient of the surfaces. P is Persson's, a Gaussian less its mirror
+    /// image, with the width that has the contact area a_∞.
     ///
-    /// `None` if `p_star` has fewer than four loads, does not ascend, ends below [`LEAST_LARGEST_LOAD`] or has gaps of more
-    /// than a factor of 3; if a κ is not positive; if `missing` is negative or not finite.
+    /// `None` if `p_star` has fewer than four loads, does not ascend, ends below [`LEAST_LARGEST_LOAD`] or has gaps of
+    /// more than a factor of 3; if a κ is not positive; if `missing` is negative or not finite.
     pub fn new(p_star: &[f64], kappa: &[f64], missing: f64) -> Option<Self> {
         Self::consistent(p_star, kappa, None, missing)
     }
 
-    /// As [`LongWaves::new`] with the shape of P measured, too: `moments` are the mean square pressures ⟨p²⟩/(E* g)² of the
-    /// contacts. P is the mean of two of Persson's distributions, of widths w (1 ± δ), which have the contact area and the
-    /// mean square pressure of the surface without end; Persson's alone has less than that.
+    /// The weights as by [`LongWaves::new`], with a measured shape of P: `moments` are the mean square pressures
+    /// ⟨p²⟩/(E* g)² of the contacts. P is the mean of two of Persson's distributions, of widths w (1 ± δ), which have
+    /// the contact area and the mean square pressure of the infinite surface; Persson's distribution has a smaller mean
+    /// square pressure.
     ///
     /// `None` as for [`LongWaves::new`], and if a moment is not above p*².
     pub fn with_moments(p_star: &[f64], kappa: &[f64], moments: &[f64], missing: f64) -> Option<Self> {
@@ -103,18 +106,18 @@ impl LongWaves {
             && p_star.last().is_some_and(|last| *last >= LEAST_LARGEST_LOAD && last.is_finite())
     }
 
-    /// κ of the surface without end at load number `load`, from κ of the simulated surface at all loads.
+    /// κ of the infinite surface at load number `load`, from κ of the simulated surface at all loads.
     pub fn compose(&self, load: usize, kappa: impl Fn(usize) -> f64) -> f64 {
         self.full[load] + self.compose_difference(load, kappa)
     }
 
-    /// As [`LongWaves::compose`], for a difference of two κ.
+    /// The composition of a difference of two κ; see [`LongWaves::compose`].
     pub fn compose_difference(&self, load: usize, difference: impl Fn(usize) -> f64) -> f64 {
         self.weights[load].iter().enumerate().map(|(j, weight)| weight * difference(j)).sum()
     }
 }
 
-/// The numbers of the surface without end at the given loads.
+/// The numbers of the infinite surface at the given loads.
 struct Limit {
     kappa: Vec<f64>,
     moments: Option<Vec<f64>>,
@@ -126,8 +129,8 @@ struct Reference {
     value: fn(f64) -> f64,
     /// The scale of the datum: the number over the datum at p*.
     scale: fn(f64) -> f64,
-    /// The unit of the number in units of the gradient of all waves, if that of the simulated ones has 1 + missing times
-    /// less mean square.
+    /// The unit of the number in units of the gradient of all waves, if that of the simulated ones has 1 + missing
+    /// times less mean square.
     unit: fn(f64) -> f64,
 }
 
@@ -192,8 +195,8 @@ impl Integrals {
 }
 
 impl Limit {
-    /// The widths of the two distributions of the pressure of the long waves at their reduced pressure `load`, in units of E*
-    /// times their gradient.
+    /// The widths of the two distributions of the pressure of the long waves at their reduced pressure `load`, in units
+    /// of E* times their gradient.
     fn widths(&self, p_star: &[f64], load: f64) -> [f64; 2] {
         let width = |load: f64| 0.5 / sharpness(p_star, &self.kappa, load);
         let Some(moments) = self.moments.as_ref().filter(|_| load.is_finite()) else { return [width(load); 2] };
@@ -219,7 +222,7 @@ impl Limit {
     }
 }
 
-/// The place between two ends where a falling function vanishes, by false position (Illinois), or the end nearest to it.
+/// The root of a falling function between two ends, by false position (Illinois), or the end nearest to it.
 fn root([mut low, mut high]: [f64; 2], falls: impl Fn(f64) -> f64) -> f64 {
     let (mut at_low, mut at_high) = (falls(low), falls(high));
     if at_low <= 0.0 {
@@ -258,9 +261,9 @@ fn distribution(pressure: f64, width: f64, part: f64) -> Vec<(f64, f64)> {
     (1..INTERVALS).map(node).collect()
 }
 
-/// Adds `factor` times a number of the contact at `sigma` to the weights of the data of all loads and returns the part without
-/// data. The ratio to Persson's theory is interpolated, a cubic in the logarithm; below the first load it goes on as the
-/// parabola through the first three loads, linear at first touch; beyond the last load it tends to one.
+/// Adds `factor` times a number of the contact at `sigma` to the weights of the data of all loads and returns the part
+/// without data. The ratio to Persson's theory is interpolated, a cubic in the logarithm; below the first load it goes
+/// on as the parabola through the first three loads, linear at first touch; beyond the last load it tends to one.
 fn share(p_star: &[f64], sigma: f64, factor: f64, reference: &Reference, weights: &mut [f64]) -> f64 {
     let (last, persson) = (p_star.len() - 1, factor * (reference.value)(sigma));
     let of_datum = |j: usize| (reference.scale)(p_star[j]) / (reference.value)(p_star[j]);
@@ -285,8 +288,8 @@ fn share(p_star: &[f64], sigma: f64, factor: f64, reference: &Reference, weights
     0.0
 }
 
-/// The ratio of the mean square pressure to Persson's at any load, from those at the given ones: linear in the logarithm
-/// between them, constant below, and tending to one beyond.
+/// The ratio of the mean square pressure to Persson's at any load, from those at the given ones: linear in the
+/// logarithm between them, constant below, and tending to one beyond.
 fn ratio(p_star: &[f64], moments: &[f64], load: f64) -> f64 {
     let at = |j: usize| moments[j] / persson_square(p_star[j]);
     match p_star.partition_point(|p| *p < load) {

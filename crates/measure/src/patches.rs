@@ -1,11 +1,11 @@
 use ndarray::{Array2, ArrayView2};
 
-/// The surroundings of a field.
+/// Boundary condition of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surroundings {
-    /// The field again: points at opposite edges are neighbours.
+    /// Periodic: points at opposite edges are neighbours.
     Repeats,
-    /// Nothing.
+    /// The field does not repeat: points at an edge have no neighbours beyond it.
     Ends,
 }
 
@@ -14,12 +14,14 @@ pub enum Surroundings {
 pub struct Patch {
     /// Number of points.
     pub points: u64,
-    /// Pairs of neighbours along x of which one belongs to the patch and one to none, and the same along y. The edge of a field
-    /// that ends has none, so that the links of all patches are those of [`contact_area`](crate::contact_area).
+    /// Pairs of neighbours along x of which one belongs to the patch and one to none, and the same along y. The edge of
+    /// a field that does not repeat has no links, so that the links of all patches add up to those of
+    /// [`contact_area`](crate::contact_area).
     pub links: [u64; 2],
-    /// Mean of the indices of its points, within the field; along an axis around which the patch winds it is NaN.
+    /// Mean of the indices of its points, within the field; NaN along an axis around which the patch winds.
     pub centre: [f64; 2],
-    /// True along x (y) if the patch winds around the cell that way; in a field that ends, if it reaches from edge to edge.
+    /// True along x (y) if the patch winds around the cell in that direction; in a field that does not repeat, if it
+    /// reaches from edge to edge.
     pub percolates: [bool; 2],
 }
 
@@ -33,7 +35,7 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// The patches of the points that belong to a set, which a boolean field tells.
+    /// The patches of the points at which the field `belongs` is true.
     pub fn of(belongs: ArrayView2<bool>, surroundings: Surroundings) -> Self {
         let (nx, ny) = belongs.dim();
         let mut groups = Groups::default();
@@ -103,7 +105,7 @@ impl Patches {
         self.patches.iter().map(|patch| patch.points).max().unwrap_or(0)
     }
 
-    /// True along x (y) if any patch percolates that way.
+    /// True along x (y) if any patch percolates in that direction.
     pub fn percolate(&self) -> [bool; 2] {
         [0, 1].map(|axis| self.patches.iter().any(|patch| patch.percolates[axis]))
     }
@@ -116,7 +118,7 @@ impl Patches {
     }
 }
 
-/// Labels connected points without regard to what lies beyond the edges. Points with different labels may belong to one group.
+/// Labels connected points inside the edges. Points with different labels may belong to one group.
 fn inside(belongs: ArrayView2<bool>, groups: &mut Groups) -> Array2<u32> {
     let (nx, ny) = belongs.dim();
     let mut labels = Array2::zeros((nx, ny));
@@ -146,8 +148,8 @@ fn inside(belongs: ArrayView2<bool>, groups: &mut Groups) -> Array2<u32> {
     labels
 }
 
-/// Groups of labels, each with its place in the periodic plane relative to another of its group (union-find with distances,
-/// Newman and Ziff 2001): a group that meets itself one cell further winds around the cell.
+/// Groups of labels, each with its cell in the periodic plane relative to another label of the group (union-find with
+/// distances, Newman and Ziff 2001): a group that meets itself one cell further winds around the cell.
 struct Groups {
     parents: Vec<u32>,
     /// The cell of a label less that of its parent.
@@ -157,7 +159,7 @@ struct Groups {
 }
 
 impl Default for Groups {
-    /// The label 0 is that of no patch.
+    /// The label 0 belongs to no patch.
     fn default() -> Self {
         Self { parents: vec![0], shifts: vec![[0; 2]], winds: vec![[false; 2]], sizes: vec![1] }
     }

@@ -4,14 +4,15 @@ use std::array::from_fn;
 
 use ndarray::ArrayView2;
 
-/// The largest value of a periodic field `[x, y]` between its points: the largest maximum of the quadratics through each high
-/// point and the eight around it.
+/// The largest value of a periodic field `[x, y]` between its points: the largest maximum of the quadratics through
+/// each high point and the eight around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// The largest value of the quadratics, in the unit of the field; that of a point whose quadratic has no maximum.
+    /// The largest value of the quadratics, in the unit of the field; for a point whose quadratic has no maximum, the
+    /// value there.
     pub value: f64,
-    /// The sharpness of the peak on this grid: the larger of both second differences at its point, with the sign of a maximum, over
-    /// its value.
+    /// The sharpness of the peak on this grid: the larger of both second differences at its point, with the sign of a
+    /// maximum, over its value.
     pub sharpness: f64,
     /// The skewness of the peak on this grid: the larger of both third differences around its point, over its value.
     pub skewness: f64,
@@ -44,19 +45,19 @@ fn maxima(field: ArrayView2<f64>, least: f64) -> impl Iterator<Item = ([usize; 2
     })
 }
 
-/// Points on each side of a place from which a field without waves shorter than four points is interpolated there: the error of
-/// a sinc under a Gaussian is e^(−π REACH/4), 5e-8 of the field.
+/// Points on each side used to interpolate a field without waves shorter than four points: the error of a sinc under a
+/// Gaussian is e^(−π REACH/4), 5e-8 of the field.
 const REACH: usize = 21;
 
-/// Parts of the distance of two points in which the neighbourhood of a high point is searched.
+/// Refinement of the grid around a high point.
 const ZOOM: usize = 8;
 
 /// The number of high points that are searched.
 const CANDIDATES: usize = 8;
 
-/// The largest value between the points of a periodic field `[x, y]` that has no waves shorter than four points, in the unit of the
-/// field: the quadratic through the largest of eight times finer points around the highest maxima, to 3e-5 of the amplitude of
-/// the shortest waves. NaN without points.
+/// The largest value between the points of a periodic field `[x, y]` that has no waves shorter than four points, in the
+/// unit of the field: the quadratic through the largest point of an eight times finer grid around the highest maxima,
+/// to 3e-5 of the amplitude of the shortest waves. NaN without points.
 pub fn top(field: ArrayView2<f64>) -> f64 {
     let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
     if !highest.is_finite() {
@@ -108,7 +109,8 @@ fn second_differences(at: &[[f64; 3]; 3]) -> [f64; 2] {
     [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]]
 }
 
-/// The magnitudes of the third differences of a periodic field along x and y, over the two points on each side of a place.
+/// The magnitudes of the third differences of a periodic field along x and y, over the two points on each side of a
+/// place.
 fn third_differences(field: ArrayView2<f64>, [i, j]: [usize; 2]) -> [f64; 2] {
     let (nx, ny) = field.dim();
     let difference = |at: &dyn Fn(usize) -> f64| (0.5 * (at(4) - at(0)) - (at(3) - at(1))).abs();

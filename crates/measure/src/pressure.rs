@@ -46,8 +46,8 @@ pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     }
 }
 
-/// The pressures above zero, of which each process has those of its rows. Sums have the same bits for any number of threads and of
-/// processes.
+/// The pressures above zero; each process has those of its rows. Sums have the same bits for any number of threads and
+/// of processes.
 pub(crate) struct InContact<'a> {
     share: &'a Share,
     pressure: &'a [f64],
@@ -91,7 +91,7 @@ impl<'a> InContact<'a> {
     }
 }
 
-/// Two fields of one surface with different shapes.
+/// Error: two fields of one surface have different shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShapesDiffer {
     /// The shape of the pressure, `[x, y]`.

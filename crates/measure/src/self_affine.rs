@@ -4,17 +4,17 @@ use std::f64::consts::SQRT_2;
 
 use crate::theory::PERSSON_KAPPA;
 
-/// The contact area fraction a_r(p*) of isotropic self-affine Gaussian surfaces without end, and its uncertainty
-/// (theory.md, section 11; data and errors in results.md): half-space, no friction, no adhesion, thermodynamic, fractal and
-/// continuum limit.
+/// The contact area fraction a_r(p*) of infinitely large isotropic self-affine Gaussian surfaces, and its uncertainty
+/// (theory.md, section 11; data and errors in results.md): half-space, no friction, no adhesion, thermodynamic, fractal
+/// and continuum limit.
 ///
 /// ```text
 /// a_r = erf(√2 q p*),   q = 1 + 1/[1/(c₀ (1 − H)^c₁) + c₂ (1 − H) p* + (c₃ + c₄ H) p*²]
 /// ```
 ///
-/// At first touch a_r = κ₀ p* with κ₀ = √(8/π) [1 + c₀ (1 − H)^c₁]; towards full contact, and for H → 1, it is Persson's area.
-/// The five coefficients are fitted to computed limits at H = 0, 0.3, 0.5, 0.8 and p* = 0.002 to 1.2
-/// (data/results/formula.py); outside of this range the formula extrapolates.
+/// At first touch a_r = κ₀ p* with κ₀ = √(8/π) [1 + c₀ (1 − H)^c₁]; towards full contact, and for H → 1, it is
+/// Persson's area. The five coefficients are fitted to computed limits at H = 0, 0.3, 0.5, 0.8 and p* = 0.002 to 1.2
+/// (data/results/formula.py); outside this range the formula extrapolates.
 ///
 /// ```
 /// use gfmd_measure::SelfAffineArea;
@@ -39,8 +39,8 @@ impl SelfAffineArea {
     /// The edge of [`SelfAffineArea::counted`]: the logarithm of its part of κ is linear in these.
     const EDGE: [f64; 8] = [0.372_021, -0.045_556, -0.615_826, 1.051_205, -0.087_107, 0.241_923, 1.173_192, -0.148_613];
 
-    /// The covariance of the coefficients, from the statistical errors of the data and 0.1 % of each for the form, stretched
-    /// by the misfit.
+    /// The covariance of the coefficients, from the statistical errors of the data and 0.1 % of each for the form,
+    /// stretched by the misfit.
     pub const COVARIANCE: [[f64; 5]; 5] = [
         [9.2717e-06, 1.8706e-05, 6.4931e-04, -1.3100e-03, 1.1058e-03],
         [1.8706e-05, 7.3018e-05, 9.8936e-04, -1.5841e-03, -1.2187e-03],
@@ -49,7 +49,7 @@ impl SelfAffineArea {
         [1.1058e-03, -1.2187e-03, 3.1615e-01, -1.6053e+00, 4.2587e+00],
     ];
 
-    /// For surfaces of Hurst exponent `hurst`, from 0 to 1; `None` otherwise.
+    /// The formula for surfaces of Hurst exponent `hurst`, from 0 to 1; `None` otherwise.
     pub fn new(hurst: f64) -> Option<Self> {
         (0.0..=1.0).contains(&hurst).then_some(Self { hurst })
     }
@@ -59,22 +59,23 @@ impl SelfAffineArea {
         self.with(&Self::COEFFICIENTS, p_star)
     }
 
-    /// The contact area fraction of surfaces whose spectrum ends: `eps_f` is the ratio of their shortest to their longest
-    /// wavelength.
+    /// The contact area fraction of surfaces whose spectrum ends: `eps_f` is the ratio of their shortest to their
+    /// longest wavelength.
     ///
     /// ```text
     /// q = 1 + 1/[1/(c₀ (1 − H)^c₁ + b₀ w) + c₂ (1 − H) p* + (c₃ + c₄ H) p*² + b₃ (1 + b₅ (1 − H)) w p*^b₄],   w = ε_f^(b₁ + b₂ (1 − H))
     /// ```
     ///
-    /// Fitted to surfaces of 1/ε_f = 16 to 512 at p* = 0.01 to 1.2, with an error of 0.9 % rms and at most 5 % there; it tends to
-    /// [`SelfAffineArea::at`] for ε_f → 0. Whether the cell is one or two times the longest wavelength changes less.
+    /// Fitted to surfaces of 1/ε_f = 16 to 512 at p* = 0.01 to 1.2, with an error of 0.9 % rms and at most 5 % there;
+    /// it tends to [`SelfAffineArea::at`] for ε_f → 0. A cell of one or of two longest wavelengths makes a smaller
+    /// difference.
     pub fn of_band(&self, eps_f: f64, p_star: f64) -> f64 {
         self.with_band(&Self::COEFFICIENTS, eps_f, p_star)
     }
 
-    /// The contact area fraction of such surfaces if points in contact are counted on a grid; `eps_c` is the spacing over the
-    /// shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to what the grid adds to each contact
-    /// (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; together 0.9 % rms and at most 6 %.
+    /// The contact area fraction of such surfaces if points in contact are counted on a grid; `eps_c` is the spacing
+    /// over the shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to the excess of each
+    /// contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and at most 6 %.
     pub fn counted(&self, eps_f: f64, eps_c: f64, p_star: f64) -> f64 {
         let area = self.of_band(eps_f, p_star);
         let [e0, e1, e2, e3, e4, e5, e6, e7] = Self::EDGE;
@@ -94,8 +95,8 @@ impl SelfAffineArea {
         PERSSON_KAPPA * (1.0 + c0 * (1.0 - self.hurst).powf(c1))
     }
 
-    /// The standard error of the area at `p_star` from the covariance of the coefficients; the misfit of the form adds up to
-    /// 0.8 % of the area (results.md).
+    /// The standard error of the area at `p_star` from the covariance of the coefficients; the misfit of the form adds
+    /// at most 0.8 % of the area (results.md).
     pub fn standard_error(&self, p_star: f64) -> f64 {
         let slopes: [f64; 5] = std::array::from_fn(|k| {
             let step = 1e-5 * Self::COEFFICIENTS[k];
@@ -202,9 +203,8 @@ mod tests {
         assert!([-0.1, 1.1, f64::NAN].iter().all(|hurst| SelfAffineArea::new(*hurst).is_none()));
     }
 
-    /// The formula against the limits that it is fitted to (ladders.json), and against those of other surfaces (ladders-2.json):
-    /// κ within
-    /// 0.8 % and, with the scatter of half as many surfaces, 1.5 %.
+    /// The formula against the limits that it is fitted to (ladders.json), and against those of other surfaces
+    /// (ladders-2.json): κ within 0.8 % and, with the scatter of half as many surfaces, 1.5 %.
     #[test]
     fn the_formula_describes_the_data_that_it_was_fitted_to_and_those_that_it_was_not() {
         for text in

@@ -25,7 +25,7 @@ pub struct Summary {
     pub p_star: f64,
     /// Points in contact over all points.
     pub area_fraction: f64,
-    /// The fraction less what counting whole pixels adds along the perimeter (Yastrebov et al. 2017).
+    /// The fraction without the excess of whole pixels along the perimeter (Yastrebov et al. 2017).
     pub area_fraction_corrected: f64,
     /// `area_fraction / p_star`.
     pub kappa: f64,
@@ -33,7 +33,7 @@ pub struct Summary {
     pub kappa_corrected: f64,
     /// Number of points in contact.
     pub contact_nodes: u64,
-    /// Neighbouring pairs with one point in contact and one not; none across the edge of a field that ends.
+    /// Neighbouring pairs with one point in contact and one not; none across the edge of a field that does not repeat.
     pub boundary_links: u64,
     /// Mean distance between the surfaces, in length.
     pub mean_gap: f64,
@@ -50,9 +50,9 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Measures the fields of a contact. Where surfaces attract each other, `pressure` is the repulsive part alone: its
-    /// points are those in contact. `mean_pressure` is that of all forces. Of a displacement of another size than the
-    /// pressure the elastic energy is NaN, of such a gap its mean.
+    /// Measures the fields of a contact. With an attraction, `pressure` is the repulsive part alone, whose points are
+    /// in contact, and `mean_pressure` contains all forces. A displacement of another size than the pressure gives an
+    /// elastic energy of NaN, such a gap a mean gap of NaN.
     pub fn of(
         pressure: ArrayView2<f64>,
         displacement_z: ArrayView2<f64>,
@@ -66,8 +66,8 @@ impl Summary {
         Self::over(&Share::whole(rows, columns), fields, mean_pressure, scales, surroundings)
     }
 
-    /// As [`of`](Self::of), for `fields` (pressure, displacement, gap) of which each process has the rows of its `share`. All
-    /// processes get the summary that one would make of the whole fields.
+    /// Measures `fields` (pressure, displacement, gap) of which each process has the rows of its `share`. All processes
+    /// get the summary that [`of`](Self::of) gives for the whole fields.
     pub fn over(
         share: &Share,
         fields: [ArrayView2<f64>; 3],
@@ -103,12 +103,12 @@ impl Summary {
     }
 }
 
-/// A scalar of `T` as a variable of a table or a file.
+/// A scalar of `T` as a column of a table or a variable of a file.
 #[derive(Debug)]
 pub struct Column<T> {
     /// Name of the variable.
     pub name: &'static str,
-    /// Kind of quantity, such as "stress*length"; "1" without one.
+    /// Dimension, such as "stress*length"; "1" if dimensionless.
     pub units: &'static str,
     /// Meaning.
     pub long_name: &'static str,

@@ -1,4 +1,4 @@
-//! Closed forms that contact calculations are compared with (theory.md, section 10). Half-space, no friction, rigid
+//! Closed forms for comparison with contact calculations (theory.md, section 10). Half-space, no friction, rigid
 //! indenter; `modulus` is the contact modulus E* (stress).
 
 mod asperities;
@@ -25,8 +25,9 @@ pub fn persson_area(reduced_pressure: f64) -> f64 {
     libm::erf(SQRT_2 * reduced_pressure)
 }
 
-/// The density of a positive pressure in Persson's theory, from its variance in full contact (E*² ḡ²/4 on a half-space): a
-/// Gaussian about the mean pressure less its mirror image (Persson, J. Chem. Phys. 115 (2001) 3840). All in stress.
+/// The density of a positive pressure in Persson's theory, from its variance in full contact (E*² ḡ²/4 on a
+/// half-space): a Gaussian about the mean pressure less its mirror image (Persson, J. Chem. Phys. 115 (2001) 3840). All
+/// in stress.
 pub fn persson_pressure(pressure: f64, mean_pressure: f64, variance: f64) -> f64 {
     let gaussian = |distance: f64| (-0.5 * distance * distance / variance).exp();
     let [about, image] = [pressure - mean_pressure, pressure + mean_pressure].map(gaussian);

@@ -1,6 +1,6 @@
-//! Conjugate gradients for the traction on the held entries: R G Rᵀ t = u − R G t_given, with R the restriction to these
-//! entries. R G Rᵀ is symmetric and positive definite. The preconditioner R K Rᵀ is close to its inverse, the Schur
-//! complement R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
+//! Conjugate gradients for the traction on the held entries: R G Rᵀ t = u − R G t_given, with R the restriction to
+//! these entries. R G Rᵀ is symmetric and positive definite. The preconditioner R K Rᵀ is close to its inverse, the
+//! Schur complement R K Rᵀ − K_hf K_ff⁻¹ K_fh (docs/solvers.md).
 
 use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
 use gfmd_vector::{dot, for_each};
@@ -63,7 +63,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
     (iterations, ending)
 }
 
-/// Sets the entries to zero that are free.
+/// Sets free entries to zero.
 fn restrict(held: &[bool], field: &mut [f64]) {
     for_each([field], &|start, [field]| {
         for (value, held) in field.iter_mut().zip(&held[start..]) {

@@ -27,7 +27,7 @@ pub enum MixedError {
     /// A problem without held points, which needs no solver: the compliance gives its displacement.
     #[error("no displacement is prescribed anywhere; at least one point must be held")]
     NothingHeld,
-    /// A component that is held at every point, although its mean traction moves nothing and is thus undetermined.
+    /// A component that is held at every point although its mean traction is undetermined, since it moves nothing.
     #[error(
         "component {component} is held at every point; at least one point must be free, since a uniform traction along \
          this component does not move the body"
@@ -42,7 +42,7 @@ pub enum MixedError {
     /// A tolerance out of range.
     #[error(transparent)]
     Tolerance(#[from] ToleranceError),
-    /// Numbers so large or so small that a method cannot start.
+    /// Numbers too large or too small for a method to start.
     #[error("the search cannot start: {0}")]
     Search(#[from] RelaxError),
     /// The residual did not fall to the tolerance. The state reached is kept.

@@ -7,7 +7,7 @@ use gfmd_response::FullResponse;
 
 use crate::{MixedError, Prescribed};
 
-/// The methods. All find the one solution; they differ in cost (docs/solvers.md).
+/// The solution methods. All find the same solution and differ in cost (docs/solvers.md).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
@@ -17,10 +17,10 @@ pub enum Method {
     /// Damped position Verlet for the free displacement, with the optimal scalar damping and time step for the range of
     /// stiffnesses.
     Verlet,
-    /// Damped position Verlet with the softest mode critically damped, as in the original method, and a quarter of the stable
-    /// time step: [`Method::Damped`] with [`TIME_STEP`](Self::TIME_STEP) and the factor 1.
+    /// Damped position Verlet with the softest mode critically damped, as in the original method, and a quarter of the
+    /// stable time step: [`Method::Damped`] with [`TIME_STEP`](Self::TIME_STEP) and the factor 1.
     VerletCritical,
-    /// Damped position Verlet with a time step and a damping of one's own.
+    /// Damped position Verlet with a given time step and damping.
     Damped {
         /// The time step over the stability limit without damping, 2/√k_max.
         time_step: f64,
@@ -59,7 +59,7 @@ impl MixedProblem {
         Self::on(FullResponse::new(*grid, body), prescribed)
     }
 
-    /// As [`new`](Self::new), on an existing response, such as one that many problems share.
+    /// Poses the problem on an existing response, which many problems may share.
     ///
     /// # Errors
     /// Prescribed values that do not fit the grid, hold nothing, or leave a mean traction undetermined.

@@ -3,8 +3,8 @@ use ndarray::Array2;
 
 use crate::MixedError;
 
-/// A flat punch in the middle of the cell, of equal widths along x and y (a strip on a line grid), and the points that it
-/// covers.
+/// A flat punch in the middle of the cell, of equal widths along x and y (a strip on a line grid), and the points that
+/// it covers.
 ///
 /// [`Edge`] decides for points on its edge. This choice changes the width of the punch that the points represent; see
 /// [`effective_width`](Self::effective_width).
@@ -17,10 +17,10 @@ pub struct FlatPunch {
 /// The choices for points on the edge of a punch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Edge {
-    /// They are not covered: (1 − f)/2 < x/L < (1 + f)/2.
+    /// Points on the edge are not covered: (1 − f)/2 < x/L < (1 + f)/2.
     #[default]
     Strict,
-    /// They are covered.
+    /// Points on the edge are covered.
     Inclusive,
 }
 
@@ -48,9 +48,9 @@ impl FlatPunch {
         (0..n).filter(|i| self.covers(*i, n)).count()
     }
 
-    /// The width along x of the sharp-edged punch of the continuum whose force is nearest, in length. As was measured, N
-    /// points act as a punch of about N − 1/3 spacings. With either [`Edge`] the error of the force is thus of first order
-    /// in the spacing; it is half as large if the edge is included (docs/solvers.md).
+    /// The width along x of the sharp-edged punch of the continuum with the nearest force, in length. By measurement, N
+    /// points act as a punch of about N − 1/3 spacings. With either [`Edge`] the error of the force is thus of first
+    /// order in the spacing; it is half as large if the edge is included (docs/solvers.md).
     pub fn effective_width(&self, grid: &Grid) -> f64 {
         (self.points_across(grid) as f64 - 1.0 / 3.0) * grid.spacing()[0]
     }

@@ -3,8 +3,8 @@ use ndarray::{Array3, Axis};
 /// The solved state. Fields are `[component, x, y]` with the components x, y, z, or x, z on a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MixedSolution {
-    /// Displacement of the surface, in length: u = G t of the traction below, by new transforms. A mean that does not
-    /// depend on the mean traction is zero.
+    /// Displacement of the surface, in length: u = G t of `traction`, by new transforms. A mean that does not depend on
+    /// the mean traction is zero.
     pub displacement: Array3<f64>,
     /// Traction on the surface, in stress; exactly the given one on free entries.
     pub traction: Array3<f64>,
@@ -19,7 +19,8 @@ pub struct MixedSolution {
 }
 
 impl MixedSolution {
-    /// The mean traction over the whole surface, by component, in stress. The mean pressure is minus the last component.
+    /// The mean traction over the whole surface, by component, in stress. The mean pressure is minus the last
+    /// component.
     pub fn mean_traction(&self) -> Vec<f64> {
         // A grid has points, and so each component a mean.
         self.traction.axis_iter(Axis(0)).map(|component| component.mean().unwrap_or(0.0)).collect()

@@ -5,7 +5,7 @@ use crate::surface::Surface;
 use crate::{Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
 
 impl MixedProblem {
-    /// The state of a traction, with its residual, from new transforms. The effort counts those alone.
+    /// Computes the state of a traction, with its residual, by new transforms. The effort counts only these.
     ///
     /// # Errors
     /// A traction of another shape than the prescribed values.

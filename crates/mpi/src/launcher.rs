@@ -1,17 +1,17 @@
 //! Programs that start processes, by the variables that they set for each.
 
-/// A launcher that has started this process among others.
+/// The launcher that started this process as one of several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Launcher {
-    /// Its name.
+    /// The name of the launcher.
     pub name: &'static str,
     /// The number of this process.
     pub rank: usize,
     /// The number of processes, more than one.
     pub size: usize,
-    /// The number of processes on this machine, as far as the launcher tells.
+    /// The number of processes on this machine, if the launcher gives it.
     pub local: usize,
-    /// The files of its libraries, the likely one first.
+    /// The files of its libraries, the most likely one first.
     pub(crate) libraries: &'static [&'static str],
 }
 
@@ -20,7 +20,7 @@ type Known = (&'static str, [&'static str; 3], &'static [&'static str]);
 
 const OPEN_MPI: &str = "Open MPI's mpirun";
 
-/// In this order: mpirun inside of a job of SLURM is mpirun.
+/// The order matters: mpirun inside a SLURM job is recognised as mpirun.
 const LAUNCHERS: [Known; 3] = [
     (
         OPEN_MPI,
@@ -41,7 +41,7 @@ impl Launcher {
         Self::by(|name| std::env::var(name).ok())
     }
 
-    /// False for a library that this launcher does not start, and that may end the process when it begins.
+    /// False for a library that does not belong to this launcher, and may end the process when it is initialised.
     pub(crate) fn starts(&self, version: &str) -> bool {
         self.name != OPEN_MPI || version.starts_with("Open MPI")
     }

@@ -1,18 +1,19 @@
 //! The functions of an MPI library, the only unsafe code of the crate.
 //!
-//! The signatures are those of the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of [`Kind`].
+//! The signatures are those of the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of
+//! [`Kind`].
 #![expect(unsafe_code, reason = "a C library has no other interface")]
 
 use std::ffi::{c_char, c_int, c_void};
 use std::mem::ManuallyDrop;
 use std::ptr::null;
 
-use gfmd_vector::Letters;
+use gfmd_vector::Messages;
 use libloading::Library;
 
 use crate::kind::{Kind, MPICH, OPEN_MPI_SERIALIZED, STANDARD};
 
-/// A handle: an `int` of MPICH, an address elsewhere, held as a number of its size.
+/// A handle: an `int` in MPICH, an address elsewhere, stored as a number of its size.
 pub(crate) trait Handle: Copy + Send + Sync + 'static {
     const NONE: Self;
     fn of(number: usize) -> Self;
@@ -61,23 +62,23 @@ pub(crate) struct Functions<H> {
     finalize: unsafe extern "C" fn() -> c_int,
 }
 
-/// The longest text of a library about itself, and room for a status, which is less than 100 bytes.
+/// The size of the buffer for the version text of a library, and for a status, which has less than 100 bytes.
 const TEXT: usize = 8192;
 
-/// A library that has begun.
+/// An initialised library.
 pub(crate) enum Begun {
     Numbers(Functions<c_int>),
     Addresses(Functions<usize>),
 }
 
-/// The words of a library about itself.
+/// The version text of a library.
 pub(crate) struct About {
     pub(crate) version: String,
     pub(crate) rank: usize,
     pub(crate) size: usize,
 }
 
-/// Loads the library `file` and begins, unless its version is not one that `fits`: then only the version is returned.
+/// Loads the library `file` and initialises MPI. If its version does not satisfy `fits`, only the version is returned.
 pub(crate) fn begin(
     file: &str,
     fits: impl Fn(&str) -> bool,
@@ -113,7 +114,7 @@ pub(crate) fn begin(
     Ok(Ok((begun, About { version, rank, size })))
 }
 
-/// The first line of what a library says of itself, which it may be asked before it begins.
+/// The first line of the version text, which is available before the initialisation.
 fn version(library: &Library) -> Result<String, libloading::Error> {
     type Version = unsafe extern "C" fn(*mut c_char, *mut c_int) -> c_int;
     // SAFETY: the type is that of the standard.
@@ -125,7 +126,7 @@ fn version(library: &Library) -> Result<String, libloading::Error> {
     Ok(String::from_utf8_lossy(&text).lines().next().unwrap_or_default().trim_matches('\0').to_owned())
 }
 
-/// Opens a library for good: it has threads and handlers of its own, which its removal would leave without code.
+/// Opens a library and never closes it: its threads and handlers would be left without code.
 fn open(file: &str) -> Result<ManuallyDrop<Library>, libloading::Error> {
     #[cfg(unix)]
     {
@@ -184,7 +185,8 @@ impl<H: Handle> Functions<H> {
         Ok((functions, own.unsigned_abs() as usize, all.unsigned_abs() as usize))
     }
 
-    /// Fills `all` with what each gives as `own`; rank r gives `lengths[r]` words, of fewer than 2³¹ in all.
+    /// Gathers the words `own` of each rank into `all`; rank r sends `lengths[r]` words. All together are fewer than
+    /// 2³¹.
     pub(crate) fn gather(&self, own: &[u64], all: &mut [u64], lengths: &[usize]) {
         let (counts, places) = counts(lengths);
         let count = int(own.len());
@@ -204,37 +206,37 @@ impl<H: Handle> Functions<H> {
         }
     }
 
-    /// Gives all the `words` of the rank `from`.
+    /// Broadcasts the `words` of the rank `from`.
     pub(crate) fn broadcast(&self, words: &mut [u64], from: usize) {
         let count = int(words.len());
         // SAFETY: there are so many words, and they live until the call returns.
         unsafe { (self.broadcast)(words.as_mut_ptr(), count, self.word, int(from), self.communicator) };
     }
 
-    /// Begins an exchange of letters, which it owns until its end.
-    pub(crate) fn post(&self, mut letters: Letters) -> Exchange<'_, H> {
+    /// Starts an exchange, which owns the messages until its end.
+    pub(crate) fn post(&self, mut messages: Messages) -> Exchange<'_, H> {
         // Open MPI takes two equal addresses, as empty vectors have, for a call in place, which waits for all the others.
-        for words in [&mut letters.out, &mut letters.into] {
+        for words in [&mut messages.out, &mut messages.into] {
             if words.is_empty() {
                 words.reserve(1);
             }
         }
         let ((out_counts, out_places), (into_counts, into_places)) =
-            (counts(&letters.out_lengths), counts(&letters.into_lengths));
-        assert_eq!(letters.out.len(), letters.out_lengths.iter().sum::<usize>(), "every word has a receiver");
-        assert_eq!(letters.into.len(), letters.into_lengths.iter().sum::<usize>(), "every word has a sender");
+            (counts(&messages.out_lengths), counts(&messages.into_lengths));
+        assert_eq!(messages.out.len(), messages.out_lengths.iter().sum::<usize>(), "every word has a receiver");
+        assert_eq!(messages.into.len(), messages.into_lengths.iter().sum::<usize>(), "every word has a sender");
         let numbers = [out_counts, out_places, into_counts, into_places];
-        let mut exchange = Exchange { functions: self, letters, numbers, request: H::NONE, over: false };
-        let Exchange { letters, numbers, request, .. } = &mut exchange;
+        let mut exchange = Exchange { functions: self, messages, numbers, request: H::NONE, over: false };
+        let Exchange { messages, numbers, request, .. } = &mut exchange;
         // SAFETY: the vectors have the lengths checked above. They are on the heap and belong to the exchange, which gives them
         // back only after MPI_Wait, waits when it is dropped, and frees nothing if it is forgotten.
         unsafe {
             (self.all_to_all)(
-                letters.out.as_ptr(),
+                messages.out.as_ptr(),
                 numbers[0].as_ptr(),
                 numbers[1].as_ptr(),
                 self.word,
-                letters.into.as_mut_ptr(),
+                messages.into.as_mut_ptr(),
                 numbers[2].as_ptr(),
                 numbers[3].as_ptr(),
                 self.word,
@@ -245,7 +247,7 @@ impl<H: Handle> Functions<H> {
         exchange
     }
 
-    /// Waits until all are here, as long as `goes_on` says so; true if they are.
+    /// Waits until all processes have arrived, or `goes_on` returns false; true if all have arrived.
     pub(crate) fn meet(&self, mut goes_on: impl FnMut() -> bool) -> bool {
         let (mut request, mut done) = (H::NONE, 0);
         let mut status = [0_u64; TEXT / 64];
@@ -259,24 +261,24 @@ impl<H: Handle> Functions<H> {
         done != 0
     }
 
-    /// Ends all processes with this status.
+    /// Aborts all processes with this exit status.
     pub(crate) fn abort(&self, status: u8) {
         // SAFETY: it may be called at any time after the beginning.
         unsafe { (self.abort)(self.communicator, c_int::from(status)) };
     }
 
-    /// Ends this process's part.
+    /// Finalises MPI in this process.
     pub(crate) fn finalize(&self) {
         // SAFETY: called once, by `World::end`, which consumes the world, when all have met and no exchange is under way.
         unsafe { (self.finalize)() };
     }
 }
 
-/// An exchange under way.
+/// A pending exchange.
 pub(crate) struct Exchange<'a, H: Handle> {
     functions: &'a Functions<H>,
-    letters: Letters,
-    /// Counts and places of what is sent and received, which the library may read until the end.
+    messages: Messages,
+    /// Counts and displacements of sent and received words, which the library may read until the end.
     numbers: [Vec<c_int>; 4],
     request: H,
     over: bool,
@@ -293,10 +295,10 @@ impl<H: Handle> Exchange<'_, H> {
 }
 
 impl<H: Handle> gfmd_vector::Pending for Exchange<'_, H> {
-    fn wait(mut self: Box<Self>) -> Letters {
+    fn wait(mut self: Box<Self>) -> Messages {
         self.finish();
         self.numbers.iter_mut().for_each(Vec::clear);
-        std::mem::take(&mut self.letters)
+        std::mem::take(&mut self.messages)
     }
 }
 
@@ -306,7 +308,7 @@ impl<H: Handle> Drop for Exchange<'_, H> {
     }
 }
 
-/// The numbers of words and their places, as the library counts them.
+/// Counts and displacements of words, as integers of the library.
 fn counts(lengths: &[usize]) -> (Vec<c_int>, Vec<c_int>) {
     let places = lengths.iter().scan(0, |place, length| {
         let own = *place;
@@ -319,5 +321,5 @@ fn counts(lengths: &[usize]) -> (Vec<c_int>, Vec<c_int>) {
 
 /// A count of the library.
 fn int(count: usize) -> c_int {
-    c_int::try_from(count).expect("letters are below 2³¹ words: the rounds of a transform see to it")
+    c_int::try_from(count).expect("messages are below 2³¹ words: the rounds of a transform see to it")
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use gfmd_vector::{Letters, Pending, Ranks};
+use gfmd_vector::{Messages, Pending, Ranks};
 
 use crate::Launcher;
 use crate::library::{About, Begun, begin};
@@ -10,10 +10,10 @@ use crate::library::{About, Begun, begin};
 /// The file of the library, or `none`.
 const VARIABLE: &str = "GFMD_MPI";
 
-/// The largest number of words that are gathered in one call: counts are below 2³¹.
+/// The largest number of words gathered in one call: counts must be below 2³¹.
 const PIECE: usize = 1 << 28;
 
-/// How long a process that has failed waits for the others to fail, too.
+/// The time that a failed process waits for the others to fail as well.
 const TOGETHER: Duration = Duration::from_secs(3);
 
 /// All processes that a launcher has started together.
@@ -41,7 +41,7 @@ pub enum MpiError {
         /// The last reason.
         reason: String,
     },
-    /// A library that the launcher does not start: each process would be alone.
+    /// A library of another launcher: each process would run alone.
     #[error(
         "{launcher} has started {size} processes, which the library {version} does not know; it must be the library of the \
          launcher, which GFMD_MPI=FILE names"
@@ -56,10 +56,10 @@ pub enum MpiError {
     },
 }
 
-/// Begins, if a launcher has started this process as one of several. Called once.
+/// Initialises MPI if a launcher started this process as one of several; otherwise returns `None`. Call it once.
 ///
 /// # Errors
-/// No library, or that of another launcher.
+/// No library was found, or only that of another launcher.
 pub fn start() -> Result<Option<World>, MpiError> {
     let Some(launcher) = Launcher::found() else { return Ok(None) };
     let Launcher { name, size, libraries, .. } = launcher;
@@ -84,7 +84,7 @@ pub fn start() -> Result<Option<World>, MpiError> {
     Err(MpiError::NoLibrary { launcher: name, size, reason })
 }
 
-/// Calls a function of either kind of library.
+/// Calls a method for either kind of library.
 macro_rules! of {
     ($world:expr, $functions:ident => $call:expr) => {
         match &$world.begun {
@@ -95,12 +95,13 @@ macro_rules! of {
 }
 
 impl World {
-    /// The words of the library about itself.
+    /// The version text of the library.
     pub fn version(&self) -> &str {
         &self.version
     }
 
-    /// True if all processes arrive here within three seconds: they have ended alike. Called once.
+    /// Waits up to three seconds for all processes; true if all arrive, so that all have ended in the same way. Call it
+    /// once.
     pub fn is_met(&self) -> bool {
         let begun = Instant::now();
         of!(self, functions => functions.meet(|| {
@@ -109,7 +110,7 @@ impl World {
         }))
     }
 
-    /// Waits for all processes. Called once, by those that have not failed.
+    /// Waits for all processes. Processes that have not failed call it once.
     pub fn meet(&self) {
         of!(self, functions => functions.meet(|| {
             std::thread::sleep(Duration::from_millis(1));
@@ -117,12 +118,12 @@ impl World {
         }));
     }
 
-    /// Ends this process's part, after all have met.
+    /// Finalises MPI in this process, after all have met.
     pub fn end(&self) {
         of!(self, functions => functions.finalize());
     }
 
-    /// Ends all processes with this status.
+    /// Aborts all processes with this exit status.
     pub fn abort(&self, status: u8) {
         of!(self, functions => functions.abort(status));
     }
@@ -152,7 +153,7 @@ impl Ranks for World {
         }
     }
 
-    fn post(&self, letters: Letters) -> Box<dyn Pending + '_> {
-        of!(self, functions => Box::new(functions.post(letters)))
+    fn post(&self, messages: Messages) -> Box<dyn Pending + '_> {
+        of!(self, functions => Box::new(functions.post(messages)))
     }
 }

@@ -1,7 +1,7 @@
 //! Plans of fast Fourier transforms, compiled once.
 //!
-//! The planners of RustFFT, `realfft` and `rustdct` are generic, and a minute of work for the compiler. Called here in functions that
-//! are not generic, they are compiled here only, and not with every crate and test that has a transform.
+//! The planners of RustFFT, `realfft` and `rustdct` are generic and take a minute to compile. The functions here are
+//! not generic, so that the planners are compiled once, and not with every crate and test that uses transforms.
 //!
 //! ```
 //! use gfmd_plan::Plans;
@@ -21,15 +21,15 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustdct::{DctPlanner, TransformType2And3};
 use rustfft::{Fft, FftPlanner};
 
-/// Plans of transforms ahead and back, of numbers in single and in double precision.
+/// Plans of forward and inverse transforms, in single and in double precision.
 pub trait Plans: Sized {
-    /// Transforms of real rows of so many points to half spectra, and back, without factors.
+    /// Transforms of real rows of `points` points to half spectra, and back, without normalisation.
     fn real(points: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>);
 
-    /// Transforms of complex rows of so many points, and back, without factors.
+    /// Transforms of complex rows of `points` points, and back, without normalisation.
     fn complex(points: usize) -> (Arc<dyn Fft<Self>>, Arc<dyn Fft<Self>>);
 
-    /// Transforms in cosines (types 2 and 3) of rows of either number of points.
+    /// Cosine transforms (types 2 and 3) of rows of either number of points.
     fn cosines(points: [usize; 2]) -> [Arc<dyn TransformType2And3<Self>>; 2];
 }
 

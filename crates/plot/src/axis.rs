@@ -8,7 +8,7 @@ const LARGEST: f64 = 1e307;
 /// The shortest linear axis, and the lowest end of a logarithmic one.
 const SMALLEST: f64 = 1e-304;
 
-/// The shortest linear axis over its ends, of which its ticks still differ.
+/// The shortest linear axis relative to its ends, so that its ticks still differ.
 const NARROWEST: f64 = 1e-13;
 
 /// An axis with its range and its ticks.
@@ -24,7 +24,7 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// Chooses the ticks; `about` is the number of labels for which there is room.
+    /// Chooses the ticks; `about` is the number of labels that fit.
     pub(super) fn new(scale: Scale, range: [f64; 2], about: f64) -> Result<Self, PlotError> {
         let [low, high] = range;
         // Beyond these sizes steps, powers of ten and distances are no numbers.
@@ -131,7 +131,7 @@ pub(super) fn minus(number: &str) -> String {
     }
 }
 
-/// The range of an axis that shows the values, with room at both ends; `None` without values.
+/// The range of an axis that shows the values, with a margin at both ends; `None` without values.
 pub(super) fn padded(scale: Scale, values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low > high {
@@ -139,10 +139,10 @@ pub(super) fn padded(scale: Scale, values: impl Iterator<Item = f64>) -> Option<
     }
     Some(match scale {
         Scale::Linear => {
-            let room = if high > low { 0.06 * (high - low) } else { 0.1 * low.abs().max(1e-300) };
+            let margin = if high > low { 0.06 * (high - low) } else { 0.1 * low.abs().max(1e-300) };
             let largest = low.abs().max(high.abs());
-            let room = if room > 0.0 && room > 1e-12 * largest { room } else { (0.1 * largest).max(1.0) };
-            [low - room, high + room]
+            let margin = if margin > 0.0 && margin > 1e-12 * largest { margin } else { (0.1 * largest).max(1.0) };
+            [low - margin, high + margin]
         }
         Scale::Log => {
             let factor = if high > low { (high / low).powf(0.06).max(1.02) } else { 1.5 };

@@ -28,7 +28,7 @@ pub struct Chart {
     pub stacked: bool,
     /// Width of the figure in points.
     pub width: f64,
-    /// Height of the axes in points; of stacked panels that of the first, and twice that of each other one.
+    /// Height of the axes in points. For stacked panels the height of the first; each other one has half of it.
     pub height: f64,
 }
 
@@ -50,8 +50,8 @@ impl Chart {
         draw(self)?.svg()
     }
 
-    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, which must be a word that no other figure
-    /// of the page has; `title` is its text for those who do not see it.
+    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, a word that no other figure of the
+    /// page may have; `title` is its alternative text.
     pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
         draw(self)?.element(name, title)
     }

@@ -12,7 +12,7 @@ use super::PlotError;
 use super::colour::Rgb;
 use super::text::{FAMILY, ITALIC, REGULAR, escape, number};
 
-/// Dots per inch of a PNG without pictures of more pixels than that.
+/// Dots per inch of a PNG, unless its pictures have more pixels.
 const RESOLUTION: f64 = 300.0;
 
 /// Points per inch.
@@ -53,8 +53,8 @@ impl Drawing {
         Ok(self.wrap(&pictures))
     }
 
-    /// The figure as one element of a page: the ids begin with `name`, since a page has several figures, and `title` says what
-    /// it shows to those who do not see it.
+    /// The figure as one element of a page: the ids begin with `name`, since a page has several figures, and `title` is
+    /// its alternative text.
     pub(super) fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
         let svg = self.svg()?;
         let element = svg.split_once("?>\n").map_or(svg.as_str(), |(_, element)| element);

@@ -11,7 +11,7 @@ use super::frame::{EDGE, Frame, GAP, LABEL, TICK, draw_axes, left_margin};
 use super::text::{Anchor, Text, number};
 use super::{Axis, PlotError, Scale};
 
-/// Largest number of pixels; of more points, blocks become a pixel.
+/// Largest number of pixels; with more points, each pixel is a block of points.
 const PIXELS: usize = 1 << 20;
 
 /// Largest number of pixels along one side.
@@ -40,7 +40,7 @@ pub struct Map<'a> {
     pub y: String,
     /// Label of the colour bar.
     pub label: String,
-    /// Spacing of the colours; of logarithmic ones, all values above the threshold of `below` must be above zero.
+    /// Spacing of the colours. If it is logarithmic, all values above the threshold of `below` must be above zero.
     pub scale: Scale,
     /// The colours of the scale.
     pub colours: Colours,
@@ -49,7 +49,7 @@ pub struct Map<'a> {
     /// Range of the colour scale; from the values if absent. Values beyond an end have the colour of that end, and the
     /// bar then has a triangle there.
     pub range: Option<[f64; 2]>,
-    /// True if there is a colour bar. False: colours tell values apart and mean nothing else.
+    /// True if there is a colour bar; false if colours only distinguish values.
     pub bar: bool,
     /// Width of the figure in points.
     pub width: f64,
@@ -62,7 +62,7 @@ pub struct Below {
     pub threshold: f64,
     /// Its name beside the colour bar.
     pub label: String,
-    /// Its colour, an index as of [`Series`](super::Series); pale grey if absent.
+    /// Its colour, an index like that of [`Series`](super::Series); pale grey if absent.
     pub hue: Option<usize>,
 }
 
@@ -83,7 +83,8 @@ pub enum Colours {
     /// From dark to light.
     #[default]
     Sequential,
-    /// Red below the middle of the range, white in the middle, blue above: for values of two signs, with a range about zero.
+    /// Red below the middle of the range, white in the middle, blue above: for values of two signs, with a range about
+    /// zero.
     Diverging,
 }
 
@@ -116,8 +117,8 @@ impl Map<'_> {
         draw(self)?.svg()
     }
 
-    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, which must be a word that no other figure
-    /// of the page has; `title` is its text for those who do not see it.
+    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, a word that no other figure of the
+    /// page may have; `title` is its alternative text.
     pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
         draw(self)?.element(name, title)
     }
@@ -171,7 +172,7 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
         return Err(PlotError::NotFinite { found: map.values[index], place });
     }
     let (range, beyond) = colour_range(map)?;
-    let ticks = |range: [f64; 2], room: f64| Ticks::new(Scale::Linear, range, room);
+    let ticks = |range: [f64; 2], labels: f64| Ticks::new(Scale::Linear, range, labels);
     let mut bar_ticks = Ticks::new(map.scale, range, 5.0)?;
     if !map.bar {
         bar_ticks.major.clear();
@@ -208,8 +209,8 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
 /// The range of the colour scale, and two flags: values lie below it, values lie above it.
 ///
 /// A field with singular edges has a few extremely large values. Unless the range is given, the scale therefore ends at
-/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end, and
-/// begins at the 0.5 % quantile, if no class lies below, in the same way; a logarithmic one always begins there.
+/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end,
+/// and begins at the 0.5 % quantile, if no class lies below, in the same way; a logarithmic one always begins there.
 fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
     let (least, most) =
@@ -244,7 +245,7 @@ fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     Ok((range, [least < range[0], most > range[1]]))
 }
 
-/// The points along x and along y that become one pixel: one, unless that would be more pixels than [`PIXELS`].
+/// The number of points along x and along y that become one pixel: one, unless there are more than [`PIXELS`].
 fn block([nx, ny]: [usize; 2]) -> [usize; 2] {
     let mut block = [nx, ny].map(|n| n.div_ceil(LONGEST));
     while nx.div_ceil(block[0]) * ny.div_ceil(block[1]) > PIXELS {
@@ -253,8 +254,8 @@ fn block([nx, ny]: [usize; 2]) -> [usize; 2] {
     block
 }
 
-/// The image with one pixel per point or block of points: the colour of the mean over its coloured points, mixed with the
-/// colour of the others in proportion to their number.
+/// The image with one pixel per point or block of points: the colour of the mean over its coloured points, mixed with
+/// the colour of the others in proportion to their number.
 fn paint(map: &Map, ticks: &Ticks, frame: [f64; 4]) -> Picture {
     let [nx, ny] = map.shape;
     let block = block(map.shape);

@@ -47,7 +47,7 @@ pub enum Mark {
     Filled(Side),
 }
 
-/// Where the pale area of a filled line ends.
+/// The end of the pale area of a filled line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// The upper edge of the axes.

@@ -126,7 +126,7 @@ pub(super) fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: 
     }
 }
 
-/// Writes the names of the reference lines at the right, moved apart where they would overlap.
+/// Writes the labels of the reference lines at the right, moved apart where they would overlap.
 fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
     let mut names: Vec<(f64, Text)> = panel
         .levels
@@ -136,11 +136,11 @@ fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
         .filter(|(y, _)| (frame.top - 1.0..=frame.top + frame.height + 1.0).contains(y))
         .collect();
     names.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let room = 1.15 * TICK;
+    let distance = 1.15 * TICK;
     for _ in 0..100 {
         let mut moved = false;
         for i in 1..names.len() {
-            let short = room - (names[i].0 - names[i - 1].0);
+            let short = distance - (names[i].0 - names[i - 1].0);
             if short > 1e-6 {
                 names[i - 1].0 -= 0.5 * short;
                 names[i].0 += 0.5 * short;

@@ -8,7 +8,7 @@ use super::panels::{HEAD, Labels, draw_panel, right_margin};
 use super::{Panel, PlotError};
 
 /// The height that a label of an ordinate takes.
-const ROOM: f64 = 20.0;
+const LABEL_HEIGHT: f64 = 20.0;
 
 /// The distance between two panels.
 const BETWEEN: f64 = 7.0;
@@ -32,7 +32,7 @@ pub(super) fn draw(
     let mut top = EDGE + legend_height + 0.5 * TICK;
     for (index, panel) in panels.iter().enumerate() {
         let height = if index == 0 { height } else { 0.5 * height };
-        let ticks = Ticks::new(panel.y.scale, ranges[index][1], height / ROOM)?;
+        let ticks = Ticks::new(panel.y.scale, ranges[index][1], height / LABEL_HEIGHT)?;
         top += if panel.title.is_empty() && ticks.factor.is_empty() { 0.0 } else { HEAD };
         placed.push((panel, ticks, top, height));
         top += height + BETWEEN;

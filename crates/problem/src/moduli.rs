@@ -3,7 +3,7 @@ use std::fmt;
 /// The moduli of a viscoelastic body that are given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Moduli {
-    /// Those that are left when all branches have relaxed.
+    /// The long-term moduli, after the relaxation of all branches.
     #[default]
     LongTerm,
     /// Moduli of a load in no time.

@@ -118,14 +118,14 @@ parts! {
     Several: |_| ("mpirun", "given", "several processes"), |f| f.processes > 1;
 }
 
-/// A part that does not go beside another one.
+/// A rule: one part is refused in combination with another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rule {
     /// The part that is refused.
     pub part: Part,
-    /// The part beside which it is refused.
+    /// The other part of the combination.
     pub with: Part,
-    /// The values that are allowed there.
+    /// The values of the first part that are allowed in the combination.
     pub allowed: &'static str,
     /// The reason.
     pub why: &'static str,
@@ -138,14 +138,14 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
 /// The reason of a rule that a later version may lift.
 const LATER: &str = "not implemented";
 /// The reason of the rules of several processes.
-const ALONE: &str = "processes share periodic hard walls alone";
+const ALONE: &str = "several processes support only periodic hard walls";
 
-/// All rules, in the order in which they are told.
+/// All rules, in the order of lists and messages.
 pub const RULES: &[Rule] = {
     use Part::*;
     &[
         rule(HalfSpace, Lower, "finite", "a second surface needs a lower face"),
-        rule(OtherBase, Lower, "left out", "nothing but the two surfaces holds the slab"),
+        rule(OtherBase, Lower, "left out", "the slab is held by the two surfaces alone"),
         rule(FiniteSlope, Lower, "left out", LATER),
         rule(Law, Lower, "hard-wall", LATER),
         rule(Free, Lower, "periodic", LATER),
@@ -154,9 +154,9 @@ pub const RULES: &[Rule] = {
         rule(SecondBody, Lower, "left out", LATER),
         rule(Hardness, Lower, "left out", LATER),
         rule(MovedBase, Lower, "left out", "there is no base"),
-        rule(Statistics, Lower, "left out", "it does not say for which face"),
-        rule(Flow, Lower, "left out", "it does not say through which gap"),
-        rule(FlowThreshold, Lower, "left out", "it does not say through which gap"),
+        rule(Statistics, Lower, "left out", "the face is ambiguous"),
+        rule(Flow, Lower, "left out", "the gap is ambiguous"),
+        rule(FlowThreshold, Lower, "left out", "the gap is ambiguous"),
         rule(Law, FiniteSlope, "hard-wall", LATER),
         rule(Free, FiniteSlope, "periodic", LATER),
         rule(All, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
@@ -181,30 +181,30 @@ pub const RULES: &[Rule] = {
         rule(All, Free, "normal", LATER),
         rule(Held, Free, "normal", LATER),
         rule(All, Hardness, "normal", "the dynamics has no bound of the pressure"),
-        rule(Held, SecondBody, "normal", "of two held bodies the relative displacement is not that of one"),
+        rule(Held, SecondBody, "normal", "the relative displacement of two held bodies is not that of one"),
         rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
         rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
-        rule(All, Approach, "normal", "the dynamics takes a mean pressure"),
+        rule(All, Approach, "normal", "the dynamics needs a mean pressure"),
         rule(Hardness, Law, "left out", "the largest pressure is that of a hard wall"),
         rule(Law, Friction, "hard-wall", "the limit of the shear is that of a hard wall"),
-        rule(Hardness, Friction, "left out", "no solver has both limits"),
-        rule(Hardness, Lateral, "left out", "no solver has both"),
+        rule(Hardness, Friction, "left out", "no solver supports both limits"),
+        rule(Hardness, Lateral, "left out", "no solver supports both"),
         rule(Free, MovedBase, "periodic", "the effect of the base is that of a periodic cell"),
         rule(Free, Lateral, "periodic", LATER),
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeFriction, "3", "the lateral displacement of a profile is known up to a constant"),
-        rule(Sliding, FreeFriction, "bonded or half-space", "nothing holds the body sideways"),
+        rule(Sliding, FreeFriction, "bonded or half-space", "the body has no lateral support"),
         rule(Law, Prony, "hard-wall", LATER),
         rule(Hardness, Prony, "left out", LATER),
         rule(Friction, Prony, "left out", LATER),
         rule(Lateral, Prony, "left out", LATER),
-        rule(SecondBody, Prony, "left out", "it would relax in another way"),
+        rule(SecondBody, Prony, "left out", "the second body would relax differently"),
         rule(NoLevel, Prony, "periodic", "the energy of its displacement is not known"),
         rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
         rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
         rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
-        rule(Approach, NoLevel, "left out", "there is no level from which it counts"),
-        rule(FlowThreshold, Law, "left out", "it bisects between loads that press"),
+        rule(Approach, NoLevel, "left out", "the approach has no reference level"),
+        rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
         rule(Refine, Lower, "none or estimate", LATER),
@@ -241,7 +241,7 @@ pub const RULES: &[Rule] = {
     ]
 };
 
-/// Error: parts that do not go together.
+/// Error: a combination of parts that is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
     /// The rule that is broken.
@@ -260,7 +260,7 @@ impl fmt::Display for Clash {
 impl std::error::Error for Clash {}
 
 impl Facts {
-    /// Checks that all parts go together.
+    /// Checks the combination of all parts.
     ///
     /// # Errors
     /// The first rule that is broken.
@@ -272,7 +272,7 @@ impl Facts {
     }
 }
 
-/// The parts beside which there are no derivatives.
+/// The parts for which there are no derivatives.
 const WITHOUT_GRADIENT: [Part; 7] = {
     use Part::*;
     [Law, Hardness, All, FiniteSlope, Lower, MovedBase, Several]
@@ -282,7 +282,7 @@ impl Facts {
     /// Checks that the derivatives of a state are known.
     ///
     /// # Errors
-    /// The first part beside which they are not.
+    /// The first part for which they are unknown.
     pub fn check_gradient(&self) -> Result<(), Unusable> {
         let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self));
         found.map_or(Ok(()), |part| {
@@ -312,7 +312,7 @@ impl Part {
     }
 }
 
-/// The rules of loads, or of a path, for one part after the other: the part in words, and what there is not beside it.
+/// The rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
 pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
     let facts = Facts::default();
     let mut told: Vec<(&str, Vec<String>)> = Vec::new();
@@ -327,13 +327,13 @@ pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
     told
 }
 
-/// The rules as a table in Markdown: the part that is given, the part beside it, the values allowed there, and the reason.
+/// The rules as a table in Markdown: the part, the other part, the values allowed with it, and the reason.
 pub fn table() -> String {
     let facts = Facts::default();
     let row = |Rule { part, with, allowed, why }: &Rule| {
         let (given, (.., with)) = (part.given(), with.told(&facts));
         format!("| {given} | {with} | {allowed} | {why} |\n")
     };
-    let head = "| given | beside | must be | since |\n|---|---|---|---|\n";
+    let head = "| given | with | must be | reason |\n|---|---|---|---|\n";
     RULES.iter().filter(|rule| rule.with != Part::Path).fold(head.to_owned(), |table, rule| table + &row(rule))
 }

@@ -79,8 +79,8 @@ fn give_back(threads: usize, pool: Arc<ThreadPool>) {
 }
 
 /// Runs `work` in `threads` threads (0: all cores) without the interpreter's lock. Several times a second, signals are
-/// handled and `tick(iteration, residual)` is called. An exception of either asks the work to stop, and is returned beside the
-/// result.
+/// handled and `tick(iteration, residual)` is called. An exception of either asks the work to stop, and is returned
+/// beside the result.
 ///
 /// # Errors
 /// Threads that cannot be had; a panic of the work.
@@ -163,7 +163,7 @@ fn look(py: Python<'_>, tick: Option<&Py<PyAny>>, shared: &Shared) -> PyResult<(
     tick.call1(py, (shared.iteration.load(Ordering::Relaxed), residual)).map(|_| ())
 }
 
-/// As [`run`], of work that is short: an exception comes in place of the result.
+/// Runs short work like [`run`]; an exception replaces the result.
 pub(crate) fn quick<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     match run(py, 0, None, |_| work())? {
         (value, None) => Ok(value),

@@ -106,7 +106,7 @@ impl Serialize for Tree<'_> {
     }
 }
 
-/// As it is printed: nested, with the reasons of numbers without a value.
+/// The record as printed: nested, with the reasons of numbers without a value.
 impl Serialize for Record {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut tree = Tree::default();

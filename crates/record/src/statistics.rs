@@ -165,7 +165,7 @@ pub struct Statistics {
     patches: Vec<[f64; 5]>,
     /// The distribution of the pressures.
     pub pressure: Distribution,
-    /// That of the gap of points not in contact.
+    /// The distribution of the gap of points not in contact.
     pub gap: Distribution,
     /// Gaps and densities, in bins of equal width on a logarithmic scale.
     pub gap_decades: Vec<[f64; 2]>,
@@ -183,7 +183,8 @@ struct Spectra {
 }
 
 impl Statistics {
-    /// Measures the fields of a load, and its patches. The `pressure` is the repulsive part alone, which is zero out of contact.
+    /// Measures the fields of a load, and its patches. The `pressure` is the repulsive part alone, which is zero out of
+    /// contact.
     ///
     /// # Errors
     /// Fields that do not fit the grid.
@@ -219,8 +220,8 @@ impl Statistics {
     }
 }
 
-/// The radially averaged spectrum of the pressure, and its autocorrelation along x and y over the variance, up to half of the
-/// cell.
+/// The radially averaged spectrum of the pressure, and its autocorrelation along x and y over the variance, up to half
+/// of the cell.
 fn spectra(grid: &Grid, pressure: ArrayView2<'_, f64>) -> Result<Spectra, Unmeasured> {
     let unusable = |error: &dyn std::fmt::Display| Unmeasured(error.to_string());
     let spectrum = PowerSpectrum::of(&pressure.to_owned(), grid).map_err(|error| unusable(&error))?;

@@ -2,9 +2,9 @@ use std::collections::VecDeque;
 
 use gfmd_vector::{dot, for_each};
 
-/// Anderson's mixing (J. ACM 12 (1965) 547) for a fixed point x = F(x): the next x is the combination of the last images F(x) for
-/// which the same combination of the residuals F(x) − x is least. It converges where the iteration x ← F(x) is slow or, with a
-/// smooth F, diverges.
+/// Anderson's mixing (J. ACM 12 (1965) 547) for a fixed point x = F(x): the next x is the linear combination of the
+/// last images F(x) whose coefficients minimise the combination of the residuals F(x) − x. It converges where the
+/// iteration x ← F(x) is slow or, with a smooth F, diverges.
 ///
 /// ```
 /// use gfmd_relax::Anderson;
@@ -27,11 +27,11 @@ pub struct Anderson {
     changes: VecDeque<[Vec<f64>; 2]>,
 }
 
-/// The least pivot over the largest, below which a change of the residual says nothing that later ones do not.
+/// The smallest pivot relative to the largest; below it a change of the residual depends linearly on later ones.
 const LEAST_PIVOT: f64 = 1e-14;
 
 impl Anderson {
-    /// A mixing of at most `depth` + 1 images.
+    /// Mixes at most `depth` + 1 images.
     pub fn new(depth: usize) -> Self {
         Self { depth, last: None, changes: VecDeque::new() }
     }
@@ -64,8 +64,8 @@ impl Anderson {
         self.last = Some([image.to_vec(), residual]);
     }
 
-    /// The weights of the changes whose sum is nearest to the residual, by elimination. A change that hardly differs from the
-    /// others has none.
+    /// The weights of the changes whose sum is nearest to the residual, by elimination. A change that is nearly a
+    /// combination of the others has the weight zero.
     fn weights(&self, residual: &[f64]) -> Vec<f64> {
         let n = self.changes.len();
         let mut rows: Vec<Vec<f64>> = self

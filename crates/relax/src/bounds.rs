@@ -56,7 +56,7 @@ impl Bounds<'_> {
             let leaf = |range: Range<usize>| {
                 let (wall, u, force) = (wall.stretch(range.clone()), &u[range.clone()], &force[range]);
                 u.iter().zip(force).enumerate().fold(0, |largest, (k, (&u, &f))| {
-                    let (down, up) = wall.room(k, u);
+                    let (down, up) = wall.distances(k, u);
                     let residual = if u.is_nan() { u } else { clamp(f * length_per_force, down, up) };
                     // Bit patterns of positive numbers have the order of the numbers, with NaN last.
                     u64::max(largest, residual.abs().to_bits())
@@ -68,7 +68,7 @@ impl Bounds<'_> {
         within!(*self, wall => largest(wall, u, force, length_per_force)) / length_scale
     }
 
-    /// True if the entry `index` is held by its bound: it lies on the bound and its force does not pull it off.
+    /// True if the bound of the entry `index` is active: the entry lies on it, and its force does not pull it off.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -136,8 +136,8 @@ pub(crate) trait Wall: Copy + Sync {
     fn touches(self, k: usize, u: f64) -> bool;
     /// True if u lies on its bound and the force does not pull it off.
     fn holds(self, k: usize, u: f64, force: f64) -> bool;
-    /// The largest allowed moves of u, down (≤ 0) and up (≥ 0).
-    fn room(self, k: usize, u: f64) -> (f64, f64);
+    /// The distances of u from its bounds, down (≤ 0) and up (≥ 0).
+    fn distances(self, k: usize, u: f64) -> (f64, f64);
 }
 
 #[derive(Clone, Copy)]
@@ -166,7 +166,7 @@ impl Wall for Open {
         false
     }
 
-    fn room(self, _: usize, _: f64) -> (f64, f64) {
+    fn distances(self, _: usize, _: f64) -> (f64, f64) {
         (f64::NEG_INFINITY, f64::INFINITY)
     }
 }
@@ -188,7 +188,7 @@ impl Wall for Under<'_> {
         u >= self.0[k] && force >= 0.0
     }
 
-    fn room(self, k: usize, u: f64) -> (f64, f64) {
+    fn distances(self, k: usize, u: f64) -> (f64, f64) {
         (f64::NEG_INFINITY, self.0[k] - u)
     }
 }
@@ -210,12 +210,12 @@ impl Wall for Inside<'_> {
         (u >= self.1[k] && force >= 0.0) || (u <= self.0[k] && force <= 0.0)
     }
 
-    fn room(self, k: usize, u: f64) -> (f64, f64) {
+    fn distances(self, k: usize, u: f64) -> (f64, f64) {
         (self.0[k] - u, self.1[k] - u)
     }
 }
 
-/// As `f64::clamp`, but without panics. NaN stays NaN; `f64::min` would return the bound and hide it.
+/// `f64::clamp` without panics. NaN stays NaN; `f64::min` would return the bound and hide it.
 fn clamp(x: f64, lower: f64, upper: f64) -> f64 {
     let x = if x > upper { upper } else { x };
     if x < lower { lower } else { x }

@@ -8,14 +8,14 @@ use gfmd_vector::{Share, Split};
 /// The upper bounds of the variables of a problem.
 #[derive(Clone, Debug)]
 pub enum Upper {
-    /// One for all variables, infinite if there is none.
+    /// One bound for all variables; infinite for none.
     All(f64),
-    /// One for each, finite.
+    /// One finite bound for each variable.
     Each(Arc<[f64]>),
 }
 
 impl Upper {
-    /// The bounds, to be cut into stretches.
+    /// The bounds in a form that can be divided into stretches.
     pub fn ceiling(&self) -> Ceiling<'_> {
         match self {
             Self::All(bound) => Ceiling::All(*bound),
@@ -31,7 +31,7 @@ impl Upper {
         }
     }
 
-    /// The mean of the bounds of all processes, of which these are those of a `share`.
+    /// The mean of the bounds of all processes, if these are the bounds of one `share`.
     pub fn mean_over(&self, share: &Share) -> f64 {
         match self {
             Self::All(bound) => *bound,
@@ -52,9 +52,9 @@ impl Upper {
 /// The upper bounds of a stretch of variables.
 #[derive(Clone, Copy, Debug)]
 pub enum Ceiling<'a> {
-    /// One for all variables.
+    /// One bound for all variables.
     All(f64),
-    /// One for each.
+    /// One bound for each variable.
     Each(&'a [f64]),
 }
 

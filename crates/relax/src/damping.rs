@@ -26,13 +26,13 @@ pub struct Damping {
     pub tau: f64,
 }
 
-/// Damping coefficients η over critical ones.
+/// Damping coefficients η relative to critical ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Factors {
-    /// One η for all, over the critical one of the softest mode (eq. 4.8 of the source).
+    /// One η for all entries, over the critical one of the softest mode (source thesis, eq. 4.8).
     Softest(f64),
-    /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m, C44/z_m,
-    /// C11/z_m on a bonded slab (eq. 4.5 of the source).
+    /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m,
+    /// C44/z_m, C11/z_m on a bonded slab (source thesis, eq. 4.5).
     Components([f64; 3]),
 }
 
@@ -51,8 +51,8 @@ pub enum Motion {
         /// λ = (1 + β − τ k) / 2.
         eigenvalue: f64,
     },
-    /// Two real eigenvalues. If positive, the mode creeps; if negative, it changes its sign in every step, since the
-    /// step is too long.
+    /// Two real eigenvalues. If positive, the mode decays monotonically; if negative, it changes sign in every step,
+    /// since the step is too long.
     OverDamped {
         /// The eigenvalue of larger magnitude.
         slow: f64,
@@ -68,7 +68,8 @@ impl Damping {
         Self { beta: (1.0 - k.sqrt() * dt).powi(2), tau: dt * dt }
     }
 
-    /// `factor` times the critical η of a mode of stiffness `k` at time step `dt`, if modes up to `k_max` are stable with it.
+    /// `factor` times the critical η of a mode of stiffness `k` at time step `dt`, if modes up to `k_max` are stable
+    /// with it.
     ///
     /// # Errors
     /// A factor that is not positive, or too large for the time step.

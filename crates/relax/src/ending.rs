@@ -33,7 +33,7 @@ pub enum Why {
     /// The search returns to earlier points.
     #[error("the search returns to earlier points")]
     Circles,
-    /// A problem on the way to the solution, as that of the displaced surface of a contact, has no solution.
+    /// An intermediate problem has no solution, such as the contact with a displaced surface.
     #[error("the contact of the displaced surface has no solution")]
     Displaced,
     /// Too many steps in a row went uphill.
@@ -47,7 +47,7 @@ pub enum Why {
     /// The motion does not come to rest with any time step that was tried.
     #[error("the motion does not settle")]
     Unsettled,
-    /// The search moves away from any solution, or numbers are not finite.
+    /// The search diverges, or numbers are not finite.
     #[error("diverged: {0}")]
     Diverged(Divergence),
 }

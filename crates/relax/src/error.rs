@@ -66,7 +66,7 @@ pub enum RelaxError {
         /// The criteria.
         asked: Stop,
     },
-    /// The run moves away from any solution.
+    /// The run diverges.
     #[error(
         "diverged at step {}: {reason}; the method is stable up to a stiffness of {stable_up_to:e}, \
          is the problem stiffer?", reached.step

@@ -1,4 +1,4 @@
-use gfmd_vector::{Parcel, Share};
+use gfmd_vector::{Serialise, Share};
 
 use crate::quadratic::{
     Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
@@ -104,7 +104,7 @@ struct Sweep {
     entrants: f64,
 }
 
-impl Parcel for Sweep {
+impl Serialise for Sweep {
     const WORDS: usize = Judged::WORDS + 4;
 
     fn put(&self, words: &mut [u64]) {
@@ -113,7 +113,7 @@ impl Parcel for Sweep {
     }
 
     fn get(words: &[u64]) -> Self {
-        let [squares, direction, entering, entrants] = Parcel::get(&words[Judged::WORDS..]);
+        let [squares, direction, entering, entrants] = Serialise::get(&words[Judged::WORDS..]);
         Self { judged: Judged::get(&words[..Judged::WORDS]), squares, direction, entering, entrants }
     }
 }

@@ -15,28 +15,28 @@ use crate::{Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
 /// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
 /// ([`Preconditioned`]). An iteration takes one image and one preconditioning.
 ///
-/// Since z = M g is nearly Newton's step, the step length is 1; M should not be smaller than the inverse of A, so that
-/// this is not too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. The image of the step
-/// gives the new gradient, and with both gradients the function is a known parabola along the segment from the old x
-/// to the new x. If its minimum lies inside the segment, x steps back to it, which costs no further image. The function
-/// thus decreases in every iteration, and no curvature has to be computed.
+/// Since z = M g is nearly Newton's step, the step length is 1. M should not be smaller than the inverse of A;
+/// otherwise steps are too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. The
+/// image of the step gives the new gradient, and with both gradients the function is a known parabola along the segment
+/// from the old x to the new x. If its minimum lies inside the segment, x steps back to it, which costs no further
+/// image. The function thus decreases in every iteration, and no curvature has to be computed.
 ///
 /// While no variable reaches zero, these are exact line searches, and directions are made conjugate to the last step.
 /// If some variables reach zero, a step that lowers the function is kept whole, since stepping back would make them
-/// positive again. The next step has the length that would have been the best for this one, as those of Barzilai and
-/// Borwein (1988), but at most 1: steps of one length may overshoot again and again where M is too large.
+/// positive again. The next step has the length that would have been optimal for this one (Barzilai and Borwein 1988),
+/// but at most 1: with a constant length, steps may overshoot repeatedly where M is too large.
 ///
 /// Every 25th direction, and any direction that the projection turns uphill, is the gradient. Projected gradients with
-/// a step that lowers the function converge for any steps in between (Bertsekas 1976).
+/// steps that lower the function converge, whatever steps lie between them (Bertsekas 1976).
 ///
-/// The variables have double precision. Steps, their images and the gradient to which these are added have single precision,
-/// which halves their memory and nearly the time of a transform. Whenever the residual has fallen to 1e-4 of what it was,
-/// and before the search ends (unless the problem [trusts images](Preconditioned::trusts_images)), the gradient is computed anew
-/// from x in double precision: rounding errors then are relative to a smaller gradient and smaller steps, so that no
-/// accuracy is lost (Sleijpen and van der Vorst 1996).
+/// The variables have double precision. Steps, their images and the gradient to which these are added have single
+/// precision, which halves their memory and nearly the time of a transform. Whenever the residual has fallen to 1e-4 of
+/// what it was, and before the search ends (unless the problem [trusts images](Preconditioned::trusts_images)), the
+/// gradient is computed anew from x in double precision: rounding errors then are relative to a smaller gradient and
+/// smaller steps, so that no accuracy is lost (Sleijpen and van der Vorst 1996).
 ///
-/// [`minimise_pair`](Self::minimise_pair) takes the same steps for two fields that are coupled by A and by their means, with all vectors
-/// in double precision.
+/// [`minimise_pair`](Self::minimise_pair) takes the same steps for two fields that are coupled by A and by their means,
+/// with all vectors in double precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PreconditionedCg;
 
@@ -59,13 +59,13 @@ impl PreconditionedCg {
 
     /// Minimises a function of two fields, which are the halves of `x`, from that start and in place.
     ///
-    /// Each field has the prescribed mean of the [`Target`], and the gradient is determined up to a constant on each field, the
-    /// first of which is the multiplier of the [`Iterate`]. Without a prescribed mean the two means are equal, and the gradient
-    /// is determined up to a constant with opposite signs on the two fields. A step goes to `max(0, x − z − μ)` with a constant
-    /// μ for each field that keeps the means.
+    /// Each field has the prescribed mean of the [`Target`], and the gradient is determined up to a constant on each
+    /// field, the first of which is the multiplier of the [`Iterate`]. Without a prescribed mean the two means are
+    /// equal, and the gradient is determined up to a constant with opposite signs on the two fields. A step goes to
+    /// `max(0, x − z − μ)` with a constant μ for each field that keeps the means.
     ///
     /// # Errors
-    /// As [`minimise`](Self::minimise); an odd number of variables.
+    /// The errors of [`minimise`](Self::minimise); an odd number of variables.
     pub fn minimise_pair(
         &self,
         problem: &mut impl Paired,
@@ -89,13 +89,14 @@ trait Vectors {
     /// The gradient is computed anew when the residual has fallen by this factor; 0: only at the end of the search.
     fn refresh_at() -> f64;
 
-    /// Visits all variables, those of the `course` among them.
+    /// Visits all variables, including those of the `course`.
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit);
 
     /// Computes the gradient from x.
     fn refresh(&mut self);
 
-    /// Moves the multipliers to the mean gradients of the variables between the bounds. The iteration is not counted here.
+    /// Moves the multipliers to the mean gradients of the variables between the bounds. The iteration is not counted
+    /// here.
     fn settle(&mut self) -> Iterate;
 
     /// True if a search may end by a gradient from images.
@@ -115,7 +116,8 @@ trait Vectors {
     /// x ← the end of the path, with the image of this step.
     fn advance(&mut self, path: &Self::Path) -> Advance;
 
-    /// Keeps a part of the last step; from 1 all of it. Returns true if the gradient was computed anew.
+    /// Keeps the fraction `part` of the last step; at 1 or above, all of it. Returns true if the gradient was computed
+    /// anew.
     fn keep(&mut self, part: f64) -> bool;
 
     /// The length after a step that brought variables to a bound, with `lowest` as in [`Advance`].
@@ -125,13 +127,13 @@ trait Vectors {
 /// A step to the end of a path.
 struct Advance {
     length: f64,
-    /// The part of the step at which the function is lowest; infinite if it falls without end.
+    /// The fraction of the step at which the function is lowest; infinite if it falls without bound.
     lowest: f64,
     /// True if the step brought variables to a bound.
     clipped: bool,
 }
 
-/// The state of a search beside its vectors.
+/// The scalars of the state of a search.
 struct Course {
     length: f64,
     /// The residual at the last refresh.

@@ -1,4 +1,4 @@
-use gfmd_vector::{Parcel, Share, add, for_each};
+use gfmd_vector::{Serialise, Share, add, for_each};
 
 use crate::quadratic::{
     Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
@@ -107,7 +107,7 @@ struct Sweep {
     free: f64,
 }
 
-impl Parcel for Sweep {
+impl Serialise for Sweep {
     const WORDS: usize = Judged::WORDS + 2;
 
     fn put(&self, words: &mut [u64]) {
@@ -116,7 +116,7 @@ impl Parcel for Sweep {
     }
 
     fn get(words: &[u64]) -> Self {
-        let [residual, free] = Parcel::get(&words[Judged::WORDS..]);
+        let [residual, free] = Serialise::get(&words[Judged::WORDS..]);
         Self { judged: Judged::get(&words[..Judged::WORDS]), residual, free }
     }
 }

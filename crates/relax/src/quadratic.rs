@@ -1,4 +1,4 @@
-use gfmd_vector::{Parcel, Share, for_each, reduce};
+use gfmd_vector::{Serialise, Share, for_each, reduce};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watch, Why, worst};
 
@@ -11,8 +11,8 @@ pub trait Quadratic {
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
     /// `⟨d, A d⟩`, the sum over all variables. It is often cheaper than [`apply`](Self::apply).
     fn curvature(&mut self, direction: &[f64]) -> f64;
-    /// The variables of this process among those of all: all of them by default. Vectors have its own values, and every
-    /// process makes the same calls.
+    /// The partition of the variables among processes; by default this process has all. Vectors have the values of this
+    /// process, and every process makes the same calls.
     fn share(&self) -> Share {
         Share::whole(self.linear().len(), 1)
     }
@@ -34,9 +34,9 @@ pub struct Target {
     pub budget: Budget,
 }
 
-/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (with an [upper](crate::Preconditioned::upper) bound: `g ≤ 0`
-/// and nothing else on it), with `g = A x + b − λ` and λ the
-/// multiplier of the prescribed mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
+/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (at an
+/// [upper](crate::Preconditioned::upper) bound: `g ≤ 0`), with `g = A x + b − λ` and λ the multiplier of the prescribed
+/// mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Optimality {
     /// `Σ x g / (Σ x · gradient_scale)`.
@@ -75,7 +75,7 @@ pub struct Minimum {
 }
 
 impl Target {
-    /// As [`check_between`](Self::check_between), for methods without an upper bound.
+    /// Checks the start of a problem without upper bounds; see [`check_between`](Self::check_between).
     pub(crate) fn check(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
         self.check_between(x, &problem.share(), &Upper::All(f64::INFINITY))
     }
@@ -110,7 +110,8 @@ impl Target {
         if !share.any(x.iter().any(|x| *x != 0.0)) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 
-    /// The ending of the search, if it ends with this iterate. It is stopped if the watcher of any process says so.
+    /// The ending of the search, if it ends with this iterate. The search stops if the watcher of any process asks for
+    /// it.
     pub(crate) fn judge(&self, now: &Iterate, watch: &mut dyn Watch, share: &Share) -> Option<Ending> {
         let worst = now.optimality.worst();
         let stop = watch.see(&Progress { iteration: now.iteration, residual: worst }).is_break();
@@ -197,7 +198,7 @@ pub(crate) struct Judged {
     pub(crate) lowest: f64,
 }
 
-impl Parcel for Judged {
+impl Serialise for Judged {
     const WORDS: usize = 3;
 
     fn put(&self, words: &mut [u64]) {
@@ -205,7 +206,7 @@ impl Parcel for Judged {
     }
 
     fn get(words: &[u64]) -> Self {
-        let [x, x_gradient, lowest] = Parcel::get(words);
+        let [x, x_gradient, lowest] = Serialise::get(words);
         Self { x, x_gradient, lowest }
     }
 }

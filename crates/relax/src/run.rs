@@ -1,4 +1,4 @@
-//! The driver, which makes steps of one method on one state until an end criterion is met.
+//! The driver: steps of a method on a state until an end criterion is met.
 
 use std::ops::ControlFlow;
 

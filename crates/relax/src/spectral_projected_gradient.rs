@@ -32,8 +32,8 @@ pub struct Descended {
 }
 
 impl SpectralProjectedGradient {
-    /// Minimises from `x` on, a point of the set with `gradient` A x + b. Both follow the iterates. Gives
-    /// up where rounding leaves no direction that goes downhill.
+    /// Minimises from `x`, a point of the set with `gradient` A x + b; both are updated in place. The search is given
+    /// up if rounding leaves no downhill direction.
     pub fn minimise(
         &self,
         problem: &mut dyn OnConvexSet,

@@ -1,6 +1,6 @@
 use crate::Visit;
 
-/// A visitor that keeps variables in memory: recorded once, they can be put back later, bit for bit.
+/// A checkpoint in memory: a visitor that records variables and restores them later, bit for bit.
 ///
 /// ```
 /// use gfmd_relax::{Tape, Visit};
@@ -20,7 +20,7 @@ pub struct Tape {
 }
 
 impl Tape {
-    /// Reads from the beginning from now on.
+    /// Switches to reading, from the beginning.
     pub fn rewind(&mut self) {
         self.read = Some(0);
     }

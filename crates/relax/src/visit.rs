@@ -1,5 +1,5 @@
-/// A visitor of all variables of a search, in a fixed order, which copies them out or puts others in their place. One
-/// function of a search thus both writes its checkpoint and continues from it, bit for bit.
+/// A visitor of all variables of a search, in a fixed order, which either copies or replaces them. One function of a
+/// search thus writes its checkpoint and continues from it, bit for bit.
 ///
 /// ```
 /// use gfmd_relax::Visit;
@@ -25,7 +25,7 @@ pub trait Visit {
     /// Visits a natural number.
     fn count(&mut self, n: &mut u64);
 
-    /// Visits an array, whose length stays as it is.
+    /// Visits an array, whose length does not change.
     fn field(&mut self, x: &mut [f64]);
 
     /// Visits an array of single precision.
@@ -57,7 +57,7 @@ pub trait Visit {
     }
 }
 
-/// Variables of which a checkpoint consists.
+/// The variables of a checkpoint.
 pub trait Variables {
     /// Visits every variable.
     fn visit(&mut self, visitor: &mut dyn Visit);

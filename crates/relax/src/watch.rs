@@ -30,8 +30,8 @@ pub trait Watch {
     /// Is called in every iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
     fn see(&mut self, now: &Progress) -> ControlFlow<()>;
 
-    /// Is called after [`see`](Self::see) in every step of a dynamics, with the energy and the variables of the problem (the
-    /// displacement of the surface layer). Methods that seek something else do not call it.
+    /// Is called after [`see`](Self::see) in every step of a dynamics, with the energy and the variables of the problem
+    /// (the displacement of the surface layer). Methods with other unknowns do not call it.
     fn layer(&mut self, energy: f64, u: &[f64]) {
         let _ = (energy, u);
     }
@@ -42,15 +42,16 @@ pub trait Watch {
         let _ = variables;
     }
 
-    /// Returns the checkpoint from which the search continues, as a visitor that reads. Each part of a search that writes
-    /// variables takes its own from it at its start, in the order in which [`checkpoint`](Self::checkpoint) visits them.
+    /// Returns the checkpoint from which the search continues, as a visitor that reads. Each part of a search that
+    /// writes variables reads its own from it at its start, in the order in which [`checkpoint`](Self::checkpoint)
+    /// visits them.
     fn recall(&mut self) -> Option<&mut dyn Visit> {
         None
     }
 }
 
-/// A watcher of a part of a search: it counts the iterations before that part, and writes the variables of the whole before
-/// those of the part.
+/// A watcher of a part of a search: it counts the iterations before that part, and writes the variables of the whole
+/// before those of the part.
 pub struct Onlooker<'a, F: FnMut(&mut dyn Visit)> {
     /// The watcher of the whole search.
     pub watch: &'a mut dyn Watch,

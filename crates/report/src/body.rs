@@ -14,7 +14,7 @@ const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 /// The components of a strip in plane strain.
 const STRIP: [&str; 4] = ["xx", "yy", "zz", "xz"];
 
-/// The relative difference of steps between depths up to which they are equal.
+/// The largest relative difference of steps between depths that count as equal.
 const EVEN: f64 = 1e-6;
 
 /// The page about the fields in a file.
@@ -96,7 +96,7 @@ struct Field {
     points: [usize; 2],
 }
 
-/// The fields of a file that are whole.
+/// The complete fields of a file.
 struct Fields(Vec<Field>);
 
 impl Fields {
@@ -226,7 +226,7 @@ impl Field {
         (0..nx * ny).map(|point| self.value(level, point, of).abs()).fold(0.0, f64::max)
     }
 
-    /// As [`largest`](Self::largest), at each depth.
+    /// The largest magnitude of a component at each depth.
     fn largest_at(&self, of: usize) -> Vec<f64> {
         (0..self.levels).map(|level| self.largest(level, of)).collect()
     }

@@ -146,19 +146,19 @@ fn controlled(table: &toml::Table) -> &'static str {
     }
 }
 
-/// The numbers of a load that [`areas`] draws.
+/// The columns of a load that [`areas`] needs.
 pub const AREAS: [&str; 5] =
     ["p_star", "area_fraction", "area_fraction_corrected", "area_fraction_limit", "area_fraction_limit_error"];
 
-/// The contact area against the reduced pressure of loads, which are given by the numbers [`AREAS`]: that of an infinitely fine
-/// grid with its error, where it is known, else counted and corrected. Whatever the order of the loads, the line goes from the
-/// lowest to the highest.
+/// The contact area against the reduced pressure of loads with the columns [`AREAS`]: the limit of an infinitely fine
+/// grid with its error if known, otherwise the counted and the corrected area. The line runs from the lowest load to
+/// the highest, for any order of the loads.
 pub fn areas(loads: &[[f64; 5]], is_line: bool) -> Chart {
     let mut loads = loads.to_vec();
     loads.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let column = |k: usize| loads.iter().map(|load| Point::new(load[0], load[k])).collect();
-    let told = loads.iter().filter(|load| load[3].is_finite() && load[4].is_finite());
-    let limits: Vec<Point> = told.map(|load| Point::with_error(load[0], load[3], load[4])).collect();
+    let known = loads.iter().filter(|load| load[3].is_finite() && load[4].is_finite());
+    let limits: Vec<Point> = known.map(|load| Point::with_error(load[0], load[3], load[4])).collect();
     let counted = Series { mark: Mark::JoinedPoints, ..Series::points("counted points", 0, column(1)) };
     let mut series = if limits.is_empty() {
         let label = "perimeter corrected".into();

@@ -1,4 +1,4 @@
-//! The parts of figures that several commands have in common.
+//! Parts of figures shared by several commands.
 
 mod scene;
 
@@ -27,7 +27,7 @@ pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     check_names(&prefix).map(|()| prefix)
 }
 
-/// Checks that there can be figures of this prefix: a work of hours must not fail because of their names.
+/// Checks that figures with this prefix can be written, so that long work does not fail because of their names.
 ///
 /// # Errors
 /// A name that is too long for the file system.
@@ -68,7 +68,7 @@ pub fn area_chart(mut series: Vec<Series>) -> Chart {
     }])
 }
 
-/// The name of the straight line a_r = √(2π) p*, which the theory of Bush, Gibson and Thomas has at vanishing load alone.
+/// The name of the straight line a_r = √(2π) p*, the limit of the theory of Bush, Gibson and Thomas at vanishing load.
 const BUSH_GIBSON_THOMAS_LIMIT: &str = "Bush–Gibson–Thomas, low load";
 
 /// The area of Persson's theory, and the straight line of Bush, Gibson and Thomas for areas below one half.
@@ -83,8 +83,8 @@ pub fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     ]
 }
 
-/// A range of colours for a difference: about zero, without the largest two hundredths of the values in magnitude if they are much
-/// larger than the others, as beside singular edges; `None` if nothing differs.
+/// A range of colours about zero for a difference. The largest 2 % of the magnitudes are left out if they are much
+/// larger than the others, as at singular edges; `None` if nothing differs.
 pub fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
@@ -110,7 +110,7 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// The ratio of the points along x to those along y from which on a map is two columns wide.
+/// The smallest ratio of the points along x to those along y for which a map is two columns wide.
 const LONG: usize = 4;
 
 /// A figure of a field: a map, or the profile of a line contact.
@@ -134,13 +134,13 @@ impl Drawn<'_> {
     }
 }
 
-/// The unit in which people read lengths up to the `largest`, whose unit is `length` if it is not known.
+/// The readable unit for lengths up to `largest`; `length` if the unit is unknown.
 pub fn length(unit: &str, largest: f64) -> Readable {
     let known = Units::new(Some(unit), None).shown("length", largest);
     known.unwrap_or_else(|| Readable { factor: 1.0, name: unit.into() })
 }
 
-/// The unit in which people read the sides of a cell.
+/// The readable unit for the sides of a cell.
 pub fn sides(grid: &Grid, unit: &str) -> Readable {
     let [lx, ly] = grid.lengths();
     length(unit, if grid.is_line() { lx } else { lx.max(ly) })
@@ -158,7 +158,8 @@ pub fn heights<R>(grid: &Grid, values: &[f64], unit: &str, take: impl FnOnce(&Dr
     take(&field(grid, &scaled, &format!("height *h* / {name}"), unit))
 }
 
-/// The figure of a field, whose lengths have this unit; of a long profile the largest value of every few is drawn.
+/// The figure of a field, whose lengths have the unit `unit`. A long profile is thinned to the largest of several
+/// neighbours.
 pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
     let Readable { factor, name: unit } = sides(grid, unit);
     let [lx, ly] = grid.lengths().map(|length| length * factor);
@@ -185,7 +186,7 @@ pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Dra
     Drawn::Map(map)
 }
 
-/// The figure of the pressure, from its values as the label says.
+/// The figure of the pressure, from values in the unit of the label.
 pub fn pressure<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
     let mut drawn = field(grid, values, label, unit);
     if let Drawn::Map(map) = &mut drawn {

@@ -16,7 +16,7 @@ pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
 pub use write::quoted;
 pub(crate) use write::{given, interval, number, of, powers, text, whole};
 
-/// The contents of a page about a result; what is common to all kinds of results is added when it is written.
+/// The contents of a page about a result. The sections common to all kinds of results are added when it is written.
 #[derive(Default)]
 pub struct Page {
     /// The problem that was computed, in a few words.
@@ -28,7 +28,7 @@ pub struct Page {
     pub(crate) figures: Vec<Figure>,
     pub(crate) tables: Vec<Table>,
     pub(crate) certificates: Vec<Certificate>,
-    /// How a search failed, if one did.
+    /// The failure of a search, if there is one.
     pub(crate) failed: Option<Markup>,
     pub(crate) cost: Vec<Fact>,
     /// Works whose methods or theories were used.
@@ -37,7 +37,7 @@ pub struct Page {
     pub remarks: Vec<String>,
 }
 
-/// A term and what is said of it.
+/// A term and its description.
 pub(crate) struct Fact(pub(crate) Markup, pub(crate) Markup);
 
 impl Fact {
@@ -67,7 +67,7 @@ pub(crate) struct Table {
     pub(crate) rows: Vec<Vec<Markup>>,
 }
 
-/// The most rows of a table; of longer ones, every few are shown.
+/// The largest number of rows of a table; a longer table is thinned.
 const MOST_ROWS: usize = 60;
 
 impl Page {
@@ -76,8 +76,8 @@ impl Page {
         self.figures.len()
     }
 
-    /// Adds the panels of a chart as figures of their own, since a phone has room for one in a row. What cannot be drawn becomes
-    /// a remark.
+    /// Adds the panels of a chart as separate figures, since a phone shows one per row. A panel that cannot be drawn
+    /// becomes a remark.
     pub(crate) fn chart(&mut self, chart: &Chart, title: &str, caption: &Markup) {
         if chart.stacked {
             let narrow = Chart { width: COLUMN, ..chart.clone() };
@@ -115,17 +115,17 @@ impl Page {
         }
     }
 
-    /// True if every residual is at most what is allowed. NaN is not.
+    /// True if every residual is at most its allowed value; false for NaN.
     pub(crate) fn is_certified(&self) -> bool {
         !self.certificates.is_empty() && self.certificates.iter().all(|one| one.largest <= one.allowed)
     }
 }
 
-/// The sections of a page that are written for every kind of result.
+/// The sections of a page for every kind of result.
 pub(super) struct Common {
     pub(super) kicker: String,
     pub(super) dated: String,
-    /// The words about the checksum of the result file; `None` of a page without certificates.
+    /// The text about the checksum of the result file; `None` for a page without certificates.
     pub(super) checksum: Option<&'static str>,
     pub(super) config: String,
     pub(super) cost: Vec<Fact>,
@@ -134,7 +134,7 @@ pub(super) struct Common {
     pub(super) version: String,
 }
 
-/// The element of a page that tells that this program made it.
+/// The element of a page by which this program recognises its own pages.
 pub const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
 
 /// The page.

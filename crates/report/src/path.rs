@@ -174,7 +174,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// The steps whose fields are in a file: of legs that have a time the last of each.
+/// The indices of the steps with fields in a file; of a leg in time, the last step.
 fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usize) -> Vec<usize> {
     let list = |name: &str| table.get(name).and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
     let times = list("time");
@@ -194,8 +194,8 @@ fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usize) -> Vec<u
     ends.take_while(|end| *end < computed).collect()
 }
 
-/// Panels of contact area, reduced pressure and approach against time, which is logarithmic if it has more than two
-/// decades; a state at no time is left out of these. A number that is constant has no panel.
+/// Panels of contact area, reduced pressure and approach against time, which is logarithmic if it spans more than two
+/// decades, without the state at time zero. A constant number has no panel.
 pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<Panel> {
     let times = columns[0].iter().map(|(time, _)| *time).filter(|time| *time > 0.0);
     let [first, last] = times.fold([f64::INFINITY, 0.0], |[first, last], time| [time.min(first), time.max(last)]);

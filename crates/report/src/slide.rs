@@ -26,20 +26,20 @@ const COLUMNS: [(&str, &str); 9] = [
 /// The label of the velocity, whose unit of time is that of the relaxation times.
 const VELOCITY: &str = "velocity / (length/time)";
 
-/// A state of steady sliding, as its figure shows it.
+/// A state of steady sliding for its figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
     /// Velocity, length over the unit of the relaxation times.
     pub velocity: f64,
     /// Reduced pressure.
     pub p_star: f64,
-    /// Coefficient of friction, and that of Persson's theory.
+    /// Coefficient of friction, and its value in Persson's theory.
     pub friction: [f64; 2],
-    /// Contact area fraction, and that of Persson's theory.
+    /// Contact area fraction, and its value in Persson's theory.
     pub area: [f64; 2],
 }
 
-/// Friction and contact area against the velocity, a curve for each load, of so many `velocities` each.
+/// Friction and contact area against the velocity, a curve for each load, with `velocities` points each.
 pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
     let curves = |of: fn(&Sliding) -> [f64; 2]| -> Vec<Series> {
         let curve = |(hue, states): (usize, &[Sliding])| {

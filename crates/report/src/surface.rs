@@ -31,19 +31,19 @@ const CITED: [&str; 4] = [
 pub struct Subject<'a> {
     /// Heights, `[x, y]`.
     pub heights: &'a Array2<f64>,
-    /// Their grid.
+    /// The grid of the heights.
     pub grid: &'a Grid,
-    /// The unit of heights and lengths, if it is known.
+    /// The unit of heights and lengths, if known.
     pub unit: Option<&'a str>,
     /// The radially averaged power spectral density.
     pub spectrum: &'a [RadialBin],
-    /// The name of the window under which it was computed, if there was one.
+    /// The name of the window of the spectrum, if there was one.
     pub window: Option<&'a str>,
     /// The longest and the shortest wavelengths that the points of a scan resolve.
     pub resolved: Option<[f64; 2]>,
     /// The fitted Hurst exponent, and the longest and shortest wavelengths of the fit.
     pub hurst: Option<(f64, [f64; 2])>,
-    /// Autocorrelation, distributions, slopes against distance, bearing curve; if they were asked for.
+    /// Autocorrelation, distributions, slopes against distance, bearing curve, if requested.
     pub texture: Option<&'a Texture>,
 }
 
@@ -72,7 +72,7 @@ pub struct About<'a> {
     pub repeats: bool,
     /// All numbers.
     pub numbers: &'a [Number],
-    /// The command that makes the page again, if there is one.
+    /// The command that makes the page, if there is one.
     pub again: Option<String>,
     /// The file that was read, and its SHA-256.
     pub file: Option<(&'a str, &'a str)>,
@@ -85,11 +85,12 @@ impl Subject<'_> {
         self.unit.unwrap_or("length")
     }
 
-    /// Draws `PREFIX-map` (not of a profile), `PREFIX-profile` and `PREFIX-spectrum`; with a texture also
-    /// `PREFIX-autocorrelation`, `PREFIX-correlation-map` (not of a profile), `PREFIX-distributions`, `PREFIX-slopes`,
+    /// Draws `PREFIX-map` (not for a profile), `PREFIX-profile` and `PREFIX-spectrum`; with a texture also
+    /// `PREFIX-autocorrelation`, `PREFIX-correlation-map` (not for a profile), `PREFIX-distributions`, `PREFIX-slopes`,
     /// `PREFIX-curvatures`, `PREFIX-bearing`.
     ///
-    /// # Errors Files that cannot be written; heights that cannot be drawn.
+    /// # Errors
+    /// Files that cannot be written; heights that cannot be drawn.
     pub fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut files = Vec::new();
         let mut keep = |made: Option<Result<[PathBuf; 2], PlotError>>| -> Result<(), Failure> {
@@ -308,7 +309,7 @@ impl Subject<'_> {
     }
 }
 
-/// A number as a table shows it.
+/// A number formatted for a table.
 fn powers_of(value: f64) -> Markup {
     if value.is_finite() && value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return powers(&format!("{value:.4e}"));
@@ -325,7 +326,7 @@ fn kind(power: i32) -> String {
     }
 }
 
-/// The unit of a power of a length in this unit.
+/// The unit of a power of length, if lengths have the unit `unit`.
 fn unit_of(unit: &str, power: i32) -> String {
     match power {
         1 => unit.into(),

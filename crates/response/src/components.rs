@@ -10,7 +10,7 @@ pub enum Components {
 }
 
 impl Components {
-    /// The components on a grid: two on a line, else three.
+    /// The components on a grid: two on a line, otherwise three.
     pub fn of(grid: &Grid) -> Self {
         if grid.is_line() { Self::Plane } else { Self::Space }
     }

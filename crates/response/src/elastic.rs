@@ -83,7 +83,7 @@ impl Elastic {
         }
     }
 
-    /// The transforms of one solve, with their memory and a counter.
+    /// Creates the transforms of one solve, with their memory and a counter.
     pub fn transforms(&self) -> Transforms {
         match self {
             Self::Normal(response) => Transforms::Normal(NormalTransforms::of(response)),
@@ -151,7 +151,8 @@ impl Transforms {
     }
 }
 
-/// The transforms of a [`NormalResponse`], with their memory and a counter. Of several processes each has its own rows and modes.
+/// The transforms of a [`NormalResponse`], with their memory and a counter. Of several processes each has its own rows
+/// and modes.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid, or a kernel that of its modes.
@@ -187,7 +188,7 @@ impl NormalTransforms {
         fits(transform.convolve(kernel, field, out, workspace));
     }
 
-    /// As [`convolve`](Self::convolve), row by row: [`gfmd_field::Transform::convolve_rows`].
+    /// The convolution of [`convolve`](Self::convolve), row by row; see [`gfmd_field::Transform::convolve_rows`].
     pub fn convolve_rows<I: Split, O: Split>(
         &mut self,
         kernel: &[f64],

@@ -7,13 +7,13 @@ use gfmd_vector::{for_each, total};
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// The compliance of a patch of a body that does not repeat: the pressure is constant on the cell around every point
-/// of the grid and zero outside of the patch, and the displacement is that of the points, zero far away if it
-/// [has a level](Self::has_level) (theory.md, section 3.1). It is built once and shared between problems and threads.
+/// The compliance of a patch that does not repeat: the pressure is constant on the cell around every point of the grid
+/// and zero outside the patch. The displacement is that of the points; it is zero far away if it [has a
+/// level](Self::has_level) (theory.md, section 3.1). Built once and shared between problems and threads.
 ///
-/// Its inverse, the stiffness, is known approximately: in cosine waves, whose stiffness is the inverse of the mean compliance
-/// of the wave on the patch, between weights that raise the stiffness towards the edges, where the pressure of a given
-/// displacement is largest.
+/// The stiffness, its inverse, is approximated: it is diagonal in cosine waves, with the inverse of the mean compliance
+/// of each wave on the patch, multiplied on both sides by weights that increase towards the edges, where the pressure
+/// of a given displacement is largest.
 #[derive(Debug)]
 pub struct FreeCompliance {
     convolution: Convolution,
@@ -21,18 +21,18 @@ pub struct FreeCompliance {
     rounded: Convolution<f32>,
     unit: f64,
     cosines: Cosines<f32>,
-    /// One value for each cosine wave, times the unit.
+    /// The stiffness of each cosine wave, times the unit.
     stiffness: Vec<f32>,
-    /// For each row, and for each point of a row.
+    /// The weight of each row, and of each point of a row.
     weights: [Vec<f32>; 2],
     /// The pressure of a uniform displacement over its sum.
     uniform: Vec<f32>,
     has_level: bool,
 }
 
-/// The excess of the weight one cell from the edge, and the power with which it falls with the distance. The eigenvalues of
-/// the approximate stiffness times the compliance, before the [`FACTOR`], are then between 0.7 and 1.4 on 256² points (without
-/// weights 0.47 and 1.3). The lowest falls with the logarithm of the number of points.
+/// The excess of the weight one cell from the edge, and the power with which it falls with the distance. The
+/// eigenvalues of the approximate stiffness times the compliance, before the [`FACTOR`], are then between 0.7 and 1.4
+/// on 256² points (without weights 0.47 and 1.3). The lowest falls with the logarithm of the number of points.
 const EDGE: (f64, f64) = (0.1, -0.5);
 
 /// Factor that makes the approximate stiffness about as large as the exact one, or larger, for most displacements.
@@ -77,7 +77,7 @@ impl FreeCompliance {
         self.convolution.grid()
     }
 
-    /// True if displacements are those against points far away; false if they are known up to a constant.
+    /// True if displacements are relative to points far away; false if they are known up to a constant.
     pub fn has_level(&self) -> bool {
         self.has_level
     }
@@ -130,14 +130,14 @@ impl FreeTransforms {
         Self { compliance: Arc::clone(compliance), workspace, singles: 0 }
     }
 
-    /// `out` ← G `pressure`, the displacement downwards.
+    /// `out` ← G `pressure`, the downward displacement.
     pub fn apply(&mut self, pressure: &[f64], out: &mut [f64]) {
         self.singles += 2;
         fits(self.compliance.convolution.apply(pressure, out, &mut self.workspace));
     }
 
-    /// As [`apply`](Self::apply), row by row: `source` makes the pressure from the rows of `input`, and `sink` gets the
-    /// displacement with the rows of `output`.
+    /// Applies G row by row: `source` generates the pressure from the rows of `input`, and `sink` gets the displacement
+    /// with the rows of `output`.
     pub fn apply_rows<I: Split, O: Split>(
         &mut self,
         input: I,
@@ -194,21 +194,21 @@ impl FreeRounded {
         self.compliance.unit
     }
 
-    /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`.
+    /// Computes G v over the unit, for the field v whose rows `source` generates from the rows of `input`.
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
         fits(self.compliance.rounded.apply_ahead(input, source, &mut self.workspace));
     }
 
-    /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
+    /// Passes the rows of the result of [`compliance`](Self::compliance) to `sink`.
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
         self.singles += 1;
         fits(self.compliance.rounded.apply_back(output, sink, &mut self.workspace));
     }
 
-    /// `out` ← about K u times the unit, for the displacement u, downwards, whose rows `source(i, row)` fills. If the surface
-    /// is `floating`, it may also move as a whole, so that the pressure has no sum: it is that of u and of the uniform
-    /// displacement that goes with it.
+    /// `out` ← approximately K u times the unit, for the downward displacement u whose rows `source(i, row)` fills. A
+    /// `floating` surface may also move as a whole: a uniform displacement is then added to u such that the sum of the
+    /// pressure is zero.
     pub fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         self.singles += 2;
         let Self { compliance, cosines, .. } = self;

@@ -9,11 +9,12 @@ use crate::patch_table::PatchTable;
 use crate::{Components, Hermitian, Operator, Workspace};
 
 /// The compliance of a patch that does not repeat, for all components of its surface: the counterpart of
-/// [`FreeCompliance`](crate::FreeCompliance) (theory.md, section 3.1). It is built once and shared between problems and threads.
+/// [`FreeCompliance`](crate::FreeCompliance) (theory.md, section 3.1). Built once and shared between problems and
+/// threads.
 #[derive(Debug)]
 pub struct FreeFullCompliance {
     patch: Grid,
-    /// On the padded grid.
+    /// The compliance on the padded grid.
     compliance: Operator,
     normal: Arc<Convolution>,
     stiffness_range: [f64; 2],
@@ -24,7 +25,7 @@ impl FreeFullCompliance {
     /// Tabulates the compliance of `body` on the grid of the `patch`, a surface.
     ///
     /// # Errors
-    /// As [`patch_matrix`]; a patch with more points than memory can address when it is doubled.
+    /// The errors of [`patch_matrix`]; a patch with more points than memory can address when it is doubled.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
         let table = PatchTable::new(&patch, patch_matrix(body, &patch)?)?;
         let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]
@@ -56,7 +57,7 @@ impl FreeFullCompliance {
         self.compliance.components()
     }
 
-    /// The compliance for pressures alone: the displacement downwards.
+    /// The compliance for pressures alone: the downward displacement.
     pub fn normal(&self) -> &Arc<Convolution> {
         &self.normal
     }

@@ -5,10 +5,10 @@ use crate::units::Scaled;
 use crate::{Components, Hermitian, Operator, Workspace};
 
 /// The response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
-/// compliance matrix of every mode. It is built once and shared between problems and threads.
+/// compliance matrix of every mode. Built once and shared between problems and threads.
 ///
-/// The uniform mode q = 0 is measured against the mean level of what does not hold the body ([`Body::level_compliance`]). For
-/// a component without compliance (half-space; u_z of an incompressible slab), the stiffness is set to zero, too: its mean
+/// The uniform mode q = 0 is measured against the reference level of [`Body::level_compliance`]. For a component
+/// without compliance (half-space; u_z of an incompressible slab), the stiffness is set to zero as well: its mean
 /// displacement does not depend on the mean traction.
 #[derive(Debug)]
 pub struct FullResponse {
@@ -74,8 +74,8 @@ impl FullResponse {
         self.uniform_compliance
     }
 
-    /// 1/G_xx(0), 1/G_yy(0), 1/G_zz(0) in stress/length; infinite where the mean displacement does not depend on the mean
-    /// traction.
+    /// 1/G_xx(0), 1/G_yy(0), 1/G_zz(0) in stress/length; infinite where the mean displacement does not depend on the
+    /// mean traction.
     pub fn uniform_stiffness(&self) -> [f64; 3] {
         self.uniform_compliance.map(f64::recip)
     }

@@ -44,8 +44,8 @@ impl Hermitian {
 
     /// Eigenvalues, ascending, each with its normalised eigenvector (a, b, c), which stands for u = (a, b, i c).
     ///
-    /// Those of a stiffness are the independent modes of one wave vector, and also the eigenvectors of the update
-    /// matrix 1 − K Δt² of the dynamics (theory.md, sections 6.1 and 6.2). Computed by Jacobi rotations.
+    /// The eigenvectors of a stiffness are the independent modes of one wave vector, and also the eigenvectors of the
+    /// update matrix 1 − K Δt² of the dynamics (theory.md, sections 6.1 and 6.2). Computed by Jacobi rotations.
     pub fn modes(self) -> [(f64, [f64; 3]); 3] {
         let Self { xx, yy, zz, xy, xz, yz } = self;
         let mut a = [[xx, xy, -xz], [xy, yy, -yz], [-xz, -yz, zz]];

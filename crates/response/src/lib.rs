@@ -2,10 +2,12 @@
 //! = G traction), applied to whole fields.
 //!
 //! - [`NormalResponse`]: one number per mode, for problems with u_z and the pressure only.
-//! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat; [`FreeFullCompliance`]: for all components.
+//! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat; [`FreeFullCompliance`]: for all
+//!   components.
 //! - [`PlateResponse`]: pressure and indentation on both faces of a plate, a 2 × 2 matrix per mode.
 //! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
-//! - [`Elastic`]: either of the two, shared; its [`Transforms`] have the memory and a counter. Each problem owns one.
+//! - [`Elastic`]: a [`NormalResponse`] or a [`FullResponse`], shared; its [`Transforms`] have the memory and a counter.
+//!   Each problem owns one.
 //! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner from stiffness and interface.
 //!
 //! A field of several [`Components`] is one slice, component after component, each laid out as a field of `gfmd-field`.

@@ -8,8 +8,8 @@ use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
 /// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
-/// problems with u_z and the pressure only. It is built once and shared between problems and threads. Of several processes each has
-/// the modes of its own lanes ([`Transform::lanes`]), and transforms its own rows.
+/// problems with u_z and the pressure only. Built once and shared between problems and threads. Of several processes,
+/// each has the modes of its own lanes ([`Transform::lanes`]) and transforms its own rows.
 #[derive(Debug)]
 pub struct NormalResponse {
     transform: Arc<Transform>,
@@ -28,7 +28,7 @@ pub struct NormalResponse {
     is_isotropic: bool,
 }
 
-/// The least entry of the compliance of a patch over the largest.
+/// The smallest allowed entry of the compliance of a patch, relative to the largest.
 const LEAST_COMPLIANCE: f64 = 1e-12;
 
 /// A table of stiffnesses with zero for the uniform mode, which is recognised by its index, the first.
@@ -43,24 +43,25 @@ impl NormalResponse {
         Self::over(grid, body, &grid.whole())
     }
 
-    /// As [`new`](Self::new), for the rows that are the `share` of this process.
+    /// Tabulates the response of `body` on `grid` for the rows that are the `share` of this process, with free lateral
+    /// displacement.
     pub fn over(grid: Grid, body: &Body, share: &Share) -> Self {
         Self::tabulated(grid, body, share, Body::normal_stiffness)
     }
 
-    /// As [`new`](Self::new), without lateral displacement of the surface: the stiffness is K_N in place of 1/G_zz
+    /// Tabulates the response of a surface without lateral displacement: the stiffness is K_N in place of 1/G_zz
     /// (theory.md, section 3, restricted lateral displacement).
     pub fn held_sideways(grid: Grid, body: &Body) -> Self {
         Self::held_sideways_over(grid, body, &grid.whole())
     }
 
-    /// As [`held_sideways`](Self::held_sideways), for the rows that are the `share` of this process.
+    /// The response of [`held_sideways`](Self::held_sideways) for the rows that are the `share` of this process.
     pub fn held_sideways_over(grid: Grid, body: &Body, share: &Share) -> Self {
         Self::tabulated(grid, body, share, Body::restricted_normal_stiffness)
     }
 
-    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has none,
-    /// since the bulk is no part of the resistance of a contact (theory.md, section 7.6).
+    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has no
+    /// resistance, since the bulk is not part of that of a contact (theory.md, section 7.6).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Self {
         let conductance = |body: &Body, q: f64| 1.0 / body.transverse_compliance(q);
         let response = Self::tabulated(grid, conductor.body(), &grid.whole(), conductance);
@@ -100,9 +101,9 @@ impl NormalResponse {
         }
     }
 
-    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if the traction
-    /// vanishes outside of the patch, the displacement inside is that of a surface which is at rest far away. G_zz is the
-    /// transform of the compliance between two cells, positive for every mode; the uniform mode has one, too.
+    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if
+    /// the traction vanishes outside the patch, the displacement inside is that of a surface at rest far away. G_zz is
+    /// the transform of the compliance between two cells, and positive for every mode, including the uniform one.
     ///
     /// # Errors
     /// A body without a level far away; a patch that cannot be doubled; a table with an entry that is not positive.
@@ -134,8 +135,8 @@ impl NormalResponse {
         })
     }
 
-    /// The response of a body whose modes have stiffnesses that are larger by these `factors`, laid out as
-    /// [`Grid::modes`]; the first one is that of the uniform mode. All modes belong to this process.
+    /// The response with the stiffness of each mode multiplied by these `factors`, laid out as [`Grid::modes`]; the
+    /// first one belongs to the uniform mode. All modes must belong to this process.
     #[must_use]
     pub fn stiffened(&self, factors: &[f64]) -> Self {
         let mut compliance = self.compliance.clone();
@@ -173,22 +174,22 @@ impl NormalResponse {
         once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest, *is_isotropic))
     }
 
-    /// True if waves of one length have one stiffness, as those of every body have.
+    /// True if waves of equal length have equal stiffness, as in every body.
     pub(crate) fn is_isotropic(&self) -> bool {
         self.is_isotropic
     }
 
-    /// True if the compliance is that of a table, which may have any form at short waves.
+    /// True if the compliance is tabulated; it may then have any form at short waves.
     pub(crate) fn is_tabulated(&self) -> bool {
         self.body.tabulated_wavenumbers().is_some()
     }
 
-    /// The rows of this process, all of them if it is alone.
+    /// The rows of this process; a single process has all.
     pub fn share(&self) -> &Share {
         &self.share
     }
 
-    /// True if this process has the uniform mode, then the first one of its modes.
+    /// True if this process has the uniform mode, which is then its first mode.
     pub fn has_uniform(&self) -> bool {
         self.transform.lanes().contains(&0)
     }
@@ -199,7 +200,8 @@ impl NormalResponse {
         &self.compliance
     }
 
-    /// The compliance of the mode with this number among all modes, in length/stress; of one that another process has it is computed.
+    /// The compliance of the mode with this index among all modes, in length/stress. It is computed if the mode belongs
+    /// to another process.
     pub fn compliance_at(&self, index: usize) -> f64 {
         let [_, positions] = self.grid().spectrum_shape();
         let own = index.checked_sub(self.transform.lanes().start * positions);
@@ -221,9 +223,9 @@ impl NormalResponse {
         self.contact_modulus
     }
 
-    /// G_zz(0) in length/stress, against the mean level of what does not hold the body ([`Body::level_compliance`]): height
-    /// over P-wave modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean level,
-    /// theory.md, section 7) and for an incompressible slab.
+    /// G_zz(0) in length/stress, relative to the reference level of [`Body::level_compliance`]: height over P-wave
+    /// modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean level, theory.md,
+    /// section 7) and for an incompressible slab.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }

@@ -35,7 +35,7 @@ impl Operator {
         Self::on(Arc::clone(&self.transform), matrix)
     }
 
-    /// The operator on this grid with `f` of each mode and its matrix.
+    /// The operator on this grid whose matrices are `f` of each mode and its matrix.
     pub fn map(&self, f: impl Fn(&Mode, Hermitian) -> Hermitian + Sync) -> Self {
         let Self { transform, components, matrices } = self;
         let grid = *transform.grid();
@@ -44,7 +44,8 @@ impl Operator {
         Self { transform: Arc::clone(transform), components: *components, matrices }
     }
 
-    /// The function field ← F⁻¹\[M F\[field\]\], with memory of its own. A field that does not have the size of the grid stays as it is.
+    /// The function field ← F⁻¹\[M F\[field\]\], with its own memory. A field that does not have the size of the grid
+    /// is not changed.
     pub fn in_place(self) -> impl Fn(&mut [f64]) {
         let scratch = Mutex::new((self.workspace(), Vec::new()));
         move |field| {

@@ -4,14 +4,15 @@ use rayon::prelude::*;
 
 use crate::elastic::fits;
 
-/// A compliance between two cells of a patch, tabulated by their distance up to half of the padded grid, and its transforms there.
+/// A compliance between two cells of a patch, tabulated by their distance up to half of the padded grid, and its
+/// transforms there.
 pub(crate) struct PatchTable<T> {
     pub(crate) transform: Transform,
-    /// By the distance `[i, j]` in cells, i and j ≥ 0.
+    /// Values by the distance `[i, j]` in cells, i and j ≥ 0.
     near: Vec<T>,
 }
 
-/// A value with its image at the opposite distance along an axis.
+/// The symmetry of a value under reversal of the distance along an axis.
 #[derive(Clone, Copy)]
 pub(crate) enum Parity {
     Even,
@@ -19,8 +20,8 @@ pub(crate) enum Parity {
 }
 
 impl Parity {
-    /// The factor of the value at the distance that belongs to place `index` of `points`. Where the images of the patch would
-    /// meet, values that are odd have no side.
+    /// The factor of the value at the distance of index `index` among `points`. Odd values vanish where the images of
+    /// the patch meet.
     fn factor(self, index: usize, points: usize) -> f64 {
         match self {
             Self::Even => 1.0,
@@ -43,7 +44,8 @@ impl<T: Send + Sync> PatchTable<T> {
         Ok(Self { near: near.collect(), transform: Transform::new(cell) })
     }
 
-    /// Σ_r k(r) e^{−i q·r} over the padded grid, laid out as [`Grid::modes`], of the part k of the entries that `of` picks.
+    /// Σ_r k(r) e^{−i q·r} over the padded grid, laid out as [`Grid::modes`], for the component k of the entries that
+    /// `of` selects.
     pub(crate) fn spectrum(&self, of: impl Fn(&T) -> f64, parity: [Parity; 2]) -> Vec<Complex64> {
         let cell = *self.transform.grid();
         let [nx, ny] = cell.points();

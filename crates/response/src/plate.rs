@@ -10,8 +10,9 @@ use crate::elastic::fits;
 /// Number of modes in a task of one thread.
 const CHUNK: usize = 4096;
 
-/// The response of a plate to pressures on both faces, on one grid: planned transforms, and compliance and stiffness of every
-/// mode. A field of both faces is one slice, the upper face first; indentations count into the plate on either.
+/// The response of a plate to pressures on both faces, on one grid: planned transforms, and compliance and stiffness of
+/// every mode. A field of both faces is one slice, the upper face first; indentations are positive into the plate on
+/// both faces.
 #[derive(Debug)]
 pub struct PlateResponse {
     transform: Transform,
@@ -111,8 +112,8 @@ impl PlateResponse {
         self.softest_squeezing
     }
 
-    /// The part of the indentation of one face, alone under pressure, by which the other face moves away: one at long waves,
-    /// where the plate bends, and zero at short ones. It is laid out as [`Grid::modes`].
+    /// The fraction of the indentation of one face, under pressure on this face alone, by which the other face moves
+    /// away: one at long waves, where the plate bends, and zero at short ones. Laid out as [`Grid::modes`].
     pub fn following(&self) -> &[f64] {
         &self.following
     }
@@ -148,15 +149,15 @@ impl PlateTransforms {
         }
     }
 
-    /// Indentation ← C `pressure`, with the compliance `uniform` of the half sum at q = 0. The half difference at q = 0 is zero:
-    /// nothing holds the plate as a whole.
+    /// Indentation ← C `pressure`, with the compliance `uniform` of the half sum at q = 0. The half difference at q = 0
+    /// is zero: the plate as a whole has no support.
     pub fn compliance(&mut self, uniform: f64, pressure: &[f64], indentation: &mut [f64]) {
         let response = Arc::clone(&self.response);
         self.apply(&response.compliance, uniform, pressure, indentation);
     }
 
-    /// Pressure ← C⁻¹ `indentation`, with the stiffness `uniform` of the half sum at q = 0, and without pressure for the half
-    /// difference at q = 0.
+    /// Pressure ← C⁻¹ `indentation`, with the stiffness `uniform` of the half sum at q = 0, and without pressure for
+    /// the half difference at q = 0.
     pub fn stiffness(&mut self, uniform: f64, indentation: &[f64], pressure: &mut [f64]) {
         let response = Arc::clone(&self.response);
         self.apply(&response.stiffness, uniform, indentation, pressure);

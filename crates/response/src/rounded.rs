@@ -7,8 +7,8 @@ use crate::NormalResponse;
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// The normal response in single precision, for solvers that round their steps: compliance over a unit, and stiffness times
-/// this unit, so that the softest wave has the compliance 1, about.
+/// The normal response in single precision, for solvers that round their steps: compliance over a unit, and stiffness
+/// times this unit, so that the compliance of the softest wave is about 1.
 #[derive(Debug)]
 pub(crate) struct Rounded {
     transform: Transform<f32>,
@@ -18,8 +18,8 @@ pub(crate) struct Rounded {
 }
 
 impl Rounded {
-    /// From the compliance of the modes of this process, and the smallest stiffness of all. A table that `is_even` in
-    /// q_x is kept for half of its modes.
+    /// Tabulates the response from the compliance of the modes of this process, and the smallest stiffness of all
+    /// modes. A table that `is_even` in q_x is stored for half of its modes.
     pub(crate) fn of(grid: Grid, share: &Share, compliance: &[f64], softest: f64, is_even: bool) -> Self {
         let unit = power_of_two(1.0 / softest);
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
@@ -32,7 +32,7 @@ impl Rounded {
     }
 }
 
-/// A function of the modes with q_x ≥ 0 of a table that `is_even` in q_x; of all modes of a line, and of another table.
+/// The table of a function for modes with q_x ≥ 0 if it `is_even` in q_x; for all modes otherwise, and for a line.
 fn table(grid: &Grid, values: &[f64], is_even: bool, of: impl Fn(f64) -> f32 + Sync) -> Vec<f32> {
     let [nx, ny] = grid.points();
     let column = if nx == 1 || ny == 1 { values.len().max(1) } else { nx };
@@ -41,8 +41,8 @@ fn table(grid: &Grid, values: &[f64], is_even: bool, of: impl Fn(f64) -> f32 + S
     columns.flat_map_iter(|column| column[..kept].iter().map(|value| of(*value))).collect()
 }
 
-/// The transforms of a [`NormalResponse`] in single precision, with their memory and a counter: steps in any unit, their
-/// images in that unit times [`unit`](Self::unit).
+/// The transforms of a [`NormalResponse`] in single precision, with their memory and a counter: steps may have any
+/// unit; their images have that unit times [`unit`](Self::unit).
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid.
@@ -58,8 +58,8 @@ pub struct RoundedTransforms {
 }
 
 impl RoundedTransforms {
-    /// For transforms on the grid of `response`, with the compliance and the stiffness of the `uniform` mode; both are
-    /// zero without.
+    /// Memory for transforms on the grid of `response`, with the compliance and the stiffness of the `uniform` mode;
+    /// both are zero for `None`.
     pub fn of(response: &Arc<NormalResponse>, uniform: Option<[f64; 2]>) -> Self {
         let rounded = response.rounded();
         let own = uniform.map(|[compliance, stiffness]| {
@@ -85,7 +85,7 @@ impl RoundedTransforms {
         self.response.rounded().unit
     }
 
-    /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`
+    /// Computes G v over the unit, for the field v whose rows `source` generates from the rows of `input`
     /// ([`Transform::convolve_ahead`]).
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
@@ -93,15 +93,16 @@ impl RoundedTransforms {
         fits(transform.convolve_ahead(compliance, input, source, workspace));
     }
 
-    /// Hands on the rows of what [`compliance`](Self::compliance) or [`stiffness_ahead`](Self::stiffness_ahead) has computed.
+    /// Passes the rows of the result of [`compliance`](Self::compliance) or [`stiffness_ahead`](Self::stiffness_ahead)
+    /// to `sink`.
     pub fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
         self.singles += 1;
         let (transform, _, workspace) = self.parts();
         fits(transform.convolve_back(output, sink, workspace));
     }
 
-    /// Computes K u times the unit, of the field u whose rows `source` makes from the rows of `input`; [`rows`](Self::rows)
-    /// hands it on.
+    /// Computes K u times the unit, for the field u whose rows `source` generates from the rows of `input`;
+    /// [`rows`](Self::rows) passes it on.
     pub fn stiffness_ahead<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
         let (transform, [_, stiffness], workspace) = self.parts();

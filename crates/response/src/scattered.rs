@@ -1,4 +1,4 @@
-//! The response of a body between few points of its grid.
+//! The response of a body between few points of a grid.
 
 mod blocks;
 mod near_part;
@@ -21,14 +21,15 @@ use crate::NormalResponse;
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// Compliance between few points of a periodic grid, in single precision, and what makes up an approximate stiffness: for contacts so
-/// small that transforms of the whole surface would mostly move zeros.
+/// Compliance between few points of a periodic grid, in single precision, and the parts of an approximate stiffness:
+/// for contacts so small that transforms of the whole surface would act mostly on zeros.
 ///
-/// The compliance is split as Ewald (1921) split Coulomb's sum. With g that of `G = g/q` for the shortest waves, the part
-/// `g (1 − Φ(r))/(2π r)` vanishes beyond a radius of some points, and is summed over pairs of points. The rest, `g Φ(r)/(2π r)` on a
-/// half-space, has hardly any short waves: it is computed on a grid of four times the spacing, to which pressures are spread, and from
-/// which displacements are interpolated, by B-splines (Essmann et al. 1995). Φ is the integral of a window of Kaiser and Bessel, which
-/// separates short distances from long waves better than Ewald's error function. Images are accurate to 4e-4 of the largest ones.
+/// The compliance is split as Ewald (1921) split Coulomb's sum. With g = q G for the shortest waves, the part `g (1 −
+/// Φ(r))/(2π r)` vanishes beyond a radius of some points, and is summed over pairs of points. The rest, `g Φ(r)/(2π r)`
+/// on a half-space, has hardly any short waves. It is computed on a grid of four times the spacing; B-splines (Essmann
+/// et al. 1995) spread pressures to this grid and interpolate displacements from it. Φ is the integral of a window of
+/// Kaiser and Bessel, which separates short distances from long waves better than Ewald's error function. Displacements
+/// are accurate to 4e-4 of the largest one.
 ///
 /// The points come in [`Blocks`] of [`LANES`] neighbours in a row.
 #[derive(Debug)]
@@ -46,7 +47,7 @@ pub struct Scattered {
     unit: f64,
 }
 
-/// The number of rows of points that are worked on together.
+/// The number of rows of points that one task processes.
 const ROWS: usize = 16;
 
 /// The number of neighbouring points in a block.
@@ -55,15 +56,15 @@ pub const LANES: usize = 8;
 /// The spacing of the coarse grid of [`Scattered`], in points.
 pub const COARSENING: usize = 4;
 
-/// The distance in points at which the short waves have decayed but for those that the grid cuts off: these go on as ripples along the
-/// axes, and are summed up to a longer distance.
+/// The distance in points at which short waves have decayed, except for ripples along the axes, due to the cut-off of
+/// the spectrum by the grid, which are summed up to a longer distance.
 const RADIUS: f64 = 10.0;
 const REACH: usize = 16;
 
 /// The number of blocks of a row with points at that distance.
 const NEAR: usize = 2 * REACH.div_ceil(LANES) + 1;
 
-/// The distance in points up to which points stiffen each other.
+/// The distance in points up to which the stiffness couples points.
 const STIFF: usize = 6;
 
 /// The number of blocks of a row with points at that distance.
@@ -72,13 +73,13 @@ const NEXT: usize = 2 * STIFF.div_ceil(LANES) + 1;
 /// The largest relative difference from a half-space, of the shortest waves of the coarse grid.
 const DEEP: f64 = 1e-3;
 
-/// The least number of points of a cell in which the response to a point has decayed.
+/// The smallest number of points of a cell in which the response to a point has decayed.
 const BOX: usize = 2 * REACH + LANES;
 
 impl Scattered {
-    /// Splits the response, with the given compliance and stiffness of the uniform mode, in length/stress and stress/length. `None` if the grid is no rectangle of
-    /// whole blocks and coarse cells, or small, on layers that are not thicker than a few points, and if waves of one
-    /// length have several stiffnesses.
+    /// Splits the response, with the given compliance and stiffness of the uniform mode, in length/stress and
+    /// stress/length. `None` if the grid is small or does not consist of whole blocks and coarse cells, if layers are
+    /// only a few points thick, or if waves of equal length differ in stiffness.
     pub fn of(response: &NormalResponse, [compliance, stiffness]: [f64; 2]) -> Option<Self> {
         if !response.is_isotropic() || response.is_tabulated() {
             return None;
@@ -145,8 +146,8 @@ impl Scattered {
         self.coarse.grid()
     }
 
-    /// A transform pair on the coarse grid, in pairs on the whole one: [`compliance`](Self::compliance) and [`stiffen`](Self::stiffen) take
-    /// one each.
+    /// The cost of a transform pair on the coarse grid, in pairs on the whole grid; [`compliance`](Self::compliance)
+    /// and [`stiffen`](Self::stiffen) take one each.
     pub fn effort(&self) -> f64 {
         1.0 / (COARSENING * COARSENING) as f64
     }
@@ -161,7 +162,8 @@ impl Scattered {
         }
     }
 
-    /// `out` ← G `pressure` over the unit. Both have a value for each point of the blocks; the pressure elsewhere is zero.
+    /// `out` ← G `pressure` over the unit. Both have a value for each point of the blocks; the pressure elsewhere is
+    /// zero.
     pub fn compliance(&self, blocks: &Blocks, pressure: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
         sources.take(blocks, pressure);
@@ -176,15 +178,14 @@ impl Scattered {
         sources.add(&self.near, blocks, out);
     }
 
-    /// `out` ← S `gap` times the unit, with the stiffness S of a surface that is held between the points and beyond a few of them.
-    /// S is positive definite.
+    /// `out` ← S `gap` times the unit, with S the stiffness between points up to 6 steps apart. S is positive definite.
     pub fn stiffness(&self, blocks: &Blocks, gap: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         memory.sources.take(blocks, gap);
         out.fill(0.0);
         memory.sources.add(&self.stiff, blocks, out);
     }
 
-    /// `out` ← I `field`: what is interpolated at the points from a field on the coarse grid.
+    /// `out` ← I `field`: interpolates a field on the coarse grid at the points.
     pub fn interpolate(&self, blocks: &Blocks, field: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         memory.far.resize(self.coarse.grid().points()[0] * self.splines.line(), 0.0);
         let rows = field.par_chunks_exact(self.coarse.grid().points()[1]);
@@ -220,14 +221,14 @@ pub struct ScatteredMemory {
 }
 
 impl ScatteredMemory {
-    /// Frees what does not need to be kept until the next image.
+    /// Frees the memory that is not needed until the next product.
     pub fn release(&mut self) {
         (self.far, self.lines, self.sources) = Default::default();
     }
 }
 
-/// A table of the modes of the coarse grid with q_x ≥ 0, in which it is even. `of` gets the mode and the square of the part of it that
-/// interpolation by splines leaves, times the number of points for each coarse one.
+/// A table of the modes of the coarse grid with q_x ≥ 0, in which it is even. `of` gets the mode and the squared
+/// transfer factor of the interpolation by splines, times the number of points per coarse point.
 fn long_waves(grid: &Grid, coarse: &Grid, of: &(dyn Fn(Mode, f64) -> f64 + Sync)) -> Vec<f32> {
     let points = grid.len() as f64 / coarse.len() as f64;
     // The transforms of the splines along each axis, squared.

@@ -1,10 +1,11 @@
 use gfmd_field::{Grid, Mode};
 use gfmd_green::Body;
 
-/// Sizes from the inverse of this number to this number are ordinary; 2¹⁰⁰ is about 10³⁰.
+/// Numbers between the inverse of this number and this number are ordinary; 2¹⁰⁰ is about 10³⁰.
 const ORDINARY: f64 = (1_u128 << 100) as f64;
 
-/// The power of two below a positive number, a factor that rounds nothing; 1 for what is no normal positive number.
+/// The power of two below a positive number, by which division is exact; 1 if the number is zero, negative, subnormal,
+/// infinite or NaN.
 pub fn power_of_two(number: f64) -> f64 {
     // The exponent bits alone.
     if number >= f64::MIN_POSITIVE && number.is_finite() {
@@ -24,7 +25,8 @@ pub fn unit_of(number: f64) -> f64 {
     f64::from_bits(number.to_bits() & (0x7ff << 52)).max(f64::MIN_POSITIVE)
 }
 
-/// A body whose stiffnesses are computed in units of its own size, since determinants are products of several.
+/// A body whose stiffnesses are computed in units of their own size, so that determinants, products of several of them,
+/// do not overflow.
 pub(crate) struct Scaled {
     pub(crate) body: Body,
     length: f64,

@@ -64,8 +64,8 @@ impl History {
         self
     }
 
-    /// The number of iterations at which the residual would fall to `aim` at its rate over the last half; `None` if it does
-    /// not fall.
+    /// The number of iterations at which the residual would fall to `aim` at its rate over the last half; `None` if it
+    /// does not fall.
     fn forecast(&self, aim: f64) -> Option<f64> {
         let end = self.residual.len().checked_sub(1)?;
         let middle = end / 2;
@@ -124,7 +124,7 @@ impl NotConverged {
         Self::of(part, state.residuals(), tolerance, why, history)
     }
 
-    /// As [`new`](Self::new), from named residuals.
+    /// The report of [`new`](Self::new) from named residuals.
     pub fn of(part: usize, residuals: Vec<(&'static str, f64)>, allowed: f64, why: &Why, history: History) -> Self {
         let history = history.closed();
         let unmet = residuals.into_iter().filter(|(_, value)| value.is_nan() || *value > allowed);
@@ -172,8 +172,8 @@ impl NotConverged {
     }
 }
 
-/// The failure that a file has in `/not_converged`, as [`NotConverged::write`] writes it: its texts, and samples of iterations
-/// and residuals; `None` if it has none.
+/// The failure that a file has in `/not_converged`, as [`NotConverged::write`] writes it: its texts, and samples of
+/// iterations and residuals; `None` if it has none.
 pub struct StoredFailure {
     /// The number of the load, step or grid.
     pub part: f64,

@@ -21,7 +21,7 @@ use gfmd_problem::options::given::Given;
 pub enum GivenHardness {
     /// A stress.
     Number(f64),
-    /// That of each point.
+    /// The hardness of each point.
     Field(Given),
 }
 
@@ -116,7 +116,8 @@ pub fn write(
     rows::write_all(share, field.view(), archive, STORED, &variable)
 }
 
-/// The hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of another shape.
+/// The hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of another
+/// shape.
 pub fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> Option<Hardness> {
     match config.get("hardness")? {
         toml::Value::String(_) => {

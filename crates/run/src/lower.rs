@@ -68,7 +68,7 @@ impl LowerArgs {
                 return Err(Failure::value(
                     "--lower-seed",
                     seed,
-                    "left out with --surface; --lower-surface FILE is a surface of its own",
+                    "left out with --surface; use --lower-surface FILE for the lower surface",
                 ));
             }
             let generator = GeneratorArgs { seed, ..source.generator.clone() };

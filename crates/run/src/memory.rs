@@ -19,7 +19,7 @@ const LETTERS: u64 = 1;
 /// The number of processes that share a grid, on this machine and in all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Processes {
-    /// Those on this machine.
+    /// The processes on this machine.
     pub here: usize,
     /// All of them.
     pub all: usize,
@@ -38,7 +38,7 @@ pub fn fits(held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
     fits_with(0, held, name, points, Processes::ALONE)
 }
 
-/// As [`fits`], for what the processes of this machine hold together.
+/// The check of [`fits`] for the memory of all processes of this machine.
 ///
 /// # Errors
 /// A need of more memory than is available.
@@ -46,12 +46,13 @@ pub(crate) fn fits_shared(held: Held, name: &str, points: [usize; 2], processes:
     fits_with(0, held, name, points, processes)
 }
 
-/// All that these processes of this machine hold, in bytes: the rest of a problem, and freed memory that the allocator keeps.
+/// All that these processes of this machine hold, in bytes: the rest of a problem, and freed memory that the allocator
+/// keeps.
 pub(crate) fn resident(processes: Processes) -> u64 {
     own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64)
 }
 
-/// As [`fits_shared`], if some bytes of the problem are `there` already.
+/// The check of [`fits_shared`] if some bytes of the problem are already `there`.
 ///
 /// # Errors
 /// A need of more memory than is available.
@@ -95,8 +96,8 @@ fn available_bytes() -> Option<u64> {
     [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
 }
 
-/// The memory below the limit of the control group, such as a container. Copies of files that have not been read lately count as
-/// used, but make room.
+/// The memory below the limit of the control group, such as a container. Copies of files that have not been read lately
+/// count as used, but make room.
 fn of_control_group() -> Option<u64> {
     let text = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
     let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
@@ -125,8 +126,8 @@ const ADDRESSES: &str = "VmSize:";
 /// The name of the size of the part that is in memory.
 const RESIDENT: &str = "VmRSS:";
 
-/// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the size of
-/// its pages.
+/// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the
+/// size of its pages.
 fn own_size(name: &str) -> Option<u64> {
     told_by_linux("/proc/self/status", name)
 }

@@ -4,10 +4,10 @@ use gfmd_vector::Ranks;
 
 use crate::failure::Failure;
 
-/// The outcome of a step that may fail on some of the processes only, as that of all: the first failure, if there is one.
+/// The common outcome of a step that may fail on some processes only: an error on all if one fails.
 ///
 /// # Errors
-/// That failure.
+/// The first failure, in the order of the processes.
 pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Failure> {
     let text = match &outcome {
         Ok(_) => String::new(),
@@ -51,13 +51,13 @@ pub fn texts(ranks: &dyn Ranks, own: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use gfmd_vector::Rehearsal;
+    use gfmd_vector::ThreadRanks;
 
     use super::*;
 
     #[test]
     fn the_first_failure_is_that_of_all() {
-        let found = Rehearsal::of(3, |ranks| {
+        let found = ThreadRanks::of(3, |ranks| {
             let own = match ranks.rank() {
                 0 => Ok(7),
                 rank => Err(Failure::Input(format!("of process {rank}"))),
@@ -65,11 +65,11 @@ mod tests {
             agree(&*ranks, own).map_err(|failure| (failure.status(), failure.to_string()))
         });
         assert!(found.iter().all(|found| *found == Err((2, "of process 1".into()))), "{found:?}");
-        let found = Rehearsal::of(3, |ranks| agree(&*ranks, Ok(ranks.rank())).ok());
+        let found = ThreadRanks::of(3, |ranks| agree(&*ranks, Ok(ranks.rank())).ok());
         assert_eq!(found, [Some(0), Some(1), Some(2)]);
-        let numbers = Rehearsal::of(3, |ranks| of_first(&*ranks, [7 + ranks.rank() as u64, 2]));
+        let numbers = ThreadRanks::of(3, |ranks| of_first(&*ranks, [7 + ranks.rank() as u64, 2]));
         assert_eq!(numbers, [[7, 2]; 3]);
-        let words = Rehearsal::of(2, |ranks| texts(&*ranks, ["", "κ"][ranks.rank()]));
+        let words = ThreadRanks::of(2, |ranks| texts(&*ranks, ["", "κ"][ranks.rank()]));
         assert!(words.iter().all(|words| *words == ["", "κ"]));
     }
 }

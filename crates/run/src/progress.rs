@@ -1,6 +1,6 @@
 //! Progress of a run.
 
-/// What shows how far a run has come.
+/// Display of the progress of a run.
 pub trait Progress: Sync {
     /// Counts a finished piece, in the unit of the whole; `note` describes the state of the work.
     fn advance(&self, piece: f64, note: &str);

@@ -126,7 +126,7 @@ impl<'a> Kept<'a> {
         output.check_beside(&[".checkpoint.part", ".journal"]).map_err(|error| Failure::input("--out", error))?;
         let Some(found) = kept.paths().into_iter().find(|path| path.exists()) else { return Ok(kept) };
         if !resume {
-            let reason = "what an unfinished run has kept; continue it with --resume, or delete it";
+            let reason = "this file of an unfinished run exists; continue the run with --resume, or delete the file";
             return Err(Failure::input(&found.display().to_string(), reason));
         }
         kept.recall(parts)?;

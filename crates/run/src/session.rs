@@ -65,8 +65,8 @@ impl Session {
         Self { is_guest: true, ..Self::silent() }
     }
 
-    /// Refuses a problem on a grid that needs more memory than there is, of which it has its `heights` already. The other memory of
-    /// a process that it has for itself is its own: what the allocator keeps.
+    /// Refuses a problem on a grid that needs more memory than there is, of which it has its `heights` already. The
+    /// other memory of a process that it has for itself is its own: what the allocator keeps.
     ///
     /// # Errors
     /// At all processes, a need of more memory than is available.
@@ -169,15 +169,15 @@ impl Session {
         |_| if self.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that does
-    /// not change (docs/interface.md).
+    /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that
+    /// does not change (docs/interface.md).
     pub fn warn(&self, code: &'static str, text: impl fmt::Display) {
         let text = line(&text.to_string());
         tracing::warn!("{text}");
         self.note(code, text);
     }
 
-    /// As [`warn`](Self::warn), for a remark that the printed report itself contains.
+    /// Records a warning like [`warn`](Self::warn), if the printed report itself contains the remark.
     pub fn note(&self, code: &'static str, text: String) {
         self.warnings.add(Warning { code, text: line(&text) });
     }
@@ -203,8 +203,8 @@ impl Session {
         crate::json::to_string(&whole).map_err(|error| Failure::Computation(error.to_string()))
     }
 
-    /// The text that identifies a run by its version, its configuration and the checksum of its heights: another run cannot
-    /// continue it.
+    /// The text that identifies a run by its version, its configuration and the checksum of its heights: another run
+    /// cannot continue it.
     pub fn identity(&self, config: &str, heights: &str) -> String {
         let version = env!("CARGO_PKG_VERSION");
         format!("gfmd {version}, journal {JOURNAL}, heights {heights}\n{config}")

@@ -35,7 +35,8 @@ pub struct SourceArgs {
         "method", "roll_off", "roll_off_shape", "amplitudes"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<Given>,
-    /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only one
+    /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only
+    /// one
     #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
@@ -56,8 +57,8 @@ pub struct SourceArgs {
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub length: Vec<f64>,
-    /// Points along each side over those of the file: heights between them follow from the waves of the periodic surface. Of a
-    /// generated surface --n gives the points
+    /// Points along each side over those of the file: heights between them follow from the waves of the periodic
+    /// surface. Of a generated surface --n gives the points
     #[arg(long, value_name = "TIMES", requires = "surface", value_parser = clap::value_parser!(u64).range(1..=LARGEST_REFINE))]
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "times")]
     pub refine: Option<u64>,
@@ -75,13 +76,13 @@ pub struct SourceArgs {
     /// Change the sign of the heights of a file, if its peaks point away from the body
     #[arg(long)]
     pub flip: bool,
-    /// Heights of a second rough surface, that of the body, in a file as of --surface and prepared by the same flags; its peaks
-    /// point at the first surface, and x and y are the same places of both
+    /// Heights of a second rough surface, that of the body, in a file as of --surface and prepared by the same flags;
+    /// its peaks point at the first surface, and x and y are the same places of both
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_surface: Option<Given>,
-    /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves; with
-    /// --boundary free whole steps only, and the part in common stays
+    /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves;
+    /// with --boundary free whole steps only, and the part in common stays
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub shift: Vec<f64>,
@@ -120,7 +121,7 @@ pub fn grid_of(generator: &GeneratorArgs, length: &[f64]) -> Result<Grid, Failur
     generated_grid(generator, length, Processes::ALONE)
 }
 
-/// As [`grid_of`], of several processes that share the points.
+/// The grid of [`grid_of`], for several processes that share the points.
 fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
     memory::fits_shared(memory::SURFACE, "--n", generator.points()?, processes)?;
     Ok(generator.grid(length)?)
@@ -250,7 +251,8 @@ impl Surface {
         self.write_about(archive, group, self.checksum())
     }
 
-    /// As [`write`](Self::write), if several processes have the rows of the heights; `archive` is that of the first one.
+    /// Writes like [`write`](Self::write) if several processes have the rows of the heights; the first one has the
+    /// `archive`.
     ///
     /// # Errors
     /// At the first process, a file that cannot be written.
@@ -288,8 +290,8 @@ impl Surface {
         self.scan.iter().try_for_each(|scan| scan.write(archive, group))
     }
 
-    /// The same surface with the statistics of the one that a base which moves makes of it: its heights and the `lift`, the
-    /// displacement of the surface by the base alone, of the rows of this process. The heights stay as they are.
+    /// The same surface with the statistics of the one that a base which moves makes of it: its heights and the `lift`,
+    /// the displacement of the surface by the base alone, of the rows of this process. The heights stay as they are.
     ///
     /// # Errors
     /// Heights without statistics.
@@ -363,10 +365,10 @@ impl SourceArgs {
         self.bounded(Boundary::Periodic, session)
     }
 
-    /// As [`surface`](Self::surface), with its surroundings.
+    /// The surface of [`surface`](Self::surface), with its boundary condition.
     ///
     /// # Errors
-    /// As `surface`; and a mirrored surface that does not repeat.
+    /// The errors of `surface`; a mirrored surface that does not repeat.
     pub fn bounded(&self, boundary: Boundary, session: &Session) -> Result<Surface, Failure> {
         // The parser lets these pass beside a flag of the generator.
         let of_files = [
@@ -410,8 +412,8 @@ impl SourceArgs {
         Ok(Surface { heights, grid, share, unit, stress_unit, statistics, boundary, description, scan, origin, second })
     }
 
-    /// The heights of the rows of this process. Of several, each makes its own if the generator can; else the first one makes or
-    /// reads all, and hands them out.
+    /// The heights of the rows of this process. Of several, each makes its own if the generator can; else the first one
+    /// makes or reads all, and hands them out.
     fn made(&self, boundary: Boundary, session: &Session) -> Result<Made, Failure> {
         let Some(ranks) = session.ranks() else { return self.whole(boundary) };
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
@@ -475,8 +477,8 @@ impl SourceArgs {
         Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
     }
 
-    /// This source with so many times as many points along each side, by this way between those of a file; of a generated surface the
-    /// same one on a finer grid.
+    /// This source with so many times as many points along each side, by this way between those of a file; of a
+    /// generated surface the same one on a finer grid.
     ///
     /// # Errors
     /// A surface of which nothing is known between its points.
@@ -537,7 +539,7 @@ impl SourceArgs {
             return Ok(());
         }
         let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
-        Err(Failure::input(flag, reason + ", which another unit of length makes it"))
+        Err(Failure::input(flag, reason + "; choose another unit of length"))
     }
 }
 

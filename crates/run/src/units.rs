@@ -73,8 +73,8 @@ pub fn units_of_result(reader: &Reader) -> Option<Units> {
 /// unit, and the rows of tables in place of their files.
 ///
 /// # Errors
-/// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit; a table that cannot
-/// be read.
+/// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit; a table
+/// that cannot be read.
 pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
     let Some(sub) = words.iter().find_map(|word| command.find_subcommand(word)) else { return Ok(words) };
     // The place of each value, the key of its option, and what stands before it in its word.
@@ -147,10 +147,10 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
     Ok(words)
 }
 
-/// As [`of_words`], of a table of options and the arrays beside it.
+/// The units of [`of_words`], for a table of options and its arrays.
 ///
 /// # Errors
-/// As `of_words`.
+/// The errors of `of_words`.
 pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays) -> Result<(), Failure> {
     let mut sought = Sought::default();
     for (key, value) in table.iter().filter(|(key, _)| takes_units(key)) {

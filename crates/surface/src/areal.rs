@@ -4,8 +4,8 @@ use ndarray::{Array2, Axis};
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// Height parameters of ISO 25178-2 (of a profile those of ISO 4287), about the mean height: neither a form is
-/// removed nor a filter applied.
+/// Height parameters of ISO 25178-2 (ISO 4287 for a profile), about the mean height, without removal of a form and
+/// without a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Areal {
     /// Sa: mean distance from the mean height, length.
@@ -14,17 +14,16 @@ pub struct Areal {
     pub sq: f64,
     /// Sp: highest height above the mean, length.
     pub sp: f64,
-    /// Sv: depth of the lowest one below the mean, length.
+    /// Sv: depth of the lowest point below the mean, length.
     pub sv: f64,
     /// Sz = Sp + Sv, length.
     pub sz: f64,
-    /// Ssk: mean cube over Sq³, positive if peaks are sharper than valleys; `None` of a flat surface.
+    /// Ssk: mean cube over Sq³, positive if peaks are sharper than valleys; `None` for a flat surface.
     pub ssk: Option<f64>,
-    /// Sku: mean fourth power over Sq⁴, 3 of a Gaussian surface; `None` of a flat surface.
+    /// Sku: mean fourth power over Sq⁴, 3 for a Gaussian surface; `None` for a flat surface.
     pub sku: Option<f64>,
-    /// Sdr: area of the surface over that of the plane below, less 1; of a profile its length. Two triangles
-    /// make the surface of a cell of four
-    /// neighbours; none crosses the periodic seam.
+    /// Sdr: developed area over the projected area, less 1; for a profile the same ratio of lengths. Each cell of four
+    /// neighbours has two triangles; none crosses the periodic seam.
     pub sdr: f64,
 }
 
@@ -59,7 +58,7 @@ impl Areal {
     }
 }
 
-/// The area of triangles between the points over that of their plane, less 1.
+/// The area of triangles between the points over their projected area, less 1.
 fn developed(heights: &Array2<f64>, grid: &Grid) -> f64 {
     let ([nx, ny], [dx, dy]) = (heights.dim().into(), grid.spacing());
     // √(1 + g²) − 1 without the loss of digits at small slopes.

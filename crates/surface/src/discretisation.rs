@@ -51,7 +51,7 @@ impl Discretisation {
         length / (self.eps_t_inv * self.eps_f_inv)
     }
 
-    /// Returns `spectrum` with the longest and shortest wavelength that these numbers ask for in a cell of `length`.
+    /// Returns `spectrum` with the longest and shortest wavelength of these numbers in a cell of `length`.
     pub fn self_affine(&self, length: f64, spectrum: SelfAffine) -> SelfAffine {
         let (longest_wavelength, shortest_wavelength) =
             (self.longest_wavelength(length), self.shortest_wavelength(length));

@@ -69,7 +69,7 @@ pub enum SurfaceError {
         /// The smallest value allowed.
         least: f64,
     },
-    /// Discretisation numbers whose product is no number of points.
+    /// Discretisation numbers whose product is not a number of points.
     #[error("1/eps_t * 1/eps_f * 1/eps_c is {product}; it must be a whole number of points up to {most}")]
     PointCount {
         /// The product.
@@ -108,10 +108,10 @@ pub enum SurfaceError {
         /// The number of points.
         points: usize,
     },
-    /// A harmonic fill that did not converge.
+    /// Harmonic fill that did not converge.
     #[error("the harmonic fill has a relative residual of {residual:e}; it must be at most {allowed:e}")]
     Unsolved {
-        /// The residual reached.
+        /// The residual of the last iterate.
         residual: f64,
         /// The largest allowed.
         allowed: f64,
@@ -136,13 +136,13 @@ pub enum SurfaceError {
         /// Number of different wavenumbers in the range that carry power.
         found: usize,
     },
-    /// A shift of one surface against another that is no number, or goes across a profile.
+    /// A shift of one surface against another that is not finite, or goes across a profile.
     #[error("the shift is {found:?}; it must be two finite numbers, the second 0 for a profile")]
     Shift {
         /// The shift along x and y, length.
         found: [f64; 2],
     },
-    /// A shift with a part of a grid step, of a surface that does not repeat.
+    /// A shift by a fraction of a grid step, of a surface that does not repeat.
     #[error(
         "the shift is {found:?} grid steps; it must be whole steps for surfaces that do not repeat, since nothing is known \
          between their points"
@@ -151,7 +151,7 @@ pub enum SurfaceError {
         /// The shift along x and y, in grid steps.
         found: [f64; 2],
     },
-    /// A shift by which two surfaces that do not repeat have hardly a point in common.
+    /// A shift after which two surfaces that do not repeat hardly overlap.
     #[error("the shift is {found:?}; it must leave at least two points in common along each side of {lengths:?}")]
     Apart {
         /// The shift along x and y, length.
@@ -162,7 +162,7 @@ pub enum SurfaceError {
     /// A taper that is not a fraction.
     #[error("the taper of the window is {0}; it must be between 0 and 1")]
     Taper(f64),
-    /// A name that no value has.
+    /// An unknown name.
     #[error("the {subject} is {found:?}; it must be one of {allowed}")]
     Name {
         /// The kind of value.
@@ -183,7 +183,7 @@ pub enum SurfaceError {
     /// A grid that cannot be made.
     #[error(transparent)]
     Grid(#[from] gfmd_field::GridError),
-    /// A field of the wrong size handed to a transform.
+    /// A field of the wrong size, passed to a transform.
     #[error(transparent)]
     Field(#[from] gfmd_field::ShapeError),
 }

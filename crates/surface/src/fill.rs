@@ -1,4 +1,4 @@
-//! Heights of undefined points from those around them.
+//! Filling of undefined points from the heights around them.
 
 mod harmonic;
 mod nearest;
@@ -9,14 +9,14 @@ use crate::SurfaceError;
 use crate::error::positive;
 use crate::names::named;
 
-/// A way to give heights to undefined points, which are NaN.
+/// A method to fill undefined points, which are NaN.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
-    /// The solution of Laplace's equation with the defined heights as boundary values: the sum over neighbours of
-    /// (h − h′)/d² is zero at every undefined point, with no neighbours beyond the edges. It has no new maxima or minima
-    /// and the smallest rms gradient. The relative residual is below 10⁻⁹.
+    /// The solution of Laplace's equation with the defined heights as boundary values: the sum over neighbours of (h −
+    /// h′)/d² is zero at every undefined point, with no neighbours beyond the edges. It has no new maxima or minima and
+    /// the smallest rms gradient. The relative residual is below 10⁻⁹.
     Harmonic,
-    /// The height of the nearest defined point; of several, that with the lowest x, then the lowest y.
+    /// The height of the nearest defined point; among several, that with the lowest x, then the lowest y.
     Nearest,
 }
 
@@ -25,9 +25,9 @@ named! { Fill, "fill":
     Nearest = "nearest", "the height of the nearest defined point";
 }
 
-/// Returns the heights with undefined points (NaN) filled; defined heights stay as they are. `spacing` is that of the
-/// grid, since distances depend on its ratio. The scan is not taken as periodic. The result has the same bits for any
-/// number of threads.
+/// Returns the heights with undefined points (NaN) filled; defined heights do not change. `spacing` is the distance of
+/// the points along x and y, whose ratio enters distances. The scan is not taken as periodic. The result has the same
+/// bits for any number of threads.
 ///
 /// # Errors
 /// Heights that are infinite; no defined point; a spacing that is not positive; equations that were not solved.

@@ -1,4 +1,4 @@
-//! Heights between those of a grid.
+//! Interpolation of heights on a finer grid.
 
 use gfmd_field::Grid;
 use ndarray::Array2;
@@ -6,21 +6,21 @@ use ndarray::Array2;
 use crate::SurfaceError;
 use crate::pair::interpolated;
 
-/// The ways to place heights between those of a periodic grid.
+/// Methods of interpolation between the points of a periodic grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The waves of the grid: exact for a surface whose waves the grid has.
+    /// Trigonometric interpolation: exact for a surface whose waves are resolved by the grid.
     #[default]
     Waves,
-    /// Cubic polynomials through four neighbours along each axis (Keys 1981), which know nothing of what is farther away.
+    /// Cubic polynomials through four neighbours along each axis (Keys 1981), which are local.
     Cubic,
 }
 
-/// The heights on a grid of `times` as many points along each side of a surface, with that grid: all heights of the given grid are
-/// among them. The cell stays the same.
+/// Returns the heights on a grid of the same cell with `times` as many points along each side, and that grid. The given
+/// heights are among them.
 ///
 /// # Errors
-/// Heights of another shape than the grid or not finite; no times, or a grid that has too many points.
+/// Heights of another shape than the grid or not finite; `times` of zero, or a grid with too many points.
 pub fn finer(
     heights: &Array2<f64>,
     grid: &Grid,
@@ -46,7 +46,7 @@ pub fn finer(
     Ok((found, fine))
 }
 
-/// The heights these parts of a step beyond the points.
+/// The heights at these fractions of a step beyond the points.
 fn cubic(heights: &Array2<f64>, steps: [f64; 2]) -> Array2<f64> {
     let (nx, ny) = heights.dim();
     let [x, y] = steps.map(weights);
@@ -56,7 +56,7 @@ fn cubic(heights: &Array2<f64>, steps: [f64; 2]) -> Array2<f64> {
     Array2::from_shape_fn((nx, ny), |(i, j)| (0..4).map(|k| x[k] * along_y[[(i + nx + k - 1) % nx, j]]).sum())
 }
 
-/// The weights of the point before, the point, and the two after it, at this part of a step.
+/// The weights of the point before, the point, and the two after it, at the fraction `t` of a step.
 fn weights(t: f64) -> [f64; 4] {
     let (square, cube) = (t * t, t * t * t);
     [

@@ -1,4 +1,4 @@
-//! The waves that a self-affine surface without end has beyond the longest one of a simulated surface.
+//! The waves of an infinitely large self-affine surface beyond the longest one of a simulated surface.
 
 use crate::{Discretisation, SurfaceError};
 
@@ -6,16 +6,17 @@ use crate::{Discretisation, SurfaceError};
 const AT_THE_END: f64 = 1e-9;
 
 impl Discretisation {
-    /// The mean square gradient of all waves that are longer than the longest one, down to wave number zero, over that of
-    /// the waves from the longest to the shortest, both in the spectrum ⟨|h̃|²⟩ ∝ q^{−2(1+H)} of a surface. It tends to
-    /// ε_f^{2−2H} for ε_t, ε_f → 0 (theory.md, section 11).
+    /// The mean square gradient of all waves that are longer than the longest one, down to wave number zero, over that
+    /// of the waves from the longest to the shortest, both in the spectrum ⟨|h̃|²⟩ ∝ q^{−2(1+H)} of a surface. It tends
+    /// to ε_f^{2−2H} for ε_t, ε_f → 0 (theory.md, section 11).
     ///
     /// Both are sums over the integer wave numbers m of the cell. That of |m|^{−2H} over all m ≠ 0 below M grows as the
-    /// integral π M^{2−2H}/(1−H) less 4ζ(H)β(H) = ζ_E, Epstein's zeta function, so that the cell around m = 0 holds −ζ_E.
+    /// integral π M^{2−2H}/(1−H) less 4ζ(H)β(H) = ζ_E, Epstein's zeta function, so that the cell around m = 0
+    /// contributes −ζ_E.
     ///
     /// # Errors
-    /// A Hurst exponent below 0 or above 0.99 (at 1, waves without end have an infinite gradient), discretisation numbers
-    /// out of their range.
+    /// A Hurst exponent below 0 or above 0.99 (at 1 the gradient of infinitely long waves diverges), discretisation
+    /// numbers out of range.
     pub fn missing_long_waves(&self, hurst: f64) -> Result<f64, SurfaceError> {
         self.points()?;
         if !(0.0..=0.99).contains(&hurst) {

@@ -23,7 +23,7 @@ impl Dimension {
 /// Spectral moments: sums over all q ≠ 0 of the full spectrum (theory.md, section 9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
-    /// Surface or profile, on which the profile moments and the curvature depend.
+    /// Surface or profile: the profile moments and the curvature depend on it.
     pub dimension: Dimension,
     /// The mean square of the height, h_rms² = Σ |h̃|², length².
     pub mean_square_height: f64,
@@ -31,16 +31,16 @@ pub struct Moments {
     pub mean_square_gradient: f64,
     /// The mean square of the Laplacian ∇²h, Σ q⁴|h̃|², 1/length².
     pub mean_square_laplacian: f64,
-    /// The part of the mean square gradient in waves shorter than four points.
+    /// The contribution of waves shorter than four points to the mean square gradient.
     pub mean_square_gradient_of_short_waves: f64,
-    /// The number of waves that share the mean square gradient, (Σ g)²/Σ g² with the part g of each: 1 for one wave, hundreds for a
-    /// rough surface. NaN for a flat one.
+    /// The effective number of waves, (Σ g)²/Σ g² with g the contribution of each to the mean square gradient: 1 for a
+    /// single wave, hundreds for a rough surface; NaN for a flat one.
     pub waves: f64,
 }
 
 impl Moments {
-    /// The share of the mean square gradient in waves shorter than four points: above 0.01 the grid does not resolve the
-    /// surface, and the numbers of a contact depend on what lies between the points.
+    /// The fraction of the mean square gradient in waves shorter than four points. Above 0.01 the grid does not resolve
+    /// the surface, and the numbers of a contact depend on the heights between the points.
     pub fn short_waves(&self) -> f64 {
         let short = self.mean_square_gradient_of_short_waves;
         if short > 0.0 { short / self.mean_square_gradient } else { 0.0 }
@@ -51,17 +51,17 @@ impl Moments {
         self.mean_square_height.sqrt()
     }
 
-    /// The root-mean-square ḡ of the full gradient |∇h| (h′ of a profile), dimensionless.
+    /// The root-mean-square ḡ of the full gradient |∇h| (h′ for a profile), dimensionless.
     pub fn rms_gradient(&self) -> f64 {
         self.mean_square_gradient.sqrt()
     }
 
-    /// The root-mean-square of the Laplacian ∇²h (h″ of a profile), 1/length.
+    /// The root-mean-square of the Laplacian ∇²h (h″ for a profile), 1/length.
     pub fn rms_laplacian(&self) -> f64 {
         self.mean_square_laplacian.sqrt()
     }
 
-    /// The root-mean-square of the mean curvature (h_xx + h_yy)/2 of a surface, half the rms Laplacian, or of h″ of a
+    /// The root-mean-square of the mean curvature (h_xx + h_yy)/2 of a surface, half the rms Laplacian, or of h″ for a
     /// profile; 1/length.
     pub fn rms_curvature(&self) -> f64 {
         match self.dimension {
@@ -70,8 +70,8 @@ impl Moments {
         }
     }
 
-    /// The moments m0, m2, m4 = Σ|h̃|², Σq²|h̃|², Σq⁴|h̃|² of a profile. For a surface they are those of a straight cut,
-    /// m0 = h_rms², m2 = ḡ²/2, m4 = (3/8) Σq⁴|h̃|², which holds if the surface is isotropic.
+    /// The moments m0, m2, m4 = Σ|h̃|², Σq²|h̃|², Σq⁴|h̃|² of a profile. For a surface they are those of a straight
+    /// cut, m0 = h_rms², m2 = ḡ²/2, m4 = (3/8) Σq⁴|h̃|², which holds if the surface is isotropic.
     pub fn profile(&self) -> [f64; 3] {
         match self.dimension {
             Dimension::Profile => [self.mean_square_height, self.mean_square_gradient, self.mean_square_laplacian],
@@ -91,7 +91,7 @@ impl Moments {
 /// The number of modes in a task, fixed so that sums have the same bits for any number of threads and of processes.
 pub(crate) const MODES_PER_TASK: usize = 1 << 13;
 
-/// The first mode of the first task that begins in this range of modes; its end if there is none.
+/// The first mode of the first task that begins in the range `own`; the end of the range if there is none.
 pub(crate) fn first_task(own: &Range<usize>) -> usize {
     own.start.next_multiple_of(MODES_PER_TASK).min(own.end)
 }
@@ -102,11 +102,12 @@ pub(crate) fn own_modes(grid: &Grid, lanes: Range<usize>) -> Range<usize> {
     lanes.start * positions..lanes.end * positions
 }
 
-/// Running sums of the four moments, and of the squares of the parts of the mean square gradient. Each task has its own sums, which are added in the order of the tasks.
+/// Running sums of the four moments, and of the squares of the contributions to the mean square gradient. Each task has
+/// its own sums, which are added in the order of the tasks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums([f64; 5]);
 
-/// The square of the largest wavenumber of waves of four points and more, along the axis whose points are farther apart.
+/// The square of the largest wavenumber of waves of four points or more, along the axis with the larger spacing.
 pub(crate) fn resolved(grid: &Grid) -> f64 {
     let [dx, dy] = grid.spacing();
     let spacing = if grid.is_line() { dx } else { dx.max(dy) };
@@ -128,8 +129,8 @@ impl Sums {
         }
     }
 
-    /// The sums of all modes, task by task, from |h̃|² of the `own` modes of this process, by their numbers in storage order. All
-    /// processes get the sums of all.
+    /// The sums of all modes, task by task, from |h̃|² of the `own` modes of this process, by their numbers in storage
+    /// order. All processes get all sums.
     pub(crate) fn of_power(grid: &Grid, share: &Share, own: &Range<usize>, power: &[f64]) -> Vec<Self> {
         let (first, resolved) = (first_task(own), resolved(grid));
         // The modes in front of it belong to the last task of a process before this one.

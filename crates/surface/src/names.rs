@@ -1,6 +1,6 @@
-//! Names of the choices, as they stand on a command line.
+//! Names of the choices on a command line.
 
-/// Gives an enum without fields its table: `ALL`, `name`, `meaning`, `FromStr` and `Display`.
+/// Implements the table of an enum without fields: `ALL`, `name`, `meaning`, `FromStr` and `Display`.
 macro_rules! named {
     ($type:ident, $subject:literal: $($variant:ident = $name:literal, $meaning:literal;)+) => {
         impl $type {

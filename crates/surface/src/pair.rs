@@ -7,16 +7,16 @@ use num_complex::Complex64;
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// The distance from a whole number, in grid steps, up to which a shift is taken as whole: the rounding of a decimal number.
+/// The distance from a whole number, in grid steps, up to which a shift counts as whole: the rounding of a decimal
+/// number.
 const WHOLE: f64 = 1e-9;
 
-/// Returns the composite of two periodic surfaces that face each other, `first` + `second` moved by `shift` (length along x
-/// and y).
+/// Returns the composite of two periodic surfaces that face each other, `first` + `second` moved by `shift` (length
+/// along x and y).
 ///
-/// Both heights are given at the same places of one plane, each with its peaks towards the other surface. The gap between
-/// the undeformed surfaces is then that between the composite and a plane. A shift of whole grid steps moves the heights
-/// from point to point; the rest of any other shift moves the trigonometric interpolation of the heights, which passes
-/// through all of them.
+/// Both heights are given at the same points of one plane, each with its peaks towards the other surface. The gap
+/// between the undeformed surfaces is then that between the composite and a plane. A shift of whole grid steps moves
+/// the heights from point to point; a remaining fraction of a step moves their trigonometric interpolation.
 ///
 /// # Errors
 /// Heights of another shape than the grid or not finite; a shift that is not finite, or across a profile.
@@ -41,11 +41,12 @@ pub fn composite(
     Ok(first + &moved)
 }
 
-/// As [`composite`], for surfaces that do not repeat: the part where both have heights, with its grid. The shift is of
-/// whole grid steps.
+/// Returns the composite of two surfaces that do not repeat, on the overlap, with its grid. The shift is in whole grid
+/// steps.
 ///
 /// # Errors
-/// As [`composite`]; and a shift with a part of a step, or that leaves fewer than 2 points in common along an axis.
+/// Heights of another shape than the grid or not finite; a shift that is not finite, goes across a profile, has a
+/// fraction of a step, or leaves fewer than 2 points in common along an axis.
 pub fn composite_inside(
     first: &Array2<f64>,
     second: &Array2<f64>,
@@ -73,7 +74,7 @@ pub fn composite_inside(
     Ok((&here + &there, Grid::new([nx, ny], [nx as f64 * a, ny as f64 * b])?))
 }
 
-/// The shift in grid steps; a number of them that is whole but for rounding is whole.
+/// The shift in grid steps, rounded if it is whole up to rounding errors.
 fn steps(grid: &Grid, shift: [f64; 2]) -> Result<[f64; 2], SurfaceError> {
     let spacing = grid.spacing();
     let steps = [0, 1].map(|axis| shift[axis] / spacing[axis]);
@@ -99,7 +100,7 @@ pub(crate) fn interpolated(heights: &Array2<f64>, grid: &Grid, steps: [f64; 2]) 
     Array2::from_shape_vec((nx, ny), field).map_err(|_| SurfaceError::Shape { found, expected: [nx, ny] })
 }
 
-/// The factor of a wave that moves by `steps`. A wave at the Nyquist number stands for the mean of both of its directions.
+/// The factor of a wave that moves by `steps`. A wave at the Nyquist number represents the mean of its two directions.
 fn phase(mode: &Mode, grid: &Grid, steps: [f64; 2]) -> Complex64 {
     let points = grid.points();
     [0, 1]

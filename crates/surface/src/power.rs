@@ -24,7 +24,7 @@ const STEEPEST: f64 = 64.0;
 /// The largest number of steps of the search: bisection needs 45, Newton's method about 6.
 const MOST_STEPS: usize = 100;
 
-/// The power |h̃(q)|² of every mode of given heights.
+/// The power |h̃(q)|² of every mode of a surface.
 pub struct PowerSpectrum {
     grid: Grid,
     /// |h̃|², laid out as [`Grid::modes`].
@@ -57,7 +57,7 @@ pub struct HurstFit {
 }
 
 impl PowerSpectrum {
-    /// The spectrum of `heights`, shape `[nx, ny]`, taken as one period. The mean height does not enter the moments.
+    /// The spectrum of `heights`, shape `[nx, ny]`, as one period. The mean height does not enter the moments.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -79,7 +79,7 @@ impl PowerSpectrum {
 
     /// The radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the multiples of
     /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. A wave
-    /// half-way between two multiples, whatever the rounding of its wavenumber, is in the ring of the larger one. For a
+    /// half-way between two multiples, up to rounding of its wavenumber, is in the ring of the larger one. For a
     /// profile every mode is a ring.
     pub fn radial(&self) -> Vec<RadialBin> {
         let [lengths, points] = [self.grid.lengths(), self.grid.points().map(|n| n as f64)];
@@ -103,10 +103,11 @@ impl PowerSpectrum {
             .collect()
     }
 
-    /// The mean of (h(x) − ⟨h⟩)(h(x+d) − ⟨h⟩) over all points of the period at every distance d, laid out as the heights; length².
+    /// The mean of (h(x) − ⟨h⟩)(h(x+d) − ⟨h⟩) over all points of the period at every distance d, laid out as the
+    /// heights; length².
     ///
     /// # Errors
-    /// None of a spectrum of heights.
+    /// None for a spectrum of heights.
     pub fn correlation(&self) -> Result<Vec<f64>, SurfaceError> {
         let mut power = self.power.clone();
         // The mean has no part in it.
@@ -119,7 +120,7 @@ impl PowerSpectrum {
         Ok(correlation)
     }
 
-    /// The longest and shortest wavelengths of modes that carry power, which are the cut-offs of the heights; length.
+    /// The longest and shortest wavelengths of modes that carry power: the cut-offs of the heights, in length.
     /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; in a non-periodic scan all modes do.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {
         let floor = CARRIES_POWER * self.moments.mean_square_height;
@@ -136,9 +137,10 @@ impl PowerSpectrum {
 
     /// Fits the Hurst exponent to the modes with wavelengths from `longest` to `shortest`, both included.
     ///
-    /// The fit maximises the likelihood of independent Gaussian modes, with |h̃|² distributed exponentially about c q^{−s},
-    /// over c and s (Whittle's estimate). Unlike a straight line through a logarithmic plot, it has no bias from the
-    /// logarithm of noise or from bins. Windows and mirrors correlate the modes, so that the stated error is too small.
+    /// The fit maximises the likelihood of independent Gaussian modes, with |h̃|² distributed exponentially about c
+    /// q^{−s}, over c and s (Whittle's estimate). Unlike a straight line through a logarithmic plot, it has no bias
+    /// from the logarithm of noise or from bins. Windows and mirrors correlate the modes, so that the stated error is
+    /// too small.
     ///
     /// # Errors
     /// Wavelengths out of order; less than two different wavenumbers with power in the range.
@@ -174,16 +176,18 @@ impl PowerSpectrum {
 }
 
 impl Moments {
-    /// The moments of heights of which each process has the rows of its `share`, row by row; all get those of one process.
+    /// The moments of heights of which each process has the rows of its `share`, row by row. All processes get the
+    /// moments of the whole surface.
     ///
     /// # Errors
-    /// Another number of heights than in the own rows.
+    /// Another number of heights than in the rows of this process.
     pub fn over(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
         power_over(heights, grid, share).map(|(_, moments)| moments)
     }
 }
 
-/// The power of the modes of this process, and the moments of all, of heights of which it has the rows of its `share`.
+/// The power of the modes of this process, and the moments of all modes, for heights of which this process has the rows
+/// of its `share`.
 pub(crate) fn power_over(heights: &[f64], grid: &Grid, share: &Share) -> Result<(Vec<f64>, Moments), SurfaceError> {
     let transform = Transform::over(*grid, share);
     let own = own_modes(grid, transform.lanes());
@@ -201,8 +205,8 @@ struct Sample {
     weight: f64,
 }
 
-/// The exponent s at which ⟨ln q⟩ weighted by |h̃|² q^s equals the plain ⟨ln q⟩. The difference rises with s, since its slope
-/// is a variance. Newton's method, safeguarded by bisection.
+/// The exponent s at which ⟨ln q⟩ weighted by |h̃|² q^s equals the plain ⟨ln q⟩. The difference rises with s, since its
+/// slope is a variance. Solved by Newton's method, safeguarded by bisection.
 fn likeliest_exponent(samples: &[Sample], mean: f64) -> f64 {
     let (mut low, mut high) = (-STEEPEST, STEEPEST);
     let mut exponent = 3.0;

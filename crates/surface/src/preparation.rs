@@ -7,17 +7,18 @@ use crate::SurfaceError;
 use crate::names::named;
 use crate::statistics::{checked, finite};
 
-/// The part of a scan that is not roughness and that [`remove`] takes away.
+/// The part of a scan that [`remove`] subtracts, since it is not roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
     /// The mean height.
     Mean,
     /// The plane with the least squared distance from the heights. It leaves the smallest rms height.
     Plane,
-    /// The plane with the mean slope, which is the mean of the forward differences at all points with a neighbour along both
-    /// axes. It leaves the smallest rms gradient and joins opposite edges on average.
+    /// The plane with the mean slope, which is the mean of the forward differences at all points with a neighbour along
+    /// both axes. It leaves the smallest rms gradient and joins opposite edges on average.
     Slope,
-    /// The paraboloid 1, x, y, x², xy, y² with the least squared distance, which includes the bow of a scanner or a radius.
+    /// The paraboloid 1, x, y, x², xy, y² with the least squared distance, which includes the bow of a scanner or a
+    /// radius.
     Quadratic,
 }
 
@@ -28,15 +29,15 @@ named! { Trend, "trend":
     Quadratic = "quadratic", "the least-squares paraboloid";
 }
 
-/// A way to make heights that are not periodic into one period of a cell.
+/// A method to make heights that are not periodic one period of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Periodisation {
-    /// No change: the step between opposite edges becomes part of the surface. It adds to all gradients and, with C ∝ q⁻²
-    /// along the axes, to the spectrum. Right for heights that are periodic.
+    /// No change: the step between opposite edges becomes part of the surface. It adds to all gradients and, with C ∝
+    /// q⁻² along the axes, to the spectrum. Right for heights that are periodic.
     AsIs,
     /// The heights and their mirror images, an even extension to `[2nx, 2ny]` points in a cell twice as long: no step,
-    /// but a crease between the images. The height distribution stays exactly; gradients stay except at the seams. The cell
-    /// has mirror planes, its longest wavelength doubles, and a correlation of h_x with h_y is lost.
+    /// but a crease between the images. The height distribution does not change; gradients do not change except at the
+    /// seams. The cell has mirror planes, its longest wavelength doubles, and a correlation of h_x with h_y is lost.
     Mirror,
 }
 
@@ -84,11 +85,11 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
     Ok(rest)
 }
 
-/// Returns the heights without the trend of their defined points; undefined points, which are NaN, stay so. Without them it
-/// is [`remove`].
+/// Returns the heights without the trend of their defined points; undefined points (NaN) remain undefined. Without
+/// undefined points this is [`remove`].
 ///
 /// # Errors
-/// Heights that are infinite, and too few defined points to tell the trend.
+/// Heights that are infinite; too few defined points to determine the trend.
 pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
     if heights.iter().any(|height| height.is_infinite()) || !heights.iter().any(|height| height.is_nan()) {
         return remove(heights, trend);
@@ -144,8 +145,8 @@ fn defined_slope(heights: &Array2<f64>) -> Option<[f64; 2]> {
     Some([mean([1, 0])?, if heights.ncols() == 1 { 0.0 } else { mean([0, 1])? }])
 }
 
-/// The solution of symmetric positive definite equations with their right-hand side in the last column; `None` if they
-/// have none.
+/// The solution of symmetric positive definite equations with their right-hand side in the last column; `None` if there
+/// is none.
 fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let count = rows.len();
     for k in 0..count {
@@ -182,8 +183,8 @@ pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Resu
 /// The deviations of `heights` from their mean times a Tukey window, for the spectrum of a scan that is not periodic.
 ///
 /// The window falls to zero at the edges as a cosine over the fraction `taper` of each side, half of it at either end
-/// (1: Hann window, 0: no window). It is divided by its rms value, so that the mean square of homogeneous roughness stays.
-/// Heights and gradients then vary over the cell: not for contact calculations.
+/// (1: Hann window, 0: no window). It is divided by its rms value, so that the mean square of homogeneous roughness
+/// does not change. Heights and gradients then vary over the cell: do not use them in contact calculations.
 ///
 /// # Errors
 /// Heights that are not finite; a taper outside \[0, 1\].

@@ -4,8 +4,8 @@ use crate::SurfaceError;
 use crate::error::positive;
 use crate::names::named;
 
-/// The relative slack in squared wavenumber within which a mode counts as inside the ring. It lies far above the rounding of
-/// |q|² and far below the distance between rings of integer wave numbers.
+/// The relative slack in squared wavenumber within which a mode counts as inside the ring. It lies far above the
+/// rounding of |q|² and far below the distance between rings of integer wave numbers.
 const ON_THE_RING: f64 = 1e-12;
 
 /// The spectrum of a self-affine surface or profile (theory.md, section 9): a power law in an isotropic ring.
@@ -20,7 +20,7 @@ pub struct SelfAffine {
     pub longest_wavelength: f64,
     /// Shortest wavelength λ_s, length: at least two grid spacings.
     pub shortest_wavelength: f64,
-    /// The roll-off of the power law at long wavelengths; `None` if it goes on to the longest wavelength.
+    /// The roll-off of the power law at long wavelengths; `None` if the power law extends to the longest wavelength.
     pub roll_off: Option<RollOff>,
     /// The size to which the heights are scaled.
     pub normalisation: Normalisation,
@@ -88,7 +88,8 @@ named! { Amplitudes, "kind of amplitudes":
 }
 
 impl SelfAffine {
-    /// A spectrum with Gaussian amplitudes and without roll-off, every realisation scaled to the spectral `rms_gradient`.
+    /// A spectrum with Gaussian amplitudes and without roll-off, every realisation scaled to the spectral
+    /// `rms_gradient`.
     ///
     /// The Hurst exponent and the two wavelengths have no defaults: they are NaN here, which every use of the spectrum
     /// refuses, and are named in a struct literal:
@@ -181,8 +182,8 @@ impl Ring {
         Self { shortest, least: (shortest / longest).powi(2) * (1.0 - ON_THE_RING) }
     }
 
-    /// The square (|q|/q_s)² if the mode is in the ring. It is computed from the wave numbers, so that it depends on the cell
-    /// and not on the grid.
+    /// The square (|q|/q_s)² if the mode is in the ring. It is computed from the wave numbers, so that it depends on
+    /// the cell and not on the grid.
     pub(crate) fn position(&self, mode: &Mode, lengths: [f64; 2]) -> Option<f64> {
         let [x, y] = [0, 1].map(|axis| mode.number[axis] as f64 * self.shortest / lengths[axis]);
         let square = x * x + y * y;
@@ -207,7 +208,7 @@ impl Band {
     /// The expected |h̃|² of `mode` up to a common factor, or `None` outside the ring.
     ///
     /// A Nyquist mode that is not its own conjugate has |q| > q_s. Only the slack of an extremely elongated cell could
-    /// include one, and the grid does not hold its mirror image, so that it is excluded.
+    /// include one, and its mirror image is not on the grid, so that it is excluded.
     pub(crate) fn power(&self, mode: &Mode) -> Option<f64> {
         if mode.nyquist.contains(&true) && !mode.is_self_conjugate() {
             return None;

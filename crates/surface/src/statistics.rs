@@ -22,7 +22,8 @@ pub struct Statistics {
     pub rms_gradient_central: f64,
     /// Root-mean-square gradient by forward differences (h(x+a) − h(x))/a, the seam included; dimensionless.
     pub rms_gradient_forward: f64,
-    /// Root-mean-square gradient by forward differences without those across the seam, for heights that are not periodic.
+    /// Root-mean-square gradient by forward differences without those across the seam, for heights that are not
+    /// periodic.
     pub rms_gradient_inside: f64,
     /// The largest slope by forward differences, without those across the seam.
     pub max_slope: f64,
@@ -30,13 +31,14 @@ pub struct Statistics {
     pub seam: Seam,
 }
 
-/// The root-mean-square steps between neighbouring points across the periodic seam and inside. Their ratio says how well
-/// opposite edges fit together; it is about 1 for a periodic surface.
+/// The root-mean-square steps between neighbouring points across the periodic seam and inside. Their ratio measures how
+/// well opposite edges fit together; it is about 1 for a periodic surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seam {
-    /// Step from the last to the first point along x and along y, root-mean-square, length. Zero along one point.
+    /// Step from the last to the first point along x and along y, root-mean-square, length. Zero along an axis with one
+    /// point.
     pub across: [f64; 2],
-    /// Step between neighbours inside along x and along y, root-mean-square, length. Zero along one point.
+    /// Step between neighbours inside along x and along y, root-mean-square, length. Zero along an axis with one point.
     pub inside: [f64; 2],
 }
 
@@ -48,8 +50,8 @@ impl Seam {
 }
 
 impl Statistics {
-    /// The statistics of `heights`. Spectral statistics take the heights as one period, so that a step across the seam is part
-    /// of the surface.
+    /// The statistics of `heights`. Spectral statistics take the heights as one period, so that a step across the seam
+    /// is part of the surface.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -58,10 +60,11 @@ impl Statistics {
         Self::over(heights, grid, &Share::whole(nx, ny))
     }
 
-    /// As [`of`](Self::of), of heights of which each process has the rows of its `share`; all get those of one process.
+    /// The statistics of heights of which each process has the rows of its `share`. All processes get the statistics of
+    /// the whole surface.
     ///
     /// # Errors
-    /// As [`of`](Self::of), on all processes alike.
+    /// The same errors as [`of`](Self::of), on all processes.
     pub fn over(heights: &Array2<f64>, grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
         let heights = checked_over(heights, grid, share)?;
         let moments = Moments::over(&heights, grid, share)?;
@@ -114,8 +117,8 @@ struct Steps {
 }
 
 impl Steps {
-    /// From the sums of squares of steps to neighbours and to next neighbours, inside and across the seam, on an axis of so many
-    /// points and lanes.
+    /// Mean squares from the sums of squares of steps to neighbours and to next neighbours, inside and across the seam,
+    /// on an axis with these numbers of points and lanes.
     fn of([points, lanes]: [f64; 2], [inside, across]: [f64; 2], double: [f64; 2]) -> Self {
         if points < 2.0 {
             return Self::default();
@@ -129,12 +132,12 @@ impl Steps {
     }
 }
 
-/// The numbers of a row, of which those of the surface are made. Sums are formed row by row, so that they have the same bits for any
-/// number of threads and of processes.
+/// The contributions of a row to the numbers of the surface. Sums are formed row by row, so that they have the same
+/// bits for any number of threads and of processes.
 #[derive(Clone, Copy)]
 struct Row {
-    /// Sums of heights; of squares of steps to the next row, and to the one after it; of those along the row to neighbours, inside
-    /// and across the seam, and to next neighbours, inside and across the seam.
+    /// Sums of heights; of squares of steps to the next row, and to the one after it; of those along the row to
+    /// neighbours, inside and across the seam, and to next neighbours, inside and across the seam.
     sums: [f64; 7],
     lowest: f64,
     highest: f64,
@@ -142,7 +145,7 @@ struct Row {
     steepest: f64,
 }
 
-/// The numbers of all rows, from the heights of the own ones.
+/// The contributions of all rows, from the heights of the rows of this process.
 fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
     let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
     let (own, first) = (heights.len() / ny, share.own().start / ny);
@@ -185,7 +188,7 @@ fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
     all.map(|(sums, [lowest, highest, steepest])| Row { sums, lowest, highest, steepest }).collect()
 }
 
-/// As [`checked`], of the rows of a process; all refuse what one of them does not accept.
+/// The check by [`checked`] of the rows of a process; if one process refuses its rows, all do.
 fn checked_over<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid, share: &Share) -> Result<Cow<'a, [f64]>, SurfaceError> {
     if share.is_whole() {
         return checked(heights, grid);

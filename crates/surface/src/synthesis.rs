@@ -12,9 +12,9 @@ use crate::{Amplitudes, Normalisation, Scaling, SelfAffine, SurfaceError};
 impl SelfAffine {
     /// The heights (length) of the realisation `seed` of this spectrum on `grid`, shape `[nx, ny]`, mean zero.
     ///
-    /// The random numbers belong to the integer wave numbers (m, n) of the cell and not to the grid, so that a finer grid
-    /// of one cell samples one surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real and are drawn
-    /// differently from those of a finer grid.)
+    /// The random numbers belong to the integer wave numbers (m, n) of the cell and not to the grid, so that a finer
+    /// grid of one cell samples one surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real and are
+    /// drawn differently from those of a finer grid.)
     ///
     /// # Errors
     /// A parameter out of its range, a cell or grid that cannot hold the wavelengths, or a ring without modes.
@@ -23,11 +23,11 @@ impl SelfAffine {
         self.heights_over(grid, seed, &Share::whole(nx, ny))
     }
 
-    /// As [`heights`](Self::heights), the rows that are the `share` of this process. Each process draws its own modes; the heights have
-    /// the bits of one process.
+    /// The rows of [`heights`](Self::heights) that are the `share` of this process. Each process draws its own modes;
+    /// the heights have the bits of one process.
     ///
     /// # Errors
-    /// As [`heights`](Self::heights), on all processes alike.
+    /// The same errors as [`heights`](Self::heights), on all processes.
     pub fn heights_over(&self, grid: &Grid, seed: u64, share: &Share) -> Result<Array2<f64>, SurfaceError> {
         let transform = Transform::over(*grid, share);
         let spectrum = self.spectrum_over(grid, seed, &transform, share)?;
@@ -60,7 +60,7 @@ impl SelfAffine {
         self.spectrum_over(grid, seed, &Transform::new(*grid), &Share::whole(nx, ny))
     }
 
-    /// The coefficients of the lanes of this process, of which the `transform` has plans.
+    /// The coefficients of the lanes of this process, for which `transform` has plans.
     fn spectrum_over(
         &self,
         grid: &Grid,

@@ -15,7 +15,7 @@ use ndarray::Array2;
 
 use crate::SurfaceError;
 
-/// The functions that describe the texture of a surface beside its spectrum.
+/// Functions that describe the texture of a surface, in addition to its spectrum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// The autocorrelation of the heights.
@@ -29,7 +29,8 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The texture of heights `[nx, ny]`, or of a profile `[n, 1]`; differences cross the edges of the cell if it `repeats`.
+    /// The texture of heights `[nx, ny]`, or of a profile `[n, 1]`; differences cross the edges of the cell if it
+    /// `repeats`.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.

@@ -35,7 +35,7 @@ impl Area {
     }
 }
 
-/// The place of a datum: index of the point, index of the load, way of counting area.
+/// The key of a datum: index of the point, index of the load, way of counting area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     /// Index of the point in [`Plan::points`].
@@ -55,8 +55,8 @@ pub struct Extrapolation {
     pub p_star: f64,
     /// Way of counting area.
     pub area: Area,
-    /// True if the data are kappa of surfaces without end: the waves that the surfaces lack are composed with their
-    /// contacts. False: kappa as computed, which falls with a power of eps_f.
+    /// True if the missing long waves are composed with the contacts, so that the data are kappa of infinitely large
+    /// surfaces. False for kappa as computed, which falls with a power of eps_f.
     pub composed: bool,
     /// The data, in the order of the fit.
     pub data: Vec<Datum>,
@@ -91,7 +91,8 @@ pub enum Form {
     WithoutCoarsestEpsT,
     /// The long waves composed with the mean square pressure of the contacts, too.
     SecondClosure,
-    /// Lower by half of the difference of both closures at the smallest eps_f of the data, between which the limit lies.
+    /// The limit lowered by half of the difference of both closures at the smallest eps_f of the data, between which it
+    /// lies.
     BetweenClosures,
 }
 
@@ -100,7 +101,7 @@ pub enum Form {
 pub enum Source {
     /// The exponent of eps_f.
     Exponent,
-    /// The levels that are fitted.
+    /// The levels in the fit.
     Levels,
     /// The distribution of the pressure of the long waves.
     Closure,
@@ -112,7 +113,7 @@ impl Source {
 }
 
 impl Form {
-    /// The source of the error that this form shows.
+    /// The source of the error that this form estimates.
     pub fn source(self) -> Source {
         match self {
             Self::AlphaFFree | Self::LeastAlphaF | Self::LargestAlphaF => Source::Exponent,
@@ -149,8 +150,8 @@ impl Form {
 }
 
 impl Extrapolation {
-    /// The systematic error of the form: the distances of the alternatives from the fit, the largest one of each [`Source`], in
-    /// quadrature.
+    /// The systematic error of the form: the distances of the alternatives from the fit, the largest one of each
+    /// [`Source`], in quadrature.
     pub fn systematic(&self) -> f64 {
         Source::ALL.iter().map(|source| self.distance(*source).powi(2)).sum::<f64>().sqrt()
     }
@@ -177,8 +178,8 @@ impl Extrapolation {
 pub struct Analysis {
     /// kappa by seed. There are data of the corrected area for surfaces only.
     pub data: BTreeMap<Key, Datum>,
-    /// The extrapolations, one for each Hurst exponent, load and way of counting. The first one is the result: first Hurst
-    /// exponent, load `fit.p_star` of the configuration, raw area.
+    /// The extrapolations, one for each Hurst exponent, load and way of counting. The first one is the result: first
+    /// Hurst exponent, load `fit.p_star` of the configuration, raw area.
     pub extrapolations: Vec<Extrapolation>,
     /// Extrapolations of one axis at a time about the reference cells, if the configuration has any.
     pub protocols: Vec<Protocol>,
@@ -264,19 +265,19 @@ pub(crate) fn settings(config: &Config, hurst: f64, area: Area) -> Settings {
     Settings { model, resamples: config.fit.resamples, ..Settings::default() }
 }
 
-/// The exponents between which that of composed data lies; `None` if the configuration gives another one.
+/// The range of the exponent of composed data; `None` if the configuration gives the exponent.
 fn range(config: &Config, hurst: f64) -> Option<[f64; 2]> {
     let own = config.composes(hurst) && config.fit.alpha_f == Alpha::SelfAffine;
     own.then(|| config.exponents(hurst))
 }
 
-/// kappa by the first closure less that by the second one.
+/// kappa by the first closure less kappa by the second.
 fn difference(one: &Datum, two: &Datum) -> f64 {
     one.mean() - one.mean_edge() - (two.mean() - two.mean_edge())
 }
 
-/// The exponent of eps_f with which the difference of both closures vanishes, within `range`: common to all sizes of the cell,
-/// each with a coefficient of its own, by least squares in the logarithms. The middle of the range if a difference is not
+/// The exponent of eps_f with which the difference of both closures vanishes, within `range`: common to all cell sizes,
+/// with a coefficient for each, by least squares in the logarithms. The middle of the range if a difference is not
 /// positive or eps_f has one level.
 fn exponent(data: &[Datum], other: &[Datum], [least, largest]: [f64; 2]) -> f64 {
     let coarsest = data.iter().map(|datum| datum.eps_c).fold(0.0, f64::max);
@@ -382,8 +383,8 @@ mod tests {
         (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
     }
 
-    /// A truth that no fitted form has: two powers of eps_f, each with its own part of eps_t, for each closure, the second one
-    /// half as large; and a factor of the edge that depends on eps_c.
+    /// A truth that no fitted form has: two powers of eps_f, each with its own part of eps_t, for each closure, the
+    /// second one half as large; and a factor of the edge that depends on eps_c.
     struct Truth {
         limit: f64,
         hurst: f64,

@@ -1,4 +1,4 @@
-//! kappa of surfaces without end, from that of the surfaces of a sweep (theory.md, section 11).
+//! kappa of infinitely large surfaces, from kappa of the surfaces of a sweep (theory.md, section 11).
 
 use std::collections::BTreeMap;
 
@@ -10,19 +10,19 @@ use crate::{Analysis, Area, Extrapolation, Key, Plan, Point, Pressed, SweepError
 /// The ways to choose the distribution of the pressure of the long waves (theory.md, section 11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Closure {
-    /// Persson's shape with the contact area of the surface without end.
+    /// Persson's shape with the contact area of the infinite surface.
     Area,
-    /// Its mean square pressure, too.
+    /// Also its mean square pressure.
     Square,
 }
 
-/// The long waves that the surfaces of each point lack.
+/// The composition with the missing long waves, for the surfaces of each point.
 pub(crate) struct Composition {
     points: Vec<Option<LongWaves>>,
 }
 
 impl Composition {
-    /// From kappa of all points and loads, and the contacts.
+    /// The composition from kappa of all points and loads, and the contacts.
     pub(crate) fn new(
         plan: &Plan,
         data: &BTreeMap<Key, Datum>,

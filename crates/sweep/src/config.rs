@@ -72,13 +72,13 @@ pub enum Method {
     /// From the power spectrum.
     #[default]
     Psd,
-    /// Successive random addition on a lattice, of whose waves those between the cut-offs are kept. The cell is cut out, so that
-    /// its opposite edges do not meet.
+    /// Successive random addition on a lattice, restricted to waves between the cut-offs. The cell is cut out of a
+    /// larger lattice, so that its opposite edges do not match.
     Sra,
-    /// Random midpoint displacement, treated likewise.
+    /// Random midpoint displacement, restricted in the same way.
     Rmd,
-    /// The exponent that the source thesis prints in its eq. 5.5, h ~ 1/q^(2(1+H)): the surface of the Hurst exponent
-    /// 1 + 2H, which is at most 1 for H = 0 only.
+    /// The exponent printed in the source thesis, eq. 5.5, h ~ 1/q^(2(1+H)): a surface of the Hurst exponent 1 + 2H,
+    /// which is at most 1 for H = 0 only.
     Printed,
 }
 
@@ -105,8 +105,8 @@ pub struct BodyConfig {
     /// Layers below the top one, from the top down: Young's modulus, Poisson's ratio, height over the cell length.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<[f64; 3]>,
-    /// The body to which the rough surface belongs: Young's modulus, Poisson's ratio, and the height over the cell length of a
-    /// slab. Empty if it is rigid.
+    /// The body to which the rough surface belongs: Young's modulus, Poisson's ratio, and the height over the cell
+    /// length of a slab. Empty if it is rigid.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub second_body: Vec<f64>,
 }
@@ -142,8 +142,8 @@ pub enum Design {
     Grid,
     /// One axis at a time, the other two at the centre.
     Star,
-    /// All combinations of eps_t_inv and eps_f_inv with the eps_c_inv of the centre, up to the largest grid at its eps_t_inv,
-    /// and all eps_c_inv at the centre: the term of a finite cell depends on eps_f (theory.md, section 11).
+    /// All combinations of eps_t_inv and eps_f_inv with the eps_c_inv of the centre, up to the largest grid at its
+    /// eps_t_inv, and all eps_c_inv at the centre: the term of a finite cell depends on eps_f (theory.md, section 11).
     Ladders,
 }
 
@@ -164,8 +164,8 @@ pub enum Control {
     /// The reduced pressure of every load.
     #[default]
     Load,
-    /// The approach: it rises in equal steps from that of the first to that of the last reduced pressure. The equilibrium of a
-    /// contact is unique, so that this changes which loads of the same curve are sampled, and nothing else.
+    /// The approach: it rises in equal steps from that of the first to that of the last reduced pressure. Since the
+    /// equilibrium of a contact is unique, this only changes which loads of the same curve are sampled.
     Approach,
 }
 
@@ -188,22 +188,23 @@ pub struct StatisticsConfig {
     /// `nested`, at the largest grid.
     pub realisations: u64,
     /// If true, smaller grids get more surfaces, in inverse proportion to their number of points and at most 64 times
-    /// `realisations`, so that about equal time goes into each point: points of one eps_t have their surfaces in common, and
-    /// the many surfaces of coarse points improve the finer points ([`gfmd_fit`]).
+    /// `realisations`, so that about equal time goes into each point: points of one eps_t have their surfaces in
+    /// common, and the many surfaces of coarse points improve the finer points ([`gfmd_fit`]).
     pub nested: bool,
-    /// Without `nested`: if true, points of larger cells get fewer surfaces and points of smaller cells more, so that each
-    /// point samples about equal area and has about equal statistical error; between 4 and 4 times `realisations`.
+    /// Without `nested`: if true, points of larger cells get fewer surfaces and points of smaller cells more, so that
+    /// each point samples about equal area and has about equal statistical error; between 4 and 4 times `realisations`.
     pub equal_area: bool,
-    /// Statistical error of kappa_TFC at the load of the result (half of the 95 % interval over kappa_TFC, for each Hurst
-    /// exponent) down to which surfaces are added, where they lower it most for their work; 0: none are added.
+    /// Statistical error of kappa_TFC at the load of the result (half of the 95 % interval over kappa_TFC, for each
+    /// Hurst exponent) down to which surfaces are added, where they lower it most for their work; 0: none are added.
     #[serde(skip_serializing_if = "is_zero")]
     pub target: f64,
-    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in their order; 0
-    /// leaves a point out; empty: the numbers follow from the rules above. A result of a sweep with a target has the numbers that it came to.
+    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in their
+    /// order; 0 leaves a point out; empty: the numbers follow from the rules above. The result of a sweep with a target
+    /// has its final numbers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<u64>,
-    /// First seed. Points of one eps_t have their seeds, and thus their random modes, in common; points of another eps_t have
-    /// independent surfaces.
+    /// First seed. Points of one eps_t have their seeds, and thus their random modes, in common; points of another
+    /// eps_t have independent surfaces.
     pub seed: u64,
 }
 
@@ -226,23 +227,23 @@ pub struct SolverConfig {
 pub struct FitConfig {
     /// The load of the main result; all loads are fitted.
     pub p_star: f64,
-    /// Exponent of the term in eps_t, which is a part of the one in eps_f: C_t eps_t^alpha_t eps_f^alpha_f. A finite cell differs
-    /// by the sum over its discrete longest waves: 2 for surfaces, 1 for profiles.
+    /// Exponent of the term in eps_t, which multiplies that in eps_f: C_t eps_t^alpha_t eps_f^alpha_f. A finite cell
+    /// differs by the sum over its discrete longest waves: 2 for surfaces, 1 for profiles.
     pub alpha_t: Alpha,
-    /// The waves beyond the longest ones of the surfaces, which the fractal limit asks for.
+    /// The waves longer than the longest ones of the surfaces, which the fractal limit needs.
     pub long_waves: LongWavesConfig,
-    /// Exponent of the term in eps_f: `"self-affine"`, with the long waves composed, for that with which the difference of two
-    /// closures vanishes, between 1 - H and 2 - 2H, at most 1, and for 1 - H without (theory.md, section 11), a number,
-    /// `"free"` or `"none"`.
+    /// Exponent of the term in eps_f: a number, `"free"`, `"none"` or `"self-affine"`. With the long waves composed,
+    /// the latter is the exponent with which the difference of two closures vanishes, between 1 - H and 2 - 2H and at
+    /// most 1; otherwise it is 1 - H (theory.md, section 11).
     pub alpha_f: Alpha,
-    /// Exponent of the term in eps_c: `"edge"` for a multiple near one of what the grid adds by the estimate from each contact,
-    /// in place of a power of eps_c, a number, `"free"` or `"none"`. It concerns the raw area; what is left of the error in the
-    /// corrected area is fitted with the exponent 1.
+    /// Exponent of the term in eps_c: a number, `"free"`, `"none"` or `"edge"`. The latter subtracts a multiple near
+    /// one of the excess estimated from each contact, in place of a power of eps_c. It applies to the raw area; the
+    /// remaining error of the corrected area is fitted with the exponent 1.
     pub alpha_c: Alpha,
     /// kappa of one surface.
     pub estimator: Estimator,
-    /// Cells (eps_t_inv, eps_f_inv, eps_c_inv) about which one axis at a time is extrapolated ([`crate::Protocol`]), the former
-    /// practice. A star has its points about these cells, if there are any.
+    /// Cells (eps_t_inv, eps_f_inv, eps_c_inv) about which one axis at a time is extrapolated ([`crate::Protocol`]), as
+    /// in earlier studies. A star has its points about these cells, if there are any.
     pub references: Vec<[f64; 3]>,
     /// Number of bootstrap resamples.
     pub resamples: usize,
@@ -252,10 +253,10 @@ pub struct FitConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LongWavesConfig {
-    /// Composed with the contacts of the sweep by Persson's theory (`LongWaves` of `gfmd-measure`), where this is possible:
-    /// on surfaces from the power spectrum without roll-off with H up to 0.99, on a half-space, or a slab at least as high
-    /// as the cell, with the estimator `ratio` and four or more prescribed loads up to p* = 1 or more, neighbours within a
-    /// factor of 3.
+    /// Composed with the contacts of the sweep by Persson's theory (`LongWaves` of `gfmd-measure`), where this is
+    /// possible: on surfaces from the power spectrum without roll-off with H up to 0.99, on a half-space, or a slab at
+    /// least as high as the cell, with the estimator `ratio` and four or more prescribed loads up to p* = 1 or more,
+    /// neighbours within a factor of 3.
     Composed,
     /// Left out: kappa falls with a power of eps_f, which is extrapolated.
     None,
@@ -264,14 +265,14 @@ pub enum LongWavesConfig {
 /// The exponent of one term: a number or a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
-    /// An exponent held at this value.
+    /// A fixed exponent.
     Fixed(f64),
     /// A fitted exponent.
     Free,
     /// No term along this axis.
     Without,
-    /// For eps_f: the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H); an exponent between this
-    /// one and that of its square, at most 1, if the long waves are composed.
+    /// For eps_f: 1 - H, since the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H). If
+    /// the long waves are composed, an exponent between 1 - H and 2 - 2H, at most 1.
     SelfAffine,
     /// A multiple of the estimated edge of each contact in place of a power, for eps_c.
     Edge,
@@ -349,12 +350,12 @@ impl Default for FitConfig {
     }
 }
 
-/// The factor of what the grid adds to kappa, as estimated from each contact (`Summary::kappa_limit` of `gfmd-measure`): the strip
-/// along the edge is 0.86 ± 0.03 (95 %) of that of Yastrebov et al. (theory.md, section 9.2). On four points a wave pairs of grids
-/// deviate by another 0.03 (section 11).
+/// The factor of the discretisation error of kappa that is estimated from each contact (`Summary::kappa_limit` of
+/// `gfmd-measure`): the strip along the edge is 0.86 ± 0.03 (95 %) of that of Yastrebov et al. (theory.md, section
+/// 9.2). On four points a wave pairs of grids deviate by another 0.03 (section 11).
 const EDGE: Edge = Edge { factor: 1.0, standard_error: 0.0175, coarse: 0.03 };
 
-/// The most discretisations of a sweep. A configuration may come from a file of anyone.
+/// The largest number of discretisations of a sweep: a configuration may come from an untrusted file.
 const MOST_POINTS: usize = 10_000;
 
 impl Config {
@@ -380,12 +381,12 @@ impl Config {
     /// The elastic body.
     ///
     /// # Errors
-    /// A modulus, Poisson's ratio or height out of its range; properties that do not go together.
+    /// A modulus, Poisson's ratio or height out of range; properties that cannot be combined.
     pub fn body(&self) -> Result<Body, SweepError> {
         self.body.build()
     }
 
-    /// True if the long waves that surfaces of a Hurst exponent lack are composed.
+    /// True if the missing long waves of surfaces with this Hurst exponent are composed.
     pub fn composes(&self, hurst: f64) -> bool {
         let high = self.body.is_high();
         let wanted = self.fit.long_waves == LongWavesConfig::Composed && self.fit.estimator == Estimator::Ratio;
@@ -414,7 +415,8 @@ impl Config {
         Model { t: exponent(alpha_t), f: exponent(alpha_f), c: exponent(alpha_c), crossed: true, edge }
     }
 
-    /// The least and the largest exponent of eps_f in kappa of surfaces of a Hurst exponent (theory.md, section 11).
+    /// The smallest and the largest exponent of eps_f in kappa of surfaces with this Hurst exponent (theory.md, section
+    /// 11).
     pub(crate) fn exponents(&self, hurst: f64) -> [f64; 2] {
         [1.0 - hurst, (2.0 - 2.0 * hurst).min(1.0)]
     }
@@ -422,7 +424,7 @@ impl Config {
     /// The discretisations with their number of points along one axis, without repetition, small grids first.
     ///
     /// # Errors
-    /// A combination that is no grid; no combination at all.
+    /// A combination that gives no grid; no combination at all.
     pub(crate) fn discretisations(&self) -> Result<Vec<(Discretisation, usize)>, SweepError> {
         let PointsConfig { design, eps_t_inv, eps_f_inv, eps_c_inv, centre, largest_n } = &self.points;
         let [t, f, c] = [eps_t_inv, eps_f_inv, eps_c_inv].map(Vec::len);

@@ -23,7 +23,7 @@ pub enum SweepError {
     /// A property that no elastic body can have.
     #[error("{0}")]
     Body(String),
-    /// Discretisation numbers that give no whole number of points.
+    /// Discretisation numbers without a whole number of points.
     #[error("points: {0}")]
     Points(#[source] SurfaceError),
     /// A number of points that no grid can have.
@@ -45,13 +45,13 @@ pub enum SweepError {
         /// The reason.
         source: Box<SolveError<Solution>>,
     },
-    /// A request of the caller to stop. Runs that were finished before have been kept.
+    /// A request of the caller to stop. Runs finished before are stored.
     #[error("interrupted at {0}")]
     Interrupted(Place),
-    /// A finished run that could not be kept.
+    /// A finished run that could not be stored.
     #[error("{0}")]
     Keep(#[source] Box<dyn Error + Send + Sync>),
-    /// kappa without its edge at the loads of one point, with which no long waves can be composed.
+    /// kappa without its edge at the loads of one point that does not allow composition with long waves.
     #[error(
         "H = {hurst}, 1/eps = ({}, {}, {}): kappa without its edge is {kappa:?}; it must be positive at all loads, or \
          fit.long_waves \"none\"",
@@ -70,7 +70,7 @@ pub enum SweepError {
     Fit(#[source] FitError),
 }
 
-/// The contact of a sweep that a message is about.
+/// The contact of a sweep to which a message refers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Hurst exponent of the surface.

@@ -4,7 +4,7 @@ use crate::config::Estimator;
 use crate::{Config, Pressed};
 
 impl Estimator {
-    /// kappa at load `load`, or of all loads, from `kappa` of each load.
+    /// kappa at load `load`, or over all loads, from `kappa` at each load.
     pub(crate) fn kappa(self, loads: &[Pressed], load: usize, kappa: &dyn Fn(&Pressed) -> f64) -> f64 {
         match self {
             Self::Ratio => kappa(&loads[load]),
@@ -18,7 +18,7 @@ impl Estimator {
 }
 
 impl Config {
-    /// The loads that have a fit each; the slope over all loads is fitted once, under the load of the result.
+    /// The loads that are fitted; the slope over all loads is fitted once, under the load of the result.
     pub(crate) fn fitted_loads(&self) -> Vec<usize> {
         let all = 0..self.loads.p_star.len();
         match self.fit.estimator {

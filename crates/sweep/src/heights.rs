@@ -28,7 +28,7 @@ impl SurfaceConfig {
         point.discretisation.self_affine(1.0, family)
     }
 
-    /// A surface by subdivision, cut to the grid, of which the waves between the cut-offs are kept.
+    /// A surface by subdivision, cut to the grid and restricted to waves between the cut-offs.
     fn subdivided(&self, point: &Point, displaced: Displaced, seed: u64) -> Result<Array2<f64>, SurfaceError> {
         let (grid, [nx, ny]) = (point.grid, point.grid.points());
         let subdivisions = nx.next_power_of_two().ilog2().max(1);

@@ -1,11 +1,12 @@
-//! A study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to 11).
+//! A study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to
+//! 11).
 //!
 //! | step | contents |
 //! |---|---|
 //! | [`Config`] | the values that a user chooses; presets by name |
 //! | [`Plan`] | points (discretisations), and runs (realisations) of each point, with their seeds |
 //! | [`run()`] | the loads of every run, [`Pressed`]; [`run_shard`] computes a shard of the runs, [`run_one`] a single one |
-//! | [`Analysis`] | kappa of every point and load, the extrapolations, and the former practice, one axis at a time ([`Protocol`]) |
+//! | [`Analysis`] | kappa of every point and load; extrapolations, also one axis at a time ([`Protocol`]) |
 //! | [`Study`] | all of these steps, in one call |
 //!
 //! ```
@@ -30,9 +31,9 @@
 //! # }
 //! ```
 //!
-//! Start at [`Study`]. The bits of a result depend on the configuration alone: not on the number of threads, nor on whether
-//! the study was computed in one piece or continued from runs that were kept ([`Keep`]). Not here: files, clocks and the
-//! terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
+//! Start at [`Study`]. The bits of a result depend on the configuration alone: not on the number of threads, nor on
+//! whether the study was computed in one piece or continued from runs that were kept ([`Keep`]). Not here: files,
+//! clocks and the terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
 
 mod analysis;
 mod composition;

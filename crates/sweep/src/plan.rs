@@ -59,10 +59,10 @@ pub struct Plan {
     pub runs: Vec<Run>,
 }
 
-/// Distance between the first seeds of two groups of realisations.
+/// Difference between the first seeds of two groups of realisations.
 const SEEDS_PER_GROUP: u64 = 1_000_000;
 
-/// The most runs of a sweep, so that a plan alone does not fill the memory.
+/// The largest number of runs of a sweep, so that a plan does not fill the memory.
 const MOST_RUNS: u64 = 10_000_000;
 
 /// The work of one load in transform pairs. Between 22 and 34 pairs were measured, for any size; the passes over memory
@@ -129,7 +129,7 @@ impl Plan {
         Ok(Self { config, points, runs })
     }
 
-    /// The plan with these numbers of surfaces at its points.
+    /// The plan with other numbers of surfaces at its points.
     ///
     /// # Errors
     /// More surfaces than a point has seeds.
@@ -145,8 +145,8 @@ impl Plan {
         start..self.runs.partition_point(|run| run.point <= point)
     }
 
-    /// The expected work of one run at a point, in transform pairs of a million points. The time of the run is this number
-    /// times the seconds that such a pair takes.
+    /// The expected work of one run at a point, in transform pairs of a million points. The time of the run is this
+    /// number times the seconds that such a pair takes.
     pub fn work(&self, point: &Point) -> f64 {
         const MILLION: f64 = 1_048_576.0;
         let size = point.grid.len() as f64;

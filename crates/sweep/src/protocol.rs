@@ -1,10 +1,10 @@
-//! The former practice: power laws fitted to one axis at a time about a reference cell (Prodanov, Dapp and Müser 2014; the source
+//! Extrapolation of one axis at a time: power laws about a reference cell (Prodanov, Dapp and Müser 2014; the source
 //! thesis, section 5.1; theory.md, section 11.1).
 //!
-//! kappa along an axis is fitted by limit + C eps^alpha; the corrections C eps^alpha of all axes are subtracted from kappa of the
-//! reference cell. Intervals: the surfaces are left out one by one (jackknife), with Student's t, so that the common scatter of
-//! cells with common surfaces is counted right. They do not contain the misfit of the form: with three points and a free exponent
-//! every curve fits.
+//! kappa along an axis is fitted by limit + C eps^alpha; the corrections C eps^alpha of all axes are subtracted from
+//! kappa of the reference cell. Intervals: the surfaces are left out one by one (jackknife), with Student's t, which
+//! takes the common scatter of cells with common surfaces into account. They do not contain the misfit of the form:
+//! with three points and a free exponent every curve fits.
 
 use std::collections::BTreeMap;
 
@@ -41,11 +41,11 @@ pub struct Arm {
     pub cell: [f64; 3],
     /// 1/eps along the axis, ascending.
     pub inverse: Vec<f64>,
-    /// kappa at these.
+    /// kappa at these levels.
     pub kappa: Vec<Estimated>,
-    /// The power law through all of them; `None` if there is none.
+    /// The power law through all levels; `None` if there is none.
     pub curve: Option<Curve>,
-    /// kappa of the finest one as the others predict it, if they determine a power law.
+    /// kappa of the finest level predicted from the others, if they determine a power law.
     pub predicted: Option<Estimated>,
 }
 

@@ -13,24 +13,25 @@ use rayon::prelude::*;
 use crate::config::{Control, refusal};
 use crate::{Plan, Point, Pressed, Run, Shard, SweepError};
 
-/// A store of the finished runs of a sweep, from which the sweep can be continued, and a request to stop. Every method is
-/// called from several threads. `()` keeps nothing and never stops.
+/// A store of finished runs, from which a sweep can be continued; it may also ask to stop. Every method is called from
+/// several threads. `()` stores nothing and never stops.
 pub trait Keep: Sync {
-    /// The loads of a run that was finished earlier; `None` if the run must be computed. Called once for each run. A run is the
-    /// same in every plan if its point and realisation are.
+    /// The loads of a run that was finished earlier; `None` if the run must be computed. Called once for each run. A
+    /// run is the same in every plan if its point and realisation are.
     fn recall(&self, _run: &Run) -> Option<Vec<Pressed>> {
         None
     }
 
-    /// Stores a run that has just been finished.
+    /// Stores a finished run.
     ///
     /// # Errors
-    /// A run that cannot be kept; the sweep then ends.
+    /// A run that cannot be stored; the sweep then ends.
     fn keep(&self, _run: &Run, _loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
         Ok(())
     }
 
-    /// Called before a round of further surfaces, with the plan that contains them and the error so far ([`Reached::relative`]).
+    /// Called before a round of further surfaces, with the plan that contains them and the error so far
+    /// ([`Reached::relative`]).
     ///
     /// [`Reached::relative`]: crate::Reached::relative
     fn more(&self, _plan: &Plan, _reached: f64) {}
@@ -52,8 +53,8 @@ pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError
     run_all(plan, &(0..plan.runs.len()).collect::<Vec<_>>(), keep)
 }
 
-/// Computes the runs of one shard that `keep` does not recall, so that a sweep can be distributed over many processes. Returns
-/// the loads of each run, in the order of [`Plan::runs_of_shard`].
+/// Computes the runs of one shard that `keep` does not recall, so that a sweep can be distributed over many processes.
+/// Returns the loads of each run, in the order of [`Plan::runs_of_shard`].
 ///
 /// # Errors
 /// A contact that did not converge, a run that could not be kept, an interruption.
@@ -89,7 +90,7 @@ fn run_all(plan: &Plan, runs: &[usize], keep: &dyn Keep) -> Result<Vec<Vec<Press
     Ok(all)
 }
 
-/// Computes one run and recalls nothing.
+/// Computes one run without recalling it.
 ///
 /// # Errors
 /// A run number that is not in the plan, a contact that did not converge, an interruption.
@@ -102,9 +103,9 @@ pub fn run_one(plan: &Plan, run: usize, keep: &dyn Keep) -> Result<Vec<Pressed>,
 /// One contact with its fields: the first realisation at the load of the result, on the largest grid of moderate size.
 #[derive(Clone, Debug)]
 pub struct Example {
-    /// Its point.
+    /// The point of the example.
     pub point: Point,
-    /// Its seed.
+    /// The seed of the example.
     pub seed: u64,
     /// The pressure.
     pub pressure: Array2<f64>,
@@ -175,8 +176,8 @@ impl<'a> Bench<'a> {
         Ok(loads)
     }
 
-    /// Presses one realisation with `count` approaches in equal steps, from that of the first reduced pressure to that of the
-    /// last.
+    /// Presses one realisation with `count` approaches in equal steps, from that of the first reduced pressure to that
+    /// of the last.
     fn press_in_steps(
         &self,
         run: &Run,

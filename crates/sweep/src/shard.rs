@@ -1,4 +1,4 @@
-//! Shards of a sweep, for many processes that know nothing of each other.
+//! Shards of a sweep, for many independent processes.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,7 +14,7 @@ pub struct Shard {
     index: usize,
 }
 
-/// A text that is no shard.
+/// Error: text that is not a shard.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it must be K/M with whole numbers K from 0 to M - 1 and M from 1, such as 0/4")]
 pub struct ShardError;
@@ -25,7 +25,7 @@ impl Shard {
         (index < count).then_some(Self { count, index })
     }
 
-    /// Its number, from 0.
+    /// The number of the shard, from 0.
     pub fn index(self) -> usize {
         self.index
     }
@@ -53,9 +53,9 @@ impl fmt::Display for Shard {
 }
 
 impl Plan {
-    /// The number, from 0, of the shard of each run, if there are `count` shards. Each run belongs to one shard. The expected
-    /// work of the shards is about equal: runs are dealt out in order of falling work, each to the shard that has the least so
-    /// far. Where runs are fewer than shards, some shards have none.
+    /// The number, from 0, of the shard of each run, if there are `count` shards. Each run belongs to one shard. The
+    /// expected work of the shards is about equal: runs are assigned in order of decreasing work, each to the shard
+    /// with the least work so far. If there are fewer runs than shards, some shards have none.
     pub fn shards(&self, count: usize) -> Vec<usize> {
         // Whole numbers: the last bits of a logarithm, which differ between machines, must not decide.
         let work: Vec<u64> = self.points.iter().map(|point| (self.work(point) * 1e6).round() as u64).collect();

@@ -7,7 +7,7 @@ use crate::{Analysis, Example, Keep, Plan, Pressed, Reached, Run, SweepError, ru
 /// The results of a sweep.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// The plan that was carried out; with a target, the one that it came to.
+    /// The plan that was carried out; with a target, the final plan.
     pub plan: Plan,
     /// The loads of every run, in the order of the plan.
     pub runs: Vec<Vec<Pressed>>,
@@ -18,8 +18,8 @@ pub struct Study {
 }
 
 impl Study {
-    /// Carries out a plan. If its configuration has a target, surfaces are added in rounds until the target is met, or until no
-    /// number of surfaces meets it.
+    /// Carries out a plan. If its configuration has a target, surfaces are added in rounds until the target is met, or
+    /// no number of surfaces can meet it.
     ///
     /// # Errors
     /// A contact that did not converge, a run that could not be kept, a model that the points cannot determine, an
@@ -50,7 +50,7 @@ fn next_round(plan: &Plan, analysis: &Analysis, keep: &dyn Keep) -> Result<Optio
     Ok(Some(next))
 }
 
-/// The runs of earlier rounds, then what `keep` has.
+/// The runs of earlier rounds, then those stored by `keep`.
 struct Later<'a> {
     known: Mutex<BTreeMap<(usize, u64), Vec<Pressed>>>,
     keep: &'a dyn Keep,

@@ -1,4 +1,4 @@
-//! The number of surfaces at each point that a target for the error of the result asks for.
+//! The number of surfaces at each point needed for a target error of the result.
 
 use std::collections::BTreeMap;
 
@@ -7,27 +7,29 @@ use gfmd_fit::{Axis, Datum, Exponent, Settings, fit};
 use crate::analysis::settings;
 use crate::{Analysis, Area, Extrapolation, Plan};
 
-/// A round multiplies the surfaces of a point at most by this: the scatter is known from those that are there.
+/// The largest factor by which a round increases the surfaces of a point, since the scatter is estimated from the
+/// existing ones.
 const LARGEST_GROWTH: u64 = 4;
 
-/// Rounds aim at this part of the target, so that the scatter of the estimates does not ask for many more of them.
+/// Rounds aim at this fraction of the target, so that the scatter of the estimates does not cause many more rounds.
 const AIM: f64 = 0.95;
 
-/// The statistical error of the result of a sweep, relative to kappa_TFC, and what lowers it.
+/// The statistical error of the result of a sweep, relative to kappa_TFC, and the surfaces that lower it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
     /// Half of the 95 % interval over kappa_TFC at the load of the result, the largest of all Hurst exponents.
     pub relative: f64,
-    /// The number of surfaces of each point for the next round, none smaller than now. As now: the target is met, or no number of
-    /// surfaces meets it.
+    /// The number of surfaces of each point for the next round, none smaller than the current one. They equal the
+    /// current numbers if the target is met, or if no number of surfaces can meet it.
     pub surfaces: Vec<u64>,
 }
 
 impl Reached {
-    /// The error of an analysis of a plan, and the surfaces that bring it to `target` with the least work.
+    /// The error of an analysis of a plan, and the surfaces that reduce it to `target` with the least work.
     ///
-    /// The contribution of a point to the variance of kappa_TFC is what half of its surfaces adds to it; it falls in inverse
-    /// proportion to their number m. The least work for a sum of contributions W/m is at m ∝ √(W/work of a surface).
+    /// The contribution of a point to the variance of kappa_TFC is its increase with half of the surfaces; it is
+    /// inversely proportional to their number m. The least work for a sum of contributions W/m is at m ∝ √(W/work of a
+    /// surface).
     ///
     /// `None` if a fit has no interval.
     pub fn new(plan: &Plan, analysis: &Analysis, target: f64) -> Option<Self> {
@@ -47,7 +49,7 @@ impl Reached {
     }
 }
 
-/// Raises the surfaces of the points of one Hurst exponent so that the variance falls to its part `wanted`.
+/// Increases the surfaces of the points of one Hurst exponent so that the variance falls to the fraction `wanted`.
 fn grow(plan: &Plan, result: &Extrapolation, wanted: f64, surfaces: &mut [u64]) -> Option<()> {
     let mut settings = Settings { resamples: 0, ..settings(&plan.config, result.hurst, result.area) };
     if let (true, Some(term)) = (result.composed, result.fit.term(Axis::Fractal).filter(|term| !term.free)) {

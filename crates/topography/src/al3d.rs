@@ -1,8 +1,8 @@
 //! Alicona AL3D (`.al3d`): focus variation microscopes.
 //!
-//! Tags of 52 bytes: 20 of key, 30 of value, an end of line; then floats of 32 bits at the offset that a tag names, line
-//! by line, each line padded to a multiple of 8 bytes. Heights and pixels are in metres. Undefined points are NaN or a
-//! value that a tag names.
+//! Tags of 52 bytes: 20 of key, 30 of value, an end of line; then floats of 32 bits at the offset that a tag names,
+//! line by line, each line padded to a multiple of 8 bytes. Heights and pixels are in metres. Undefined points are NaN
+//! or a value that a tag names.
 
 use std::io::Read;
 
@@ -17,7 +17,7 @@ const MAGIC: &[u8] = b"AliconaImaging\0\r\n";
 /// Relative deviation from the value of undefined points that counts as rounding of that value's text.
 const ROUNDING: f32 = 1.5e-7;
 
-/// Tags told among the details, with their names there.
+/// Tags listed in the details, with their names there.
 const DETAILS: [(&str, &str); 4] = [
     ("CreatingApplication", "software"),
     ("ObjectiveName", "objective"),
@@ -86,7 +86,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Channel { name: "depth".into(), unit: Some("m".into()), points, read: Box::new(read) }.into())
 }
 
-/// The tags that matter, as key and value.
+/// The tags that are read, as key and value.
 struct Tags(Vec<(String, String)>);
 
 impl Tags {
@@ -106,7 +106,7 @@ impl Tags {
     }
 }
 
-/// The used bytes of lines that are padded.
+/// The used bytes of padded lines.
 struct Lines<'a> {
     data: &'a [u8],
     /// Number of bytes of a line, and of those that are used.

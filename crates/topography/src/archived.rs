@@ -2,7 +2,8 @@
 //!
 //! Every dataset of numbers with one or two dimensions is a channel under its path, except coordinates (dimension
 //! scales). Without a name, the only dataset of two dimensions is read, or `/surface`, `/surface/height`, `/heights`.
-//! Sizes come from evenly spaced coordinates `x` and `y` in the group of the dataset, units from the attributes `units` of each.
+//! Sizes come from evenly spaced coordinates `x` and `y` in the group of the dataset, units from the attributes `units`
+//! of each.
 //!
 //! In NetCDF-4, which is HDF5, SurfaceTopography writes the size as the attribute `length` of `x` and `y`, the unit as
 //! `unit`, and marks undefined points of `heights` in `mask`.
@@ -16,7 +17,7 @@ use crate::stored::Hdf5;
 
 pub(crate) const FORMAT: Format = Format { name: "HDF5", sniff: File::is_hdf5, open, first_line: FirstLine::Bottom };
 
-/// The datasets that are read without being named, if there are several.
+/// The datasets that are read by default, if there are several.
 const USUAL: [&str; 3] = ["/surface", "/surface/height", "/heights"];
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
@@ -72,7 +73,7 @@ fn read(reader: &Hdf5, dataset: &str, points: [usize; 2]) -> Result<Map, String>
     Ok(Map { heights, lengths: Some(lengths), length_unit: unit, height_unit, notes, ..Map::default() })
 }
 
-/// The unit of a dataset; "length" and "1" stand for any consistent unit.
+/// The unit of a dataset; "length" and "1" denote any consistent unit.
 fn unit(reader: &Hdf5, dataset: &str) -> Option<String> {
     let unit = reader.text(dataset, "units").or_else(|_| reader.text(dataset, "unit"));
     unit.ok().filter(|unit| !CONSISTENT.contains(&unit.as_str()))

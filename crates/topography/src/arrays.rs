@@ -12,7 +12,7 @@ use crate::npy::Header;
 pub(crate) const FORMAT: Format =
     Format { name: "NumPy archive", sniff: is_archive, open: open_archive, first_line: FirstLine::Bottom };
 
-/// The most bytes of a header; NumPy's own have at most 64 KiB.
+/// The largest number of bytes of a header; NumPy writes at most 64 KiB.
 const HEADER: u64 = 1 << 16;
 
 fn is_archive(file: &File) -> bool {

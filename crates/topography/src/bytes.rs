@@ -85,10 +85,10 @@ impl<'a> Bytes<'a> {
     number!(u8, u16, i16, u32, i32, u64, i64, f32, f64);
 }
 
-/// Most height maps of a file. Readers refuse files with more, since each costs more memory than its entry has bytes.
+/// The largest number of height maps of a file, since each needs more memory than its entry has bytes.
 pub(crate) const MOST_CHANNELS: usize = 1000;
 
-/// Decodes bytes as UTF-8 if they are valid, else as Latin-1; ends at the first byte that is zero.
+/// Decodes bytes as UTF-8 if they are valid, otherwise as Latin-1; ends at the first byte that is zero.
 pub(crate) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     match std::str::from_utf8(&bytes[..end]) {
@@ -144,7 +144,7 @@ impl Sample {
     }
 }
 
-/// Way in which the numbers of a grid follow each other.
+/// Order of the numbers of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Layout {
     /// Line by line: x runs fastest.
@@ -192,8 +192,8 @@ impl Grid {
 
     /// Reads the grid from a compressed stream of `compressed` bytes as heights `[x, y]`, each converted by `height`.
     ///
-    /// The stream must hold exactly the numbers of the grid. Nothing is allocated for a grid that is larger than any
-    /// stream of so many bytes can be.
+    /// The stream must hold exactly the numbers of the grid. Nothing is allocated for a grid that is too large for a
+    /// stream of `compressed` bytes.
     pub(crate) fn inflate(
         &self,
         compressed: usize,
@@ -263,7 +263,7 @@ pub(crate) fn clip(text: &str) -> String {
     text.chars().take(40).collect()
 }
 
-/// Returns `value` if it is a positive finite number, else an error that names it.
+/// Returns `value` if it is a positive finite number, otherwise an error that names it.
 pub(crate) fn positive(name: &str, value: f64) -> Result<f64, String> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
@@ -272,7 +272,7 @@ pub(crate) fn positive(name: &str, value: f64) -> Result<f64, String> {
     }
 }
 
-/// Returns `value` as the number of points of one side of a grid if it is positive, else an error that names it.
+/// Returns `value` as the number of points of one side of a grid if it is positive, otherwise an error that names it.
 pub(crate) fn count(name: &str, value: impl TryInto<usize> + Copy + std::fmt::Display) -> Result<usize, String> {
     value.try_into().ok().filter(|&count| count > 0).ok_or_else(|| format!("{name} is {value}; it must be at least 1"))
 }

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::Input;
 
-/// A checksum of bytes that come piece by piece.
+/// An incremental checksum of bytes.
 #[derive(Clone, Default)]
 pub struct Checksum(Sha256);
 
@@ -15,7 +15,7 @@ impl Checksum {
     /// The SHA-256 of a file.
     ///
     /// # Errors
-    /// A file that cannot be read, is not a regular one, or changes meanwhile.
+    /// A file that cannot be read, is not regular, or changes while it is read.
     pub fn of_file(path: &Path) -> std::io::Result<String> {
         Input::settled(path)?.checksum()
     }

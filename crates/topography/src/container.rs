@@ -1,8 +1,8 @@
 //! Containers of contact.engineering: zip archives with `meta.yml` and the data files of several measurements.
 //!
-//! Every topography is a channel under its name. Its data file, the original before one in NetCDF, is read by its own format;
-//! sizes, unit and the factor of the heights are taken from `meta.yml` where the data file has none. Filters named there
-//! (detrending, filling) are not applied.
+//! Every topography is a channel under its name. Its data file, the original before one in NetCDF, is read by its own
+//! format; sizes, unit and the factor of the heights are taken from `meta.yml` where the data file has none. Filters
+//! named there (detrending, filling) are not applied.
 
 use std::collections::BTreeMap;
 
@@ -72,7 +72,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Contents { channels, default })
 }
 
-/// Opens a data file, which must not be a container itself.
+/// Opens a data file, which must not be a container.
 fn open_inner(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
     if (FORMAT.sniff)(file) {
         return Err("the data file is a container; it must not be one".into());

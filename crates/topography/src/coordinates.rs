@@ -17,11 +17,11 @@ pub fn split(name: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// The units of lengths that stand for any consistent unit.
+/// Units of lengths that denote any consistent unit.
 pub const CONSISTENT: [&str; 3] = ["", "1", "length"];
 
-/// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. `values` returns those of a
-/// dataset, or `None` if there is no such dataset. The second length of a profile is 1 and has no meaning.
+/// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. `values` returns those of
+/// a dataset, or `None` if there is no such dataset. The second length of a profile is 1 and has no meaning.
 ///
 /// # Errors
 /// Coordinates that are unevenly spaced.

@@ -1,4 +1,4 @@
-//! The bytes of a file to read, on disk or in memory.
+//! The bytes of an input file, on disk or in memory.
 
 use std::sync::OnceLock;
 
@@ -7,7 +7,7 @@ use crate::input::MOST_BYTES;
 use crate::stored::Hdf5;
 use crate::{Checksum, Input};
 
-/// The number of bytes that tell the format.
+/// The number of bytes from which the format is recognised.
 const HEAD: usize = 1 << 16;
 
 /// A file or an entry of one. A file on disk is read when its bytes are needed, at most once.
@@ -21,7 +21,7 @@ impl File {
     /// Opens a file on disk.
     ///
     /// # Errors
-    /// A file that cannot be opened, or is no regular file.
+    /// A file that cannot be opened, or is not regular.
     pub(crate) fn open(path: &str) -> Result<Self, String> {
         let input = Input::settled(path).map_err(text)?;
         let head = input.head(HEAD as u64).map_err(text)?;
@@ -76,14 +76,14 @@ impl File {
         self.bytes().map(Checksum::of_bytes)
     }
 
-    /// The reason why the file could not be decoded: that it was changed meanwhile, if it was, else `found`.
+    /// The reason why the file could not be decoded: its change while it was read, or `found`.
     pub(crate) fn cause(&self, found: String) -> String {
         let parts_are_read = self.whole.get().is_none();
         let changed = self.input.as_ref().filter(|_| parts_are_read).and_then(|input| input.check_unchanged().err());
         changed.map_or(found, text)
     }
 
-    /// True if the file begins like one of HDF5, without a user block.
+    /// True if the file begins like an HDF5 file without a user block.
     pub(crate) fn is_hdf5(&self) -> bool {
         self.starts_with(b"\x89HDF\r\n\x1a\n")
     }

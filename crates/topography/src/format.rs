@@ -1,5 +1,4 @@
-//! The interface of a reader of a format: how to tell a file of this format, its channels, and the heights of one of
-//! them.
+//! The interface of the reader of a format: recognition of its files, their channels, and the heights of a channel.
 
 use ndarray::{Array2, Axis};
 
@@ -9,11 +8,11 @@ use super::file::File;
 pub(crate) struct Format {
     /// The name in messages and output.
     pub name: &'static str,
-    /// Returns true if the contents of a file have this format. The text formats come last and accept what is left.
+    /// Returns true if the contents of a file have this format. Text formats come last and accept all other files.
     pub sniff: fn(&File) -> bool,
     /// Lists the channels that are height maps, without decoding them.
     pub open: for<'a> fn(&'a File) -> Result<Contents<'a>, String>,
-    /// Where the line j = 0 of a decoded map lies.
+    /// The side of the picture with the line j = 0 of a decoded map.
     pub first_line: FirstLine,
 }
 
@@ -70,11 +69,12 @@ pub(crate) struct Channel<'a> {
 pub(crate) struct Map {
     /// Heights `[x, y]` in `height_unit`; not finite where undefined.
     pub heights: Array2<f64>,
-    /// Size of the scanned field along x and y in `length_unit`, n times the spacing. The second size of a profile is 1.
+    /// Size of the scanned field along x and y in `length_unit`, n times the spacing. The second size of a profile
+    /// is 1.
     pub lengths: Option<[f64; 2]>,
     pub length_unit: Option<String>,
     pub height_unit: Option<String>,
-    /// The words of the file about instrument and measurement: key and value.
+    /// Entries of the file about instrument and measurement: key and value.
     pub details: Vec<(String, String)>,
     /// Remarks of the reader.
     pub notes: Vec<String>,

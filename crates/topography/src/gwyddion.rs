@@ -1,7 +1,7 @@
 //! Files of Gwyddion: `.gwy`, a tree of typed components, and `.gsf`, a header of text before single-precision numbers.
 //!
-//! Sizes are those of the whole field, n times the spacing. The first row of the file, the top of Gwyddion's image, is at
-//! j = 0. Points under the mask of a channel are undefined.
+//! Sizes are those of the whole field, n times the spacing. The first row of the file, the top of Gwyddion's image, is
+//! at j = 0. Points under the mask of a channel are undefined.
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, clip, positive, text};
 use super::file::File;
@@ -21,10 +21,10 @@ pub(crate) const GSF: Format = Format {
 /// The first line of a simple field.
 const SIMPLE: &[u8] = b"Gwyddion Simple Field 1.0";
 
-/// The most objects inside each other that are searched; a channel has three.
+/// The largest depth of nested objects that is searched; a channel has three.
 const DEPTH: usize = 8;
 
-/// The most components of all objects together.
+/// The largest number of components of all objects.
 const MOST_COMPONENTS: usize = 20_000;
 
 /// The value of a component, as far as height maps need it.

@@ -1,9 +1,10 @@
-//! Igor binary waves (`.ibw`): images of Asylum Research, and arrays of Igor Pro, versions 1, 2, 3 and 5, either endian.
+//! Igor binary waves (`.ibw`): images of Asylum Research, and arrays of Igor Pro, versions 1, 2, 3 and 5, either
+//! endian.
 //!
 //! Version 5 has up to four dimensions, stored with the first running fastest: x, y (from the bottom), and the channel,
 //! whose names are the labels of that dimension. A wave of two dimensions is one image if it is square or both its
-//! dimensions are lengths, else a set of curves; older versions have curves only. Asylum Research writes the unit of
-//! the first channel for all of them; the unit of a channel then follows from its name.
+//! dimensions are lengths, otherwise a set of curves; older versions have curves only. Asylum Research writes the unit
+//! of the first channel for all of them; the unit of a channel then follows from its name.
 
 use std::rc::Rc;
 
@@ -18,10 +19,10 @@ pub(crate) const FORMAT: Format = Format { name: "Igor binary wave", sniff, open
 const WAVE_5: usize = 320;
 const WAVE_2: usize = 110;
 
-/// Begins of the names of Asylum's channels that are heights.
+/// Prefixes of the names of Asylum's height channels.
 const HEIGHTS: [&str; 4] = ["Height", "ZSensor", "Deflection", "Amplitude"];
 
-/// Lines of the note told among the details, with their names there.
+/// Lines of the note listed in the details, with their names there.
 const DETAILS: [(&str, &str); 6] = [
     ("MicroscopeModel", "instrument"),
     ("Date", "date"),
@@ -80,10 +81,10 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     wave.channels(order)
 }
 
-/// A wave: what its headers say and its numbers, not decoded.
+/// A wave: the entries of its headers, and its numbers, not decoded.
 struct Wave<'a> {
     sample: Sample,
-    /// Number of elements of each dimension, 0 behind the last.
+    /// Number of elements of each dimension, 0 after the last.
     points: [usize; 4],
     spacing: [f64; 2],
     data_unit: String,
@@ -280,8 +281,8 @@ fn details(note: &str) -> Vec<(String, String)> {
     found.filter(|(_, value)| !value.is_empty()).collect()
 }
 
-/// The unit of a channel of Asylum Research, if it is a length: that of a line `<name>Unit` of the note, else metres for
-/// a name of a height. The name has a suffix for the modulation and the direction, and can have a prefix.
+/// The unit of a channel of Asylum Research, if it is a length: that of a line `<name>Unit` of the note, otherwise
+/// metres for a name of a height. The name has a suffix for the modulation and the direction, and can have a prefix.
 fn asylum_unit(name: &str, note: &str) -> Option<String> {
     let base = match name.rfind("Mod") {
         Some(at) if name[at + 3..].bytes().all(|byte| byte.is_ascii_digit()) => &name[..at],

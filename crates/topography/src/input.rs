@@ -1,10 +1,10 @@
-//! Input files: regular files only, opened without waiting, and seen to be the same from the first byte to the last.
+//! Input files: regular files only, opened without waiting, with detection of changes while they are read.
 //!
-//! Every file that a flag, a caller or another file names is opened here. A pipe, a terminal or a device is refused, since
-//! reading it may never end; it is not even opened, which alone may block or change its state.
+//! Every file that a flag, a caller or another file names is opened here. A pipe, a terminal or a device is refused,
+//! since reading it may never end. It is not opened, since that may block or change its state.
 //!
-//! A file that is replaced by renaming another to its name is always read whole, as the old or as the new one. A file that is
-//! rewritten in place is noticed by its length and its time of modification, and refused.
+//! A file that is replaced by a rename is read completely, as the old or the new one. A file that is rewritten in place
+//! is detected by its length and its time of modification, and refused.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -19,19 +19,20 @@ pub const MOST_TEXT: u64 = 1 << 20;
 /// The largest file that is read into memory, in bytes: four times the heights of the largest map, for maps in text.
 pub const MOST_BYTES: u64 = 1 << 35;
 
-/// The largest file of which a checksum is made, in bytes: some files of the system declare more and are never read to the end.
+/// The largest file for a checksum, in bytes: some system files declare more and are endless.
 const MOST_HASHED: u64 = 1 << 40;
 
-/// The time in which two changes of a file may have one time of modification: a tick of the slowest usual clock, and a half.
+/// The interval in which two changes of a file may have the same time of modification: one and a half ticks of the
+/// slowest usual clock.
 const TICK: Duration = Duration::from_millis(15);
 
-/// The number of ticks that a file which is being written is waited for.
+/// The number of ticks for which the reader waits for a file that is being written.
 const TICKS: usize = 4;
 
 /// The bytes that are read at a time for a checksum.
 const PIECE: usize = 1 << 16;
 
-/// An open regular file. Errors are those of the system, or say what was found and what is allowed.
+/// An open regular file. Errors are those of the system, or state the value found and the values allowed.
 #[derive(Debug)]
 pub struct Input {
     file: File,
@@ -40,7 +41,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Opens the file at `path`; of a symbolic link, the file to which it leads.
+    /// Opens the file at `path`, or the target of a symbolic link.
     ///
     /// # Errors
     /// A file that cannot be opened; a folder, pipe, socket or device, which is not opened.
@@ -54,11 +55,11 @@ impl Input {
         Ok(Self { file, length: metadata.len(), modified: metadata.modified().ok() })
     }
 
-    /// As [`open`](Self::open); a file that was written a moment ago is waited for, a few hundredths of a second at most, so
-    /// that each later change of it is seen by its time.
+    /// Opens a file like [`open`](Self::open). If it was written a moment ago, waits at most a few hundredths of a
+    /// second, so that each later change is detected by its time.
     ///
     /// # Errors
-    /// Those of `open`.
+    /// The errors of `open`.
     pub fn settled(path: impl AsRef<Path>) -> io::Result<Self> {
         let mut input = Self::open(path)?;
         for _ in 0..TICKS {
@@ -94,10 +95,10 @@ impl Input {
         self.check_length(most)?;
         let length = self.length;
         let mut bytes = Vec::new();
-        let room = usize::try_from(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
-        bytes.try_reserve_exact(room).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        let capacity = usize::try_from(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        bytes.try_reserve_exact(capacity).map_err(|_| io::ErrorKind::OutOfMemory)?;
         self.stream().take(length).read_to_end(&mut bytes)?;
-        if bytes.len() < room {
+        if bytes.len() < capacity {
             return Err(changed());
         }
         self.check_unchanged().map(|()| bytes)
@@ -142,7 +143,7 @@ impl Input {
         self.file.try_clone()
     }
 
-    /// The bytes from the first on, whatever else reads the file.
+    /// A stream of the bytes from the beginning, independent of other readers of the file.
     fn stream(&self) -> Stream<'_> {
         Stream { file: &self.file, next: 0 }
     }
@@ -168,7 +169,7 @@ impl Read for Stream<'_> {
 /// All bytes of the file at `path`, of at most `most`.
 ///
 /// # Errors
-/// Those of [`Input::open`] and [`Input::bytes`].
+/// The errors of [`Input::open`] and [`Input::bytes`].
 pub fn bytes(path: impl AsRef<Path>, most: u64) -> io::Result<Vec<u8>> {
     Input::open(path)?.bytes(most)
 }
@@ -176,7 +177,7 @@ pub fn bytes(path: impl AsRef<Path>, most: u64) -> io::Result<Vec<u8>> {
 /// The text in the file at `path`, of at most [`MOST_TEXT`] bytes.
 ///
 /// # Errors
-/// Those of [`bytes`]; a file that is not text in UTF-8.
+/// The errors of [`bytes`]; a file that is not text in UTF-8.
 pub fn text(path: impl AsRef<Path>) -> io::Result<String> {
     let words = |_| io::Error::new(io::ErrorKind::InvalidData, "it is not text in UTF-8; it must be");
     String::from_utf8(bytes(path, MOST_TEXT)?).map_err(words)
@@ -194,7 +195,7 @@ fn changed() -> io::Error {
     io::Error::other("it changed while it was read; it must stay the same, or be replaced by renaming")
 }
 
-/// Opens a file without waiting: were it a pipe, opening would wait for a writer.
+/// Opens a file without waiting; opening a pipe would wait for a writer.
 #[cfg(unix)]
 fn open(path: &Path) -> io::Result<File> {
     use std::os::unix::fs::OpenOptionsExt;
@@ -206,7 +207,7 @@ fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// The kind of something that is no regular file, in words.
+/// The kind of an object that is not a regular file, in words.
 #[doc(hidden)]
 pub fn kind(metadata: &std::fs::Metadata) -> &'static str {
     #[cfg(unix)]

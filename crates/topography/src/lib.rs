@@ -1,7 +1,8 @@
-//! Height maps from files of instruments and programs. The format is told by the contents of a file, not by its name.
+//! Height maps from files of instruments and programs. The format is recognised from the contents of a file, not from
+//! its name.
 //!
-//! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`: x to the right, y up, heights up, in the unit of the lengths.
-//! `docs/formats.md` has the table of formats, with what each says of sizes, units and the order of its rows.
+//! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`: x to the right, y up, heights up, in the unit of the
+//! lengths. `docs/formats.md` has the table of formats, with sizes, units and the order of rows of each.
 //!
 //! ```
 //! # let folder = tempfile::tempdir().unwrap();
@@ -12,9 +13,9 @@
 //! # Ok::<(), gfmd_topography::TopographyError>(())
 //! ```
 //!
-//! Formats that need other crates are features, all of them on by default: `hdf5` for HDF5, NetCDF-4 and datx (read in Rust), `zip` for
-//! X3P, plux, containers and archives of NumPy, `zlib` for MATLAB and Digital Surf. A file of a format that is left out is not
-//! recognised.
+//! Formats that need other crates are features, all of them on by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
+//! Rust), `zip` for X3P, plux, containers and archives of NumPy, `zlib` for MATLAB and Digital Surf. A file of a format
+//! that is left out is not recognised.
 //!
 //! A format is a file of this folder with a constant `FORMAT` and a line in `FORMATS`.
 
@@ -122,13 +123,13 @@ static FORMATS: &[Format] = &[
     matrix::FORMAT,
 ];
 
-/// The largest number of points of a height map, 8 GiB of heights. A header that asks for more is damaged.
+/// The largest number of points of a height map, 8 GiB of heights. A header with more is damaged.
 const MOST_POINTS: usize = 1 << 30;
 
 /// The number of channels that a message lists.
 const LISTED: usize = 20;
 
-/// A height map with what its file says of it.
+/// A height map with the information in its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topography {
     /// Heights `[x, y]` in `unit`, row-major; NaN at undefined points.
@@ -142,13 +143,13 @@ pub struct Topography {
     pub unit: Option<String>,
     /// The name of the format.
     pub format: &'static str,
-    /// The name of the channel, if the file has it; names, units and notes are on one line and legible, whatever the file has.
+    /// The name of the channel, if the file has it; names, units and notes are sanitised to one legible line.
     pub channel: Option<String>,
     /// The names of all height maps in the file; their numbers where they have no names.
     pub channels: Vec<String>,
     /// The conversion of the heights to the unit of the lengths, with its factor, if the file has different units.
     pub conversion: Option<String>,
-    /// The words of the file about instrument and measurement: key and value.
+    /// Entries of the file about instrument and measurement: key and value.
     pub details: Vec<(String, String)>,
     /// Remarks on this file.
     pub notes: Vec<String>,
@@ -193,8 +194,8 @@ pub struct TopographyError {
 impl Topography {
     /// Reads a channel of the file `name`, in one of the formats in `docs/formats.md`.
     ///
-    /// A channel is given by its name or its number from 0; without one, the default of the file is read. `FILE.h5:/dataset`
-    /// names file and channel.
+    /// A channel is given by its name or its number from 0; without one, the default of the file is read.
+    /// `FILE.h5:/dataset` names file and channel.
     ///
     /// # Errors
     /// A file that cannot be read or has another format; a channel that it does not have.
@@ -215,14 +216,14 @@ impl Topography {
     /// Reads a channel of a file whose bytes are in memory; `name` is used in messages.
     ///
     /// # Errors
-    /// Those of [`Topography::read`].
+    /// The errors of [`Topography::read`].
     pub fn from_bytes(name: &str, bytes: Vec<u8>, channel: Option<&str>) -> Result<Self, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         Self::decode(&File::from_bytes(bytes), name, channel).map_err(fail)
     }
 
-    /// The heights of an array in memory, `[x, y]`, or `[x]` of a profile, undefined where they are not finite; `name` is used in
-    /// messages. The SHA-256 is that of the numbers.
+    /// The heights of an array in memory, `[x, y]`, or `[x]` for a profile, undefined where they are not finite; `name`
+    /// is used in messages. The SHA-256 is that of the numbers.
     ///
     /// # Errors
     /// An array of another shape.
@@ -393,7 +394,7 @@ fn names(channels: &[Channel]) -> Vec<String> {
     channels.iter().enumerate().map(name).collect()
 }
 
-/// The number of the channel with the name or the number that is asked for. A name goes before a number.
+/// The number of the channel with the name or the number `asked`. A name takes precedence over a number.
 fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
     let listed = || {
         let numbered = |(number, name): (usize, &String)| {

@@ -1,7 +1,7 @@
 //! Workspaces of MATLAB 5 (`save -v6`, `-v7`), compressed or not, in either byte order.
 //!
-//! Every real matrix with more than one number is a channel; its rows run along x and its columns along y, a vector is a
-//! profile. They have no sizes and units.
+//! Every real matrix with more than one number is a channel; its rows run along x and its columns along y, a vector is
+//! a profile. They have no sizes and units.
 
 use std::io::Read;
 
@@ -21,10 +21,10 @@ const COMPRESSED: u32 = 15;
 /// The number of bytes before the first element.
 const HEADER: usize = 128;
 
-/// The most bytes of the name of a variable, and of its dimensions.
+/// The largest number of bytes of the name of a variable, and of its dimensions.
 const MOST_NAME: usize = 4096;
 
-/// The byte order that version and mark at the end of the header say.
+/// The byte order given by version and mark at the end of the header.
 fn order(head: &[u8]) -> Option<Order> {
     if !head.starts_with(b"MATLAB") {
         return None;
@@ -80,8 +80,8 @@ struct Matrix {
 }
 
 impl Matrix {
-    /// Reads the head of a variable, whose own tag comes first if it is compressed. The inner error is the name of a variable
-    /// that is no real matrix.
+    /// Reads the head of a variable, whose own tag comes first if it is compressed. The inner error is the name of a
+    /// variable that is not a real matrix.
     fn head(stream: &mut impl Read, order: Order, tagged: bool) -> Result<Result<Self, String>, String> {
         let mut stream = Stream { stream, order };
         if tagged && stream.tag()?.0 != MATRIX {

@@ -1,8 +1,8 @@
 //! Molecular Imaging (`.mi`): force microscopes of Agilent and Keysight.
 //!
 //! Lines of a key of 14 characters and a value, a section for each channel after its line `bufferLabel`, up to the line
-//! `data`; then integers of 16 or 32 bits, channel by channel, line by line from the bottom of the image. The height is the
-//! integer times `bufferRange` over the range of the integers, in `bufferUnit`; lengths are in metres.
+//! `data`; then integers of 16 or 32 bits, channel by channel, line by line from the bottom of the image. The height is
+//! the integer times `bufferRange` over the range of the integers, in `bufferUnit`; lengths are in metres.
 
 use std::rc::Rc;
 
@@ -15,14 +15,14 @@ pub(crate) const FORMAT: Format = Format { name: "Molecular Imaging", sniff, ope
 
 /// Number of characters of a key.
 const KEY: usize = 14;
-/// Most bytes of a value that are looked at.
+/// The largest number of bytes of a value that is read.
 const LONGEST_VALUE: usize = 200;
 
 fn sniff(file: &File) -> bool {
     file.starts_with(b"fileType      ")
 }
 
-/// The words of a channel's section.
+/// The entries of a channel's section.
 #[derive(Default)]
 struct Section {
     label: String,

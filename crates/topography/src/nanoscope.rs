@@ -1,10 +1,11 @@
 //! Nanoscope (`.spm`, `.000`, `.001`, ...): force microscopes of Digital Instruments, Veeco and Bruker.
 //!
-//! A header of lines `\Key: value` in sections `\*Section`, then integers of 16 or 32 bits, line by line from the bottom
-//! of the image. The height of an integer is `integer * hard value / 2^bits * sensitivity`; the line `\@2:Z scale` of
-//! the image names the hard value and the sensitivity, which stands in another section. Since version 9.2 the integers
-//! have 32 bits whatever the bytes of a pixel, which then only scale them. Channels without a length per volt (deflection,
-//! phase, ...) are no heights and are not listed. Versions up to 4.2, which have no `\@2:Z scale`, are refused.
+//! A header of lines `\Key: value` in sections `\*Section`, then integers of 16 or 32 bits, line by line from the
+//! bottom of the image. The height of an integer is `integer * hard value / 2^bits * sensitivity`; the line `\@2:Z
+//! scale` of the image names the hard value and the sensitivity, which stands in another section. Since version 9.2 the
+//! integers have 32 bits whatever the bytes of a pixel, which then only scale them. Channels without a length per volt
+//! (deflection, phase, ...) are no heights and are not listed. Versions up to 4.2, which have no `\@2:Z scale`, are
+//! refused.
 
 use std::rc::Rc;
 
@@ -18,10 +19,10 @@ pub(crate) const FORMAT: Format = Format { name: "Nanoscope", sniff, open, first
 /// The first version, as a hexadecimal number, whose integers always have 32 bits.
 const VERSION_32_BITS: u32 = 0x0920_0000;
 
-/// Most lines of a header; instruments write some thousands.
+/// The largest number of lines of a header; instruments write some thousands.
 const MOST_LINES: usize = 20_000;
 
-/// Most bytes of a value of the header that are looked at.
+/// The largest number of bytes of a value of the header that is read.
 const LONGEST_VALUE: usize = 1000;
 
 const SCANNER: [&str; 2] = ["scanner list", "microscope list"];
@@ -168,7 +169,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// One image: where its integers are and what they mean.
+/// One image: position and meaning of its integers.
 struct Image<'a> {
     section: &'a Section<'a>,
     name: String,
@@ -322,7 +323,7 @@ impl<'a> Value<'a> {
     }
 }
 
-/// The name of the channel: that in brackets, else that in quotation marks.
+/// The name of the channel: the one in brackets, otherwise the one in quotation marks.
 fn name(section: &Section) -> String {
     let key = ["@2:image data", "@3:image data", "@4:image data"].into_iter().find_map(|key| section.get(key));
     match &key {

@@ -1,8 +1,8 @@
 //! Nanosurf (`.nid`, `.ezd`): force microscopes of Nanosurf.
 //!
-//! Sections `[name]` of lines `key=value`; `[DataSet]` lists groups and the sections of their channels; after `#!` follow the
-//! integers of all channels, line by line from the bottom of the image. They cover the range from `Dim2Min` over
-//! `Dim2Range`. The lengths are the ranges of the other two dimensions.
+//! Sections `[name]` of lines `key=value`; `[DataSet]` lists groups and the sections of their channels; after `#!`
+//! follow the integers of all channels, line by line from the bottom of the image. They cover the range from `Dim2Min`
+//! over `Dim2Range`. The lengths are the ranges of the other two dimensions.
 
 use std::rc::Rc;
 
@@ -19,7 +19,7 @@ const MAGIC: &[u8] = b"[DataSet]\r\n";
 const MOST_LINES: usize = 20_000;
 const LONGEST_VALUE: usize = 200;
 
-/// Lines of `[DataSet-Info]` told among the details, with their names there.
+/// Lines of `[DataSet-Info]` listed in the details, with their names there.
 const DETAILS: [(&str, &str); 6] = [
     ("Head type", "instrument"),
     ("Controller S/N", "serial number"),
@@ -73,8 +73,8 @@ impl<'a> Header<'a> {
         value.parse().map_err(|_| format!("{key} is {:?}; it must be a number", clip(&value)))
     }
 
-    /// The sections of the channels, in the order of their data: by group and number. Channels that were not recorded have
-    /// no line.
+    /// The sections of the channels, in the order of their data: by group and number. Channels that were not recorded
+    /// have no line.
     fn channels(&self) -> Result<Vec<String>, String> {
         let number = |key: &[u8]| -> Option<(usize, usize)> {
             let (group, channel) = std::str::from_utf8(key).ok()?.strip_prefix("Gr")?.split_once("-Ch")?;

@@ -17,7 +17,7 @@ pub(crate) const FORMAT: Format = Format { name: "Wyko OPD", sniff, open, first_
 const ENTRY: usize = 24;
 /// Names of the blocks of heights; other arrays are intensities.
 const HEIGHTS: [&str; 5] = ["RAW DATA", "RAW_DATA", "OPD", "Raw", "SAMPLE_DATA"];
-/// Texts told among the details.
+/// Texts listed in the details.
 const DETAILS: [&str; 8] = ["Title", "Note", "Date", "Time", "InstrumentName", "Objective", "MultResName", "Software"];
 
 fn sniff(file: &File) -> bool {

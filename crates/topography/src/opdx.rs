@@ -19,7 +19,7 @@ const MAGIC: &[u8] = b"VCA DATA\x01\0\0\x55";
 /// Most containers inside of each other.
 const DEEPEST: usize = 32;
 
-/// Items of `/MetaData` that are told among the details, with their names there.
+/// Items of `/MetaData` listed in the details, with their names there.
 const DETAILS: [(&str, &str); 5] = [
     ("InstrumentName", "instrument"),
     ("InstrumentSerial", "serial number"),

@@ -14,7 +14,7 @@ use super::zipped::{Zip, xml};
 
 pub(crate) const FORMAT: Format = Format { name: "Sensofar PLUX", sniff, open, first_line: FirstLine::Top };
 
-/// Items of `INFO` told among the details.
+/// Items of `INFO` listed in the details.
 const DETAILS: [&str; 6] = ["Device", "Objective", "Technique", "Measurement Type", "Algorithm", "Comment"];
 
 fn sniff(file: &File) -> bool {

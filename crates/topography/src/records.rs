@@ -4,10 +4,10 @@ use hdf5_reader::{CompoundField, Dataset, Datatype, StringSize, VarLenKind, dtyp
 
 use crate::stored::{Decode, Hdf5, text};
 
-/// The most bytes of all records together. Records describe others.
+/// The largest number of bytes of all records together, which only describe other datasets.
 const MOST_RECORDS: usize = 1 << 20;
 
-/// The most numbers of a field of a record, and bytes of a text.
+/// The largest number of numbers of a field of a record, and of bytes of a text.
 const MOST_NUMBERS: usize = 1 << 12;
 const LONGEST_TEXT: usize = 1 << 16;
 

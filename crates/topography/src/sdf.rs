@@ -1,7 +1,7 @@
 //! Surface data files of ISO 25178-71 and of BCR, as text (`aISO-1.0`, `aBCR-1.0`) or binary (`bISO-1.0`, `bBCR-1.0`).
 //!
-//! Heights and spacings are in metres; the size is the number of points times the spacing. The first profile of the file is
-//! at j = 0.
+//! Heights and spacings are in metres; the size is the number of points times the spacing. The first profile of the
+//! file is at j = 0.
 
 use ndarray::Array2;
 
@@ -56,7 +56,7 @@ impl Header {
         Ok(())
     }
 
-    /// The type of the numbers, and the number that stands for an undefined height.
+    /// The type of the numbers, and the number that denotes an undefined height.
     fn sample(&self) -> Result<(Sample, f64), String> {
         Ok(match self.kind {
             0 => (Sample::U8, f64::NAN),

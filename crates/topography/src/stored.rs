@@ -1,4 +1,4 @@
-//! HDF5 files of any program, read in Rust: the HDF5 library is written in C and not made for damaged files.
+//! HDF5 files of any program, read in Rust: the HDF5 library is written in C and not robust against damaged files.
 
 mod number;
 
@@ -16,13 +16,13 @@ use number::Stored;
 pub use number::Decode;
 pub use number::Number;
 
-/// The most bytes that one byte of a file can become: deflate makes at most 1032 bytes from one.
+/// The largest expansion of a byte of a file: deflate makes at most 1032 bytes from one.
 const LARGEST_RATIO: usize = 1032;
 
-/// The bytes that a small file may become.
+/// The number of bytes to which a small file may expand.
 const SMALL: usize = 1 << 20;
 
-/// The most datasets that are listed, groups that are searched, and groups inside each other.
+/// The largest number of datasets listed, of groups searched, and of nested groups.
 const MOST_DATASETS: usize = 1000;
 const MOST_GROUPS: usize = 10_000;
 const DEEPEST: usize = 8;
@@ -30,7 +30,7 @@ const DEEPEST: usize = 8;
 /// An HDF5 file.
 pub struct Hdf5 {
     file: Hdf5File,
-    /// The most bytes that a dataset can have.
+    /// The largest number of bytes of a dataset.
     most: usize,
 }
 
@@ -44,12 +44,12 @@ impl Hdf5 {
         })
     }
 
-    /// A file that stands in memory.
+    /// A file in memory.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         Self::limited(bytes.len(), |options| Hdf5File::from_bytes_with_options(bytes, options))
     }
 
-    /// Opens a file of `bytes` bytes. Nothing is allocated for what only a shape declares.
+    /// Opens a file of `bytes` bytes. Nothing is allocated according to a declared shape alone.
     fn limited(bytes: usize, open: impl FnOnce(OpenOptions) -> Result<Hdf5File, Error>) -> Result<Self, String> {
         let most = bytes.saturating_mul(LARGEST_RATIO).max(SMALL);
         let options = OpenOptions::default().with_chunk_cache_bytes(0);
@@ -63,8 +63,8 @@ impl Hdf5 {
         self.file.dataset(path).is_ok()
     }
 
-    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without coordinates
-    /// (dimension scales).
+    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without
+    /// coordinates (dimension scales).
     pub fn datasets(&self) -> Vec<(String, Vec<usize>)> {
         let mut search = Search { groups: 0, found: Vec::new() };
         if let Ok(root) = self.file.root_group() {
@@ -91,7 +91,7 @@ impl Hdf5 {
         self.dataset(path)?.read_array().map(numbers).map_err(text)
     }
 
-    /// The values of a dataset at some entries of its first dimensions: of each the first and the one behind the last.
+    /// The values of a dataset at ranges of its first dimensions, each from the first entry to the one after the last.
     pub fn part<T: Number>(&self, path: &str, entries: &[[usize; 2]]) -> Result<Vec<T>, String> {
         let dataset = self.possible(path)?;
         let mut selection = SliceInfo::all(dataset.ndim());
@@ -112,7 +112,8 @@ impl Hdf5 {
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
-    /// A numerical attribute of the group or dataset at `path`. Other programs store a number as an array of one.
+    /// A numerical attribute of the group or dataset at `path`. Other programs store a number as an array with one
+    /// element.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, String> {
         match self.attribute(path, name)?.read_1d().map_err(text)?[..] {
             [Stored(number)] => Ok(number),
@@ -120,7 +121,7 @@ impl Hdf5 {
         }
     }
 
-    /// As [`number`](Self::number); `None` if there is no such attribute.
+    /// A numerical attribute like [`number`](Self::number); `None` if there is no such attribute.
     pub fn number_if_any(&self, path: &str, name: &str) -> Result<Option<f64>, String> {
         self.attribute(path, name).ok().map(|_| self.number(path, name)).transpose()
     }
@@ -147,7 +148,7 @@ impl Hdf5 {
         self.file.dataset(path).map_err(text)
     }
 
-    /// The dataset at `path`, if a file of this size can hold it.
+    /// The dataset at `path`, if a file of this size can contain it.
     pub fn possible(&self, path: &str) -> Result<Dataset, String> {
         let dataset = self.dataset(path)?;
         let found = dataset.raw_byte_len().map_err(text)?;
@@ -157,7 +158,7 @@ impl Hdf5 {
         Ok(dataset)
     }
 
-    /// The group that holds all else.
+    /// The root group.
     pub fn root(&self) -> Result<Group, String> {
         self.file.root_group().map_err(text)
     }

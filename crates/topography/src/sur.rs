@@ -3,7 +3,7 @@
 //! A file is a sequence of objects, each a header of 512 bytes, a comment, a private zone, and integers of 16 or 32
 //! bits line by line. A height is the integer times the spacing along z, in the unit *of that spacing* (the header also
 //! names units in which the program displays). Points that were not measured have the integer `smallest - 2`. The
-//! offset along z moves the whole surface only; it is told among the details and not added.
+//! offset along z moves the whole surface only; it is listed in the details and not added.
 
 use flate2::bufread::ZlibDecoder;
 use std::io::Read;
@@ -74,7 +74,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(channels.into())
 }
 
-/// One object: what its header says and its data, not decoded.
+/// One object: the entries of its header, and its data, not decoded.
 #[derive(Clone)]
 struct Object<'a> {
     /// Number of objects in the file, from the header of the first.

@@ -20,7 +20,7 @@ impl Sides {
     /// The size from the sides along x and y; a profile has none along y. A side along y in another unit is converted.
     ///
     /// # Errors
-    /// A unit along one of the two only; a unit that is not known, where the two differ.
+    /// A unit along only one of the two; an unknown unit, if the two differ.
     pub(crate) fn of(x: Side, y: Option<Side>) -> Result<Self, String> {
         let (x, unit) = x;
         let Some((mut y, unit_y)) = y else { return Ok(Self { lengths: [x, 1.0], unit, notes: Vec::new() }) };
@@ -40,7 +40,7 @@ impl Sides {
     }
 }
 
-/// The refusal of a unit that only one of two lengths has.
+/// The error of a unit that only one of two lengths has.
 pub(crate) fn alone(with: &str, unit: &str, without: &str) -> String {
     format!("the unit of {with} is {unit} but {without} has no unit; both or neither must have one")
 }

@@ -18,7 +18,7 @@ use super::zipped::{Zip, xml};
 pub(crate) const FORMAT: Format =
     Format { name: "X3P", sniff: |file| Zip::has(file, &["main.xml"]), open, first_line: FirstLine::Bottom };
 
-/// Parts of the document that say something of the measurement.
+/// Parts of the document that describe the measurement.
 const DETAILS: [&str; 9] = [
     "Date",
     "Creator",
@@ -164,7 +164,7 @@ impl Header {
 }
 
 impl Entry {
-    /// Notes a checksum that differs. The archive's own checksum was right, so that the heights are what was written.
+    /// Notes a wrong checksum. The checksum of the archive was right, so that the heights are as written.
     fn compare(&self, sum: md5::Context, notes: &mut Vec<String>) {
         let found = format!("{:x}", sum.finalize());
         if let Some(expected) = self.checksum.as_ref().filter(|expected| !expected.eq_ignore_ascii_case(&found)) {

@@ -47,8 +47,8 @@ impl<'a> Zip<'a> {
         self.0.file_names().filter_map(Result::ok).map(|name| name.into_owned()).collect()
     }
 
-    /// The bytes of an entry as a stream, and their compressed number, which cannot exceed that of the archive whatever the
-    /// entry declares; the checksum is verified at the end.
+    /// The bytes of an entry as a stream, and their compressed number, at most that of the archive, whatever the entry
+    /// declares; the checksum is verified at the end.
     pub(crate) fn stream(&mut self, name: &str) -> Result<(impl Read, usize), String> {
         let size = self.1;
         let entry = self.0.by_name(name).map_err(|error| format!("the entry {name}: {error}"))?;

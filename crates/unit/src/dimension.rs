@@ -14,12 +14,11 @@ pub struct Dimension {
 }
 
 impl Dimension {
-    /// A number without a dimension.
+    /// Dimensionless.
     pub const NONE: Self = Self { stress: 0, length: 0, time: 0 };
 
-    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`;
-    /// `None` for words that
-    /// are no such kind.
+    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`; `None`
+    /// for other words.
     pub fn of(kind: &str) -> Option<Self> {
         let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));
         let mut found = Self::NONE;
@@ -38,7 +37,7 @@ impl Dimension {
         Some(found)
     }
 
-    /// The dimension of a number to this power, times that of another one.
+    /// The product of this dimension and another one to a power.
     pub(crate) fn times(self, other: Self, power: i32) -> Self {
         Self {
             stress: self.stress + power * other.stress,

@@ -32,19 +32,18 @@ pub(crate) fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.spellings.contains(&name))
 }
 
-/// True if the name is that of a known unit of length.
+/// True for the name of a known unit of length.
 pub fn is_length(name: &str) -> bool {
     find(name.trim()).is_some()
 }
 
-/// The name of a unit as it is written in output; a name that is not known stays as it is.
+/// The name of a unit as written in output; an unknown name is returned unchanged.
 pub fn canonical(name: &str) -> &str {
     find(name.trim()).map_or(name, |unit| unit.spellings[0])
 }
 
-/// The factor between two units, a quotient of integers. One of them is 1 between metric units, so that a
-/// conversion has
-/// one rounding error.
+/// The factor between two units, a quotient of integers. One of them is 1 between metric units, so that a conversion
+/// has one rounding error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conversion {
     from: &'static str,
@@ -57,7 +56,7 @@ impl Conversion {
     /// The conversion from one unit of length to another; `None` if they are the same unit.
     ///
     /// # Errors
-    /// A name that is not known.
+    /// An unknown name.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -119,7 +118,7 @@ impl fmt::Display for Conversion {
 /// Converts lengths from one unit to another.
 ///
 /// # Errors
-/// A unit that is not known, unless both are the same.
+/// An unknown unit, unless both are the same.
 pub fn convert_lengths(values: &mut [f64], from: &str, to: &str) -> Result<(), String> {
     if let Some(conversion) = Conversion::between(from, to)? {
         values.iter_mut().for_each(|value| *value = conversion.apply(*value));

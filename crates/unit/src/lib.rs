@@ -1,10 +1,9 @@
-//! Units: the text `70 GPa` as a number in the units of a problem, and numbers of a problem in units that people read.
+//! Units: conversion of quantities such as `70 GPa` to numbers of a problem, and of numbers of a problem to readable
+//! units.
 //!
-//! A problem has a unit of length and a unit of stress, independent of each other: an energy per area is a stress
-//! times a length,
-//! whatever the two are ([`Units`]). A [`Dimension`] says which powers of the two a number has; it is written as in
-//! the tables of
-//! results, `stress*length`. Numbers without a unit are not touched.
+//! A problem has a unit of length and a unit of stress, independent of each other: an energy per area is a stress times
+//! a length in any of them ([`Units`]). A [`Dimension`] has the powers of the two; it is written as in the tables of
+//! results, `stress*length`. Numbers without a unit are not changed.
 //!
 //! ```
 //! use gfmd_unit::{Quantity, Units};

@@ -22,7 +22,7 @@ pub(crate) struct Unit {
     pub(crate) count: f64,
 }
 
-/// A text that is no unit.
+/// Error: text that is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, s, with prefixes, as in GPa, \
@@ -58,12 +58,11 @@ const PREFIXES: [(&str, i32); 14] = [
 ];
 
 impl Quantity {
-    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. `None` for a number
-    /// without a unit, and for
-    /// text that does not begin with a number.
+    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. `None` for a number without a
+    /// unit, and for text that does not begin with a number.
     ///
     /// # Errors
-    /// A number with words that are no unit.
+    /// A number followed by words that are not a unit.
     pub fn parse(text: &str) -> Result<Option<Self>, UnknownUnit> {
         let trimmed = text.trim();
         let begins = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.');
@@ -112,7 +111,7 @@ impl Quantity {
 impl Unit {
     pub(crate) const ONE: Self = Self { dimension: Dimension::NONE, power: 0, count: 1.0 };
 
-    /// Parses a product of powers of units; a slash divides by what follows it alone.
+    /// Parses a product of powers of units; a slash divides by the next factor only.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let mut found = Self::ONE;
         let mut rest = text.trim();

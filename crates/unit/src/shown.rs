@@ -1,13 +1,13 @@
-//! Units in which people read numbers: with a prefix of SI that leaves one to three digits before the point.
+//! Readable units: with a prefix of SI that leaves one to three digits before the point.
 
 use std::fmt;
 
 use crate::Dimension;
 
-/// A unit in which people read numbers.
+/// A readable unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// A number of the problem times this is one of the unit.
+    /// The factor from numbers of the problem to numbers in this unit.
     pub factor: f64,
     /// The name of the unit.
     pub name: String,
@@ -43,15 +43,14 @@ impl fmt::Display for Shown {
     }
 }
 
-/// The prefixes that people read, in powers of a thousand from 10^-15.
+/// The readable prefixes, in powers of a thousand from 10^-15.
 const PREFIXES: [&str; 10] = ["f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
 
-/// The power of ten of the first of them.
+/// The power of ten of the first prefix.
 const FIRST: i32 = -15;
 
-/// The unit for numbers of a dimension up to the `largest`, whose unit has this `size` in Pa, m and s; `None` of a
-/// dimension for which
-/// none is known.
+/// The readable unit for numbers of a dimension up to `largest`, whose unit has this `size` in Pa, m and s; `None` for
+/// a dimension without one.
 pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown> {
     // The symbol that takes the prefix, its power, what stands behind it, and the size of that in SI.
     let (symbol, power, behind, over) = match (dimension.stress, dimension.length, dimension.time) {

@@ -4,16 +4,15 @@ use crate::quantity::Unit;
 use crate::shown::{self, Shown};
 use crate::{Dimension, Quantity};
 
-/// The unit of length and the unit of stress of a problem, as far as they are known. All its numbers are in these,
-/// an energy per area in
-/// their product.
+/// The unit of length and the unit of stress of a problem, as far as they are known. All numbers of the problem are in
+/// these, an energy per area in their product.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
     length: Option<String>,
     stress: Option<String>,
 }
 
-/// A quantity that has no value in the units of a problem.
+/// Error: a quantity without a value in the units of a problem.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unusable {
     /// A quantity of another kind.
@@ -30,13 +29,13 @@ pub enum Unusable {
              the units of the other numbers"
     )]
     NoLength,
-    /// The unit of the lengths is not known.
+    /// The unit of the lengths is unknown.
     #[error("it has a unit, and that of the lengths, {0}, is not known; --unit names one, as in --unit um")]
     Length(String),
 }
 
 impl Units {
-    /// The unit of stress where a stress has a unit and none is named.
+    /// The default unit of stress, if a stress has a unit.
     pub const PASCAL: &str = "Pa";
 
     /// The units of a problem by their names.
@@ -49,22 +48,22 @@ impl Units {
         self.length.as_deref()
     }
 
-    /// The name of the unit of stress, that of SI where lengths are in metres.
+    /// The name of the unit of stress: Pa if lengths are in metres and no other is named.
     pub fn stress(&self) -> Option<&str> {
         self.stress.as_deref().or_else(|| (self.length() == Some("m")).then_some(Self::PASCAL))
     }
 
-    /// True if a number of this unit is a stress.
+    /// True for the name of a unit of stress.
     pub fn is_stress(name: &str) -> bool {
         Unit::parse(name).is_some_and(|unit| unit.dimension == Dimension { stress: 1, ..Dimension::NONE })
     }
 
-    /// The unit of stress in Pa; `None` if it is not known.
+    /// The unit of stress in Pa; `None` if unknown.
     pub fn pascals(&self) -> Option<f64> {
         Some(self.stress_unit()?.size())
     }
 
-    /// The unit of length in m; `None` if it is not known.
+    /// The unit of length in m; `None` if unknown.
     pub fn metres(&self) -> Option<f64> {
         Some(Unit::parse(self.length()?)?.size())
     }
@@ -73,11 +72,11 @@ impl Units {
         Unit::parse(self.stress()?)
     }
 
-    /// The value of a quantity whose kind must be this one, in the units of the problem; stresses are in Pa
-    /// unless another unit is named.
+    /// The value of a quantity whose kind must be this one, in the units of the problem; stresses are in Pa unless
+    /// another unit is named.
     ///
     /// # Errors
-    /// Another kind of quantity; lengths without a unit, or with one that is not known.
+    /// Another kind of quantity; lengths without a unit, or with an unknown one.
     pub fn value(&self, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
         let allowed = Dimension::of(kind).unwrap_or_default();
         let found = quantity.dimension();
@@ -92,8 +91,8 @@ impl Units {
         Ok(quantity.over(&unit.unwrap_or(Unit::ONE)))
     }
 
-    /// The name of the unit of a kind of quantity, as files have it: `Pa*µm` for `stress*length`. The kind
-    /// itself where a unit is not known.
+    /// The name of the unit of a kind of quantity, as written in files: `Pa*µm` for `stress*length`. The kind itself if
+    /// a unit is unknown.
     pub fn name(&self, kind: &str) -> String {
         let Some(dimension) = Dimension::of(kind).filter(|found| *found != Dimension::NONE) else { return kind.into() };
         let (stress, length) = (self.stress(), self.length());
@@ -104,7 +103,7 @@ impl Units {
         kind.replace("stress", &whole(stress.unwrap_or_default())).replace("length", &whole(length.unwrap_or_default()))
     }
 
-    /// The unit in which people read numbers of a kind up to the `largest`; `None` if the units are not known.
+    /// The readable unit for numbers of a kind up to `largest`; `None` if the units are unknown.
     pub fn shown(&self, kind: &str, largest: f64) -> Option<Shown> {
         let dimension = Dimension::of(kind)?;
         let mut size = Unit::ONE;

@@ -2,7 +2,8 @@ use std::borrow::Cow;
 
 use ndarray::{ArrayRef, Dimension};
 
-/// The values of an array row by row, whatever its layout in memory: borrowed if they are stored so, else a copy.
+/// The values of an array row by row, for any layout in memory: borrowed if they are stored row by row, otherwise
+/// copied.
 ///
 /// ```
 /// use gfmd_vector::contiguous;
@@ -16,7 +17,7 @@ pub fn contiguous<T: Clone, D: Dimension>(array: &ArrayRef<T, D>) -> Cow<'_, [T]
     array.as_slice().map_or_else(|| array.iter().cloned().collect::<Vec<T>>().into(), Cow::Borrowed)
 }
 
-/// Calls `change` with the values of an array row by row, and keeps what it makes of them, whatever the layout in memory.
+/// Calls `change` with the values of an array row by row and stores the result, for any layout in memory.
 pub fn with_contiguous<T: Clone, D: Dimension>(array: &mut ArrayRef<T, D>, change: impl FnOnce(&mut [T])) {
     if let Some(values) = array.as_slice_mut() {
         return change(values);

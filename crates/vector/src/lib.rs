@@ -26,36 +26,37 @@
 //! assert_eq!(sum(x.len(), &|range| x[range].iter().sum()), 50_000.0);
 //! ```
 //!
-//! From a thread outside of rayon's pool each pass over more than a leaf hands its work over and waits for it, some ten microseconds:
-//! `rayon::scope` around many of them saves that.
+//! From a thread outside rayon's pool each pass over more than a leaf hands its work over and waits, some ten
+//! microseconds; `rayon::scope` around many passes saves this time.
 //!
-//! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the own ones, and its sums have the bits of
-//! one process.
+//! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the rows of this process, and
+//! its sums have the bits of one process.
 //!
-//! Not here: what the vectors mean, and the methods that use them (`gfmd-relax`).
+//! Not here: the meaning of the vectors, and the methods that use them (`gfmd-relax`).
 
 mod layout;
-mod parcel;
 mod ranks;
-mod rehearsal;
+mod serialise;
 mod share;
 mod split;
+mod thread_ranks;
 
 use std::ops::Range;
 use std::sync::OnceLock;
 
 pub use layout::{contiguous, with_contiguous};
 use multiversion::multiversion;
-pub use parcel::{Parcel, Word};
-pub use ranks::{Alone, Letters, Pending, Ranks};
-pub use rehearsal::Rehearsal;
+pub use ranks::{Alone, Messages, Pending, Ranks};
+pub use serialise::{Serialise, Word};
 pub use share::{Share, TooManyRanks};
 pub use split::{Parts, Rows, Split};
+pub use thread_ranks::ThreadRanks;
 
-/// The value of a cell, made by threads of the pool when it is first asked for.
+/// Returns the value of a cell, computed by threads of the pool at the first call.
 ///
-/// It is made outside of the cell: a thread that waits for the parts of a value may take up a task that asks for the same cell,
-/// and would wait for itself in [`OnceLock::get_or_init`]. Tasks that ask at once may each make it; all get the first one.
+/// The value is computed outside the cell: a thread that waits for parts of the value may start a task that needs the
+/// same cell, and would wait for itself in [`OnceLock::get_or_init`]. Simultaneous tasks may each compute the value;
+/// all get the first one.
 pub fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     if let Some(made) = cell.get() {
         return made;
@@ -64,12 +65,13 @@ pub fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     cell.get_or_init(|| made)
 }
 
-/// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it outweighs
-/// the cost of handing it to a thread.
+/// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it
+/// outweighs the cost of handing it to a thread.
 pub const LEAF: usize = 2048;
 
-/// Sweeps once over `vectors` of equal length, slices or tuples and arrays of them: `leaf(start, parts)` gets one stretch of
-/// each vector, beginning at index `start`, and `merge` joins the results of neighbouring stretches, in order.
+/// Sweeps once over `vectors` of equal length, slices or tuples and arrays of them: `leaf(start, parts)` gets one
+/// stretch of each vector, beginning at index `start`, and `merge` joins the results of neighbouring stretches, in
+/// order.
 ///
 /// # Panics
 /// If the vectors differ in length.
@@ -81,7 +83,7 @@ pub fn pass<V: Split, R: Send>(
     pass_by(LEAF, vectors, leaf, merge)
 }
 
-/// As [`pass`], with leaves of at most so many entries. [`Rows`] are cut into rows.
+/// A [`pass`] with leaves of at most `size` entries. [`Rows`] are cut between rows.
 ///
 /// # Panics
 /// If the vectors differ in length, or `size` is zero.
@@ -112,8 +114,8 @@ fn tree<V: Split, R: Send>(
     merge(a, b)
 }
 
-/// Calls both functions, on two threads if the pool has several. With one, the caller does both itself: handing them over takes
-/// longer than most passes.
+/// Calls both functions, on two threads if the pool has several. With a single thread the caller runs both: handing
+/// them over takes longer than most passes.
 fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     if rayon::current_num_threads() == 1 {
         return (a(), b());
@@ -125,12 +127,12 @@ fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + 
     of_a.zip(of_b).expect("both functions were called")
 }
 
-/// The one join of all passes. Its code is as long as that of many a pass: each would have its own copy.
+/// The join of all passes, not generic: its code is as long as that of many passes, and each would have its own copy.
 fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     rayon::join(a, b);
 }
 
-/// Sweeps as [`pass`], without a result: `leaf` only changes its stretches.
+/// A [`pass`] without a result: `leaf` only changes its stretches.
 ///
 /// # Panics
 /// If the vectors differ in length.
@@ -138,7 +140,7 @@ pub fn for_each<V: Split>(vectors: V, leaf: &(impl Fn(usize, V) + Sync)) {
     pass(vectors, leaf, &|(), ()| ());
 }
 
-/// Reduces the ranges of `0..length` as [`pass`], without a vector to change.
+/// A [`pass`] over the ranges of `0..length`, without a vector to change.
 pub fn reduce<R: Send>(
     length: usize,
     leaf: &(impl Fn(Range<usize>) -> R + Sync),
@@ -162,7 +164,7 @@ pub fn sum(length: usize, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
     reduce(length, leaf, &|a, b| a + b)
 }
 
-/// The sum entry by entry, the usual `merge`.
+/// The sum entry by entry: the usual `merge`.
 pub fn add<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
     std::array::from_fn(|k| a[k] + b[k])
 }
@@ -192,7 +194,8 @@ pub fn lower<T: Copy + PartialOrd>(a: T, b: T) -> T {
     if b < a || b != b { b } else { a }
 }
 
-/// The lowest value, infinity of none; NaN if any is NaN. On one thread, and inline: a caller that is compiled for vectors uses them.
+/// The lowest value; infinity without values; NaN if any is NaN. Runs on one thread, and is inlined so that it uses the
+/// vector instructions of its caller.
 #[inline(always)]
 pub fn lowest<T: Copy + PartialOrd + From<f32>>(values: &[T]) -> T {
     let none = T::from(f32::INFINITY);

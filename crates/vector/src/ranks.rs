@@ -1,7 +1,7 @@
-//! Processes that share one problem, and what they send each other.
+//! Processes that share one problem, and their messages.
 
-/// Processes that share the rows of one problem. All of them call the same methods in the same order, each from one thread at a
-/// time. What travels are words of 64 bits, since every number fits whole words and none is rounded on its way.
+/// Processes that share the rows of one problem. All call the same methods in the same order, each from one thread at a
+/// time. Messages consist of words of 64 bits, so that every number is sent exactly.
 pub trait Ranks: Send + Sync {
     /// The number of this process, from zero.
     fn rank(&self) -> usize;
@@ -9,34 +9,34 @@ pub trait Ranks: Send + Sync {
     /// The number of processes.
     fn size(&self) -> usize;
 
-    /// Fills `all` with what each rank gives as `own`, one after another; rank r gives `lengths[r]` words.
+    /// Gathers the words `own` of each rank into `all`, in the order of the ranks; rank r sends `lengths[r]` words.
     fn gather(&self, own: &[u64], all: &mut [u64], lengths: &[usize]);
 
-    /// Begins to send `letters.out` and to receive `letters.into`. More than one exchange may be under way.
-    fn post(&self, letters: Letters) -> Box<dyn Pending + '_>;
+    /// Starts sending `messages.out` and receiving `messages.into`. Several exchanges may be pending at once.
+    fn post(&self, messages: Messages) -> Box<dyn Pending + '_>;
 }
 
-/// The words that each rank gets of this one and this one gets of each, one after another. The exchange owns it while
-/// it lasts, so that nobody can touch it; it is made once and used again.
+/// Send and receive buffers of an exchange of all ranks with each other. A pending exchange owns them, so that they
+/// cannot be accessed; they are allocated once and reused.
 #[derive(Clone, Debug, Default)]
-pub struct Letters {
-    /// The words that are sent, first to rank 0.
+pub struct Messages {
+    /// The words to send, in the order of the receiving ranks.
     pub out: Vec<u64>,
-    /// The number of words for each rank.
+    /// The number of words sent to each rank.
     pub out_lengths: Vec<usize>,
-    /// The words that are received, first from rank 0.
+    /// The words received, in the order of the sending ranks.
     pub into: Vec<u64>,
-    /// The number of words from each rank.
+    /// The number of words received from each rank.
     pub into_lengths: Vec<usize>,
 }
 
-/// An exchange under way.
+/// A pending exchange.
 pub trait Pending {
-    /// Waits for its end.
-    fn wait(self: Box<Self>) -> Letters;
+    /// Waits for the end of the exchange, and returns its buffers.
+    fn wait(self: Box<Self>) -> Messages;
 }
 
-/// One process, with which every problem starts.
+/// A single process, the default of every problem.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Alone;
 
@@ -53,18 +53,18 @@ impl Ranks for Alone {
         all.copy_from_slice(own);
     }
 
-    fn post(&self, mut letters: Letters) -> Box<dyn Pending + '_> {
-        let Letters { out, into, .. } = &mut letters;
+    fn post(&self, mut messages: Messages) -> Box<dyn Pending + '_> {
+        let Messages { out, into, .. } = &mut messages;
         into.copy_from_slice(out);
-        Box::new(Arrived(letters))
+        Box::new(Arrived(messages))
     }
 }
 
-/// An exchange that is over.
-struct Arrived(Letters);
+/// A finished exchange.
+struct Arrived(Messages);
 
 impl Pending for Arrived {
-    fn wait(self: Box<Self>) -> Letters {
+    fn wait(self: Box<Self>) -> Messages {
         self.0
     }
 }

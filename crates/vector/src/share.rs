@@ -1,4 +1,4 @@
-//! The rows of a field that one of several processes owns.
+//! Partition of the rows of a field among processes.
 
 mod blocks;
 
@@ -8,12 +8,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::{Alone, LEAF, Letters, Parcel, Ranks, Split, Word, half, pass, reduce, tree};
+use crate::{Alone, LEAF, Messages, Ranks, Serialise, Split, Word, half, pass, reduce, tree};
 
-/// The rows of a field that this process owns, and who owns the others.
+/// The rows of a field that belong to this process, and the owners of all others.
 ///
-/// The rows are cut between leaves of the tree of a [`pass`]. Each rank reduces the largest branches inside of its rows, all
-/// learn the results, and each walks the rest of the tree: a sum has the same bits for any number of ranks.
+/// Rows are divided between leaves of the tree of a [`pass`]. Each rank reduces the largest branches inside its rows,
+/// all ranks receive the results, and each reduces the rest of the tree: a sum has the same bits for any number of
+/// ranks.
 #[derive(Clone)]
 pub struct Share {
     ranks: Arc<dyn Ranks>,
@@ -21,14 +22,14 @@ pub struct Share {
     rows: Arc<[Range<usize>]>,
 }
 
-/// More processes than can share a field.
+/// Error: more processes than can share a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyRanks {
-    /// The processes.
+    /// The number of processes.
     pub ranks: usize,
-    /// The largest number of them.
+    /// The largest number of processes.
     pub most: usize,
-    /// The number of rows, of which each process but the last has a multiple.
+    /// Unit of the partition: each process but the last has a multiple of this number of rows.
     pub unit: usize,
 }
 
@@ -52,11 +53,11 @@ impl Share {
         Self { ranks: Arc::new(Alone), columns, rows: std::iter::once(0..rows).collect() }
     }
 
-    /// The rows of this one of the `ranks`, which share them as evenly as whole leaves and whole rows of `levels` coarser grids
-    /// allow, each of half the rows of the one before.
+    /// The rows of this rank. The `ranks` share all rows as evenly as whole leaves and whole rows of `levels` coarser
+    /// grids allow; each coarser grid has half as many rows.
     ///
     /// # Errors
-    /// More ranks than can have a row.
+    /// More ranks than the partition allows.
     pub fn among(ranks: Arc<dyn Ranks>, [rows, columns]: [usize; 2], levels: u32) -> Result<Self, TooManyRanks> {
         let size = ranks.size();
         if size == 1 {
@@ -82,12 +83,12 @@ impl Share {
         &*self.ranks
     }
 
-    /// True for one process.
+    /// True for a single process.
     pub fn is_whole(&self) -> bool {
         self.rows.len() == 1
     }
 
-    /// The own rows.
+    /// The rows of this rank.
     pub fn rows(&self) -> Range<usize> {
         self.rows[self.ranks.rank()].clone()
     }
@@ -102,12 +103,12 @@ impl Share {
         self.columns
     }
 
-    /// The places of the own values in the whole field.
+    /// The range of the values of this rank in the whole field.
     pub fn own(&self) -> Range<usize> {
         self.values(self.ranks.rank())
     }
 
-    /// The number of values of all ranks, by which a mean divides.
+    /// The number of values of all ranks.
     pub fn total(&self) -> usize {
         self.rows.last().map_or(0, |rows| rows.end * self.columns)
     }
@@ -117,12 +118,12 @@ impl Share {
         rows.start * self.columns..rows.end * self.columns
     }
 
-    /// As [`pass`] over the values of all ranks, of which `vectors` are the own ones: every rank gets the result. `leaf` counts
-    /// from the first own value.
+    /// A [`pass`] over the values of all ranks, of which `vectors` belong to this rank. Every rank gets the result.
+    /// Indices of `leaf` count from the first value of this rank.
     ///
     /// # Panics
-    /// If the vectors do not have the number of own values.
-    pub fn pass<V: Split, R: Parcel>(
+    /// If the vectors do not have the number of values of this rank.
+    pub fn pass<V: Split, R: Serialise>(
         &self,
         vectors: V,
         leaf: &(impl Fn(usize, V) -> R + Sync),
@@ -144,8 +145,9 @@ impl Share {
         self.joined(sums, merge)
     }
 
-    /// As [`reduce`] over the values of all ranks; `leaf` gets ranges of the own values, counted from the first one.
-    pub fn reduce<R: Parcel>(
+    /// A [`reduce`] over the values of all ranks; `leaf` gets ranges of the values of this rank, counted from the first
+    /// one.
+    pub fn reduce<R: Serialise>(
         &self,
         leaf: &(impl Fn(Range<usize>) -> R + Sync),
         merge: &(impl Fn(R, R) -> R + Sync),
@@ -161,7 +163,7 @@ impl Share {
         self.joined(sums, merge)
     }
 
-    /// The sum over the values of all ranks; `leaf` returns the sum over its range of own values.
+    /// The sum over the values of all ranks; `leaf` returns the sum over a range of the values of this rank.
     pub fn sum(&self, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
         self.reduce(leaf, &|a, b| a + b)
     }
@@ -177,7 +179,7 @@ impl Share {
     }
 
     /// The values of all ranks in order; rank r has `lengths[r]` of them.
-    pub fn collect<R: Parcel>(&self, own: &[R], lengths: &[usize]) -> Vec<R> {
+    pub fn collect<R: Serialise>(&self, own: &[R], lengths: &[usize]) -> Vec<R> {
         let mut words = vec![0; own.len() * R::WORDS];
         own.iter().enumerate().for_each(|(i, value)| value.put(&mut words[i * R::WORDS..][..R::WORDS]));
         let lengths: Vec<usize> = lengths.iter().map(|length| length * R::WORDS).collect();
@@ -187,7 +189,7 @@ impl Share {
     }
 
     /// The value of each rank.
-    pub fn each<R: Parcel>(&self, own: R) -> Vec<R> {
+    pub fn each<R: Serialise>(&self, own: R) -> Vec<R> {
         self.collect(&[own], &vec![1; self.rows.len()])
     }
 
@@ -196,12 +198,12 @@ impl Share {
         if self.is_whole() { own } else { self.each(own).contains(&true) }
     }
 
-    /// The whole field, of which `own` are the own rows, of `columns` values each.
+    /// Gathers the whole field from the rows `own` of each rank, of `columns` values each.
     pub fn gather<T: Word>(&self, own: &[T], columns: usize) -> Vec<T> {
         self.gather_rows(own, columns, &self.rows)
     }
 
-    /// As [`gather`](Self::gather), of a field whose `rows` of each rank are not those of the share, one after another.
+    /// Gathers a field with another partition: `rows` has the rows of each rank, one range after another.
     pub fn gather_rows<T: Word>(&self, own: &[T], columns: usize, rows: &[Range<usize>]) -> Vec<T> {
         let words = |rank: usize| T::words(rows[rank].len() * columns);
         let lengths: Vec<usize> = (0..rows.len()).map(words).collect();
@@ -212,28 +214,28 @@ impl Share {
         T::joined(all, rows.iter().map(|rows| rows.len() * columns))
     }
 
-    /// The last row of the rank before this one and the first row of the one after, around the cell, of those that each rank
-    /// gives as its `first` and its `last`.
+    /// Exchanges border rows around the cell: each rank sends its `first` and its `last` row, and gets the last row of
+    /// the rank before and the first row of the rank after.
     pub fn beside<T: Word>(&self, first: &[T], last: &[T]) -> [Vec<T>; 2] {
         let (rank, size) = (self.ranks.rank(), self.rows.len());
         let (before, after) = ((rank + size - 1) % size, (rank + 1) % size);
         let words = T::words(first.len());
         let to = |other: usize| [(other == before, first), (other == after, last)];
-        let mut letters = Letters::default();
+        let mut messages = Messages::default();
         for other in 0..size {
             let mut length = 0;
             for (_, row) in to(other).into_iter().filter(|(goes, _)| *goes) {
-                letters.out.resize(letters.out.len() + words, 0);
-                let start = letters.out.len() - words;
-                T::pack(row, &mut letters.out[start..]);
+                messages.out.resize(messages.out.len() + words, 0);
+                let start = messages.out.len() - words;
+                T::pack(row, &mut messages.out[start..]);
                 length += words;
             }
-            letters.out_lengths.push(length);
+            messages.out_lengths.push(length);
             // From the one after comes its first row, from the one before its last; from both, if they are one, in this order.
-            letters.into_lengths.push(usize::from(other == after) * words + usize::from(other == before) * words);
+            messages.into_lengths.push(usize::from(other == after) * words + usize::from(other == before) * words);
         }
-        letters.into.resize(letters.into_lengths.iter().sum(), 0);
-        let Letters { into, into_lengths, .. } = self.ranks.post(letters).wait();
+        messages.into.resize(messages.into_lengths.iter().sum(), 0);
+        let Messages { into, into_lengths, .. } = self.ranks.post(messages).wait();
         let start = |other: usize| into_lengths[..other].iter().sum::<usize>();
         let place = [start(before) + usize::from(before == after) * words, start(after)];
         place.map(|start| {
@@ -243,7 +245,7 @@ impl Share {
         })
     }
 
-    /// The largest branches of the tree inside of the values of a rank, in order.
+    /// The largest branches of the tree inside the values of a rank, in order.
     fn branches(&self, rank: usize) -> Vec<Range<usize>> {
         fn find(branch: Range<usize>, own: &Range<usize>, found: &mut Vec<Range<usize>>) {
             if branch.end <= own.start || own.end <= branch.start {
@@ -262,8 +264,8 @@ impl Share {
         found
     }
 
-    /// The result of the whole tree from those of the own branches.
-    fn joined<R: Parcel>(&self, own: Vec<R>, merge: &impl Fn(R, R) -> R) -> R {
+    /// The result of the whole tree from the results of the branches of this rank.
+    fn joined<R: Serialise>(&self, own: Vec<R>, merge: &impl Fn(R, R) -> R) -> R {
         let branches: Vec<Vec<Range<usize>>> = (0..self.rows.len()).map(|rank| self.branches(rank)).collect();
         if R::WORDS == 0 {
             // Nothing to tell, and nothing to wait for.
@@ -281,7 +283,7 @@ fn unit(columns: usize, levels: u32) -> usize {
     (LEAF >> columns.trailing_zeros().min(LEAF.ilog2())).max(1 << levels)
 }
 
-/// The result of a branch of the tree from those of the branches inside of it.
+/// The result of a branch of the tree from those of the branches inside it.
 fn walk<R>(
     branch: Range<usize>,
     known: &mut std::iter::Peekable<impl Iterator<Item = (Range<usize>, R)>>,
@@ -295,7 +297,7 @@ fn walk<R>(
     merge(left, walk(middle..branch.end, known, merge))
 }
 
-/// So many values, none of which is looked at.
+/// A number of values without contents.
 struct Count(usize);
 
 impl Split for Count {

@@ -1,12 +1,12 @@
-//! Vectors that are cut into stretches.
+//! Division of vectors into stretches.
 
-/// One or several vectors of equal length, which are cut at the same places: a slice, shared or not, and arrays and tuples of
-/// them. `()` stands for no vector, of any length.
+/// One or several vectors of equal length, which are cut at the same places: a slice, shared or not, and arrays and
+/// tuples of them. `()` stands for no vector, of any length.
 pub trait Split: Send + Sized {
     /// The number of values.
     fn length(&self) -> usize;
 
-    /// True if all vectors have this length.
+    /// True if all vectors have the length `length`.
     fn fits(&self, length: usize) -> bool {
         self.length() == length
     }

@@ -233,7 +233,7 @@ fn in_memory(load: &Load) -> Result<Found, String> {
     if BaseArgs::NAMES.iter().any(|key| load.config.contains_key(*key)) {
         return Err("the base of this contact moves; the fields inside are those of its file".into());
     }
-    let displacement = load.values.get("displacement_z").ok_or("displacement_z is missing; it must be there")?;
+    let displacement = load.values.get("displacement_z").ok_or("displacement_z is missing; the file must have it")?;
     let points = <[usize; 2]>::try_from(displacement.shape()).map_err(|_| "displacement_z must be [nx, ny]")?;
     let record = load.config.clone();
     let values = displacement.iter().copied().collect();

@@ -31,7 +31,7 @@ pub(super) struct Compared {
     pub(super) difference: Vec<f64>,
 }
 
-/// Where the values of a section lie.
+/// Position of the values of a section.
 pub(super) struct Place<'a> {
     pub(super) grid: &'a Grid,
     pub(super) deepest: f64,
@@ -70,7 +70,8 @@ impl Pictures {
         }
     }
 
-    /// Draws every component: `PREFIX-name.svg`, `.png`; beside those that were `compared` the reference and the difference.
+    /// Draws every component: `PREFIX-name.svg`, `.png`; beside those that were `compared` the reference and the
+    /// difference.
     pub(super) fn draw(&self, prefix: &Path, place: &Place, compared: &[Compared]) -> Result<Vec<PathBuf>, Failure> {
         let shape = self.shape(place.grid);
         let mut files = Vec::new();
@@ -151,8 +152,8 @@ pub fn draw_middle(
     pictures.draw(prefix, &Place { grid: interior.grid(), deepest, unit }, &[])
 }
 
-/// The range of the values without two per mille at either end, if it is much narrower than the full range: near singular
-/// edges a few values are far from all others.
+/// The range of the values without two per mille at either end, if it is much narrower than the full range: near
+/// singular edges a few values are far from all others.
 fn central(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

@@ -69,7 +69,7 @@ pub(super) fn check_shift(args: &Args) -> Result<(), Failure> {
         return Err(Failure::value(
             "--shift",
             first,
-            "left out with --contact frictionless, which does not hold sideways",
+            "left out with --contact frictionless, which leaves the lateral displacement free",
         ));
     }
     if args.dim == 2 && args.shift.len() == 2 {

@@ -4,7 +4,7 @@ use std::array::from_fn;
 use std::ops::Range;
 
 use gfmd_response::{Blocks, COARSENING, LANES, Scattered, ScatteredMemory};
-use gfmd_vector::{Parcel, Share};
+use gfmd_vector::{Serialise, Share};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -233,7 +233,7 @@ pub(crate) fn own_blocks(blocks: &Blocks, share: &Share) -> impl Iterator<Item =
 }
 
 /// The values at the points of the blocks, of a field with these `own` rows.
-pub(crate) fn at_points<T: Copy + Parcel + Sync>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
+pub(crate) fn at_points<T: Copy + Serialise + Sync>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
     let [first, end] = [share.own().start, share.own().end].map(|point| point / LANES);
     let places = blocks.places();
     let here = &places[places.partition_point(|place| *place < first)..places.partition_point(|place| *place < end)];
@@ -243,7 +243,7 @@ pub(crate) fn at_points<T: Copy + Parcel + Sync>(blocks: &Blocks, share: &Share,
 }
 
 /// The values of all processes, of which `own` are the own ones.
-pub(crate) fn gathered<T: Copy + Parcel>(share: &Share, own: Vec<T>) -> Vec<T> {
+pub(crate) fn gathered<T: Copy + Serialise>(share: &Share, own: Vec<T>) -> Vec<T> {
     if share.is_whole() { own } else { share.collect(&own, &share.each(own.len())) }
 }
 

@@ -9,7 +9,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Material};
 use gfmd_relax::{Budget, Progress, Watch};
 use gfmd_surface::SelfAffine;
-use gfmd_vector::{Ranks, Rehearsal};
+use gfmd_vector::{Ranks, ThreadRanks};
 use ndarray::{Array2, s};
 use proptest::prelude::*;
 
@@ -113,7 +113,7 @@ fn solve(contact: &Contact, load: Load, solver: Solver) -> [Bits; 2] {
 
 fn compare(case: &Case, load: Load, solver: Solver, size: usize) {
     let alone = solve(&case.alone(), load, solver);
-    let each = Rehearsal::of(size, |ranks| solve(&case.over(ranks), load, solver));
+    let each = ThreadRanks::of(size, |ranks| solve(&case.over(ranks), load, solver));
     for (step, (numbers, fields)) in alone.iter().enumerate() {
         assert!(each.iter().all(|found| found[step].0 == *numbers), "{load:?} {solver:?} on {size}");
         for (place, field) in fields.iter().enumerate() {
@@ -158,7 +158,7 @@ fn levels_that_are_shared_have_the_bits_of_one_process() {
         }
     };
     let alone = begin(&case.alone());
-    assert!(Rehearsal::of(3, |ranks| begin(&case.over(ranks))).concat() == alone);
+    assert!(ThreadRanks::of(3, |ranks| begin(&case.over(ranks))).concat() == alone);
 }
 
 #[test]
@@ -208,7 +208,7 @@ impl Watch for Stop {
 fn a_process_that_is_interrupted_stops_all_at_the_same_iterate() {
     let grid = Grid::square(128, 1.0).unwrap();
     let case = Case::new(grid, &half_space(), 2);
-    let ends = Rehearsal::of(3, |ranks| {
+    let ends = ThreadRanks::of(3, |ranks| {
         let mut watch = Stop(if ranks.rank() == 1 { 4 } else { u64::MAX });
         let load = Load::MeanPressure(0.005).into();
         match case.over(ranks).equilibrate(load, Solver::Auto, &Budget::default(), None, &mut watch) {
@@ -222,11 +222,11 @@ fn a_process_that_is_interrupted_stops_all_at_the_same_iterate() {
 #[test]
 fn what_cannot_be_shared_is_refused_by_all() {
     let grid = Grid::square(64, 1.0).unwrap();
-    let share = |size| Rehearsal::of(size, |ranks| Contact::share(ranks, &grid).err().map(|error| error.to_string()));
+    let share = |size| ThreadRanks::of(size, |ranks| Contact::share(ranks, &grid).err().map(|error| error.to_string()));
     assert_eq!(share(2), [None, None]);
     assert!(share(3).iter().all(|error| error.as_ref().unwrap().contains("3 processes; it must be at most 2")));
     let case = Case::new(grid, &half_space(), 2);
-    Rehearsal::of(2, |ranks| {
+    ThreadRanks::of(2, |ranks| {
         let load = Load::MeanPressure(0.005).into();
         let refused = case.over(ranks).equilibrate(load, Solver::Verlet, &Budget::default(), None, &mut ());
         assert!(matches!(refused, Err(SolveError::Refused(Refusal::Solver { .. }))));
@@ -235,7 +235,7 @@ fn what_cannot_be_shared_is_refused_by_all() {
     let mut broken = case.clone();
     broken.heights[[40, 3]] = f64::NAN;
     let state = case.alone().press(Load::MeanPressure(0.005)).solve().unwrap();
-    Rehearsal::of(2, |ranks| {
+    ThreadRanks::of(2, |ranks| {
         let share = Contact::share(ranks, &grid).unwrap();
         let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
         let refused = Contact::over(&share, &case.body, &grid, &own(&broken.heights));

@@ -300,6 +300,6 @@ fn wrong_lengths_are_refused() {
     assert_eq!(here.forward(&field, &mut spectrum, &mut other), wrong("workspace along x", 6, 8));
     let mut line = transform([48, 1]).workspace();
     assert_eq!(here.convolve(&kernel, &field, &mut out, &mut line), wrong("workspace along x", 48, 8));
-    let told = wrong("field", 47, 48).unwrap_err().to_string();
-    assert_eq!(told, "the field has 47 values; it must have 48 on this grid");
+    let message = wrong("field", 47, 48).unwrap_err().to_string();
+    assert_eq!(message, "the field has 47 values; it must have 48 on this grid");
 }

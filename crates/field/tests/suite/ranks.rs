@@ -1,7 +1,7 @@
 //! Transforms over ranks, which threads play, have the bits of one process.
 
 use gfmd_field::{Grid, Real, Rows, Share, Transform};
-use gfmd_vector::Rehearsal;
+use gfmd_vector::ThreadRanks;
 use num_complex::Complex;
 use proptest::prelude::*;
 
@@ -32,7 +32,7 @@ fn assert_bits_of_one<T: Real>([nx, ny]: [usize; 2], size: usize) {
         transform.convolve(kernel, &field, &mut out, ws).unwrap();
         (out, transform.quadratic_form(kernel, &field, ws).unwrap(), kernel, line)
     });
-    Rehearsal::of(size, |ranks| {
+    ThreadRanks::of(size, |ranks| {
         let share = Share::among(ranks, [nx, ny], 0).unwrap();
         let transform = Transform::<T>::over(grid, &share);
         let (ws, lanes, own) = (&mut transform.workspace(), transform.lanes(), share.own());
@@ -80,7 +80,7 @@ proptest! {
 #[test]
 fn slices_that_do_not_fit_the_share_are_refused() {
     let grid = Grid::square(64, 1.0).unwrap();
-    Rehearsal::of(2, |ranks| {
+    ThreadRanks::of(2, |ranks| {
         let share = Share::among(ranks, [64, 64], 0).unwrap();
         let transform = Transform::<f64>::over(grid, &share);
         let mut ws = transform.workspace();

@@ -1,5 +1,5 @@
-//! Compressed chunks. The filters of the HDF5 library run on one thread; here chunks are compressed on all threads and handed over
-//! complete.
+//! Compressed chunks. The filters of the HDF5 library run on one thread; here chunks are compressed on all threads and
+//! passed to the library complete.
 
 use std::ffi::c_void;
 use std::io::Write as _;
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::DEFLATE;
 
-/// Writes the box of `lengths` entries from `first` on, row-major.
+/// Writes the box of `lengths` entries starting at `first`, row-major.
 pub(super) fn write<T: H5Type + Copy + Default + Sync>(
     dataset: &Dataset,
     first: &[usize],
@@ -71,7 +71,7 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
     Ok(())
 }
 
-/// The first bytes of all numbers, then the second ones, and so on (the filter "shuffle"), compressed (the filter "deflate").
+/// Applies the filters "shuffle" (the first bytes of all numbers, then the second ones, and so on) and "deflate".
 fn compress(bytes: &[u8], size: usize) -> std::io::Result<Vec<u8>> {
     let count = bytes.len() / size;
     let mut shuffled = vec![0; bytes.len()];
@@ -106,7 +106,7 @@ unsafe extern "C" {
     ) -> herr_t;
 }
 
-/// Hands a compressed chunk over.
+/// Passes a compressed chunk to the library.
 fn put(dataset: &Dataset, offset: &[hsize_t], bytes: &[u8]) -> Result<(), hdf5::Error> {
     let status = hdf5::sync::sync(|| {
         #[allow(unsafe_code, reason = "the `hdf5` crate does not write compressed chunks")]

@@ -1,4 +1,4 @@
-//! The checksum of everything that a file contains, so that a changed or damaged file is noticed.
+//! The checksum of the whole content of a file, which reveals a changed or damaged file.
 
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
@@ -8,23 +8,25 @@ use rayon::prelude::*;
 use crate::Checksum;
 use gfmd_topography::stored::{Decode, Hdf5, Number, text};
 
-/// The attribute of the root that holds the checksum of all else.
+/// The root attribute with the checksum of all other content.
 pub(super) const NAME: &str = "content_sha256";
 
-/// The most values of a piece: those of a chunk of this program's files.
+/// The largest number of values of a piece: that of a chunk in files of this program.
 const PIECE: usize = 1 << 18;
 
 /// The number of values that are added to the checksum at a time.
 const BATCH: usize = 1 << 10;
 
-/// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or texts.
+/// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or
+/// texts.
 pub(super) fn checksum(file: &Hdf5) -> Result<String, String> {
     let mut sum = Checksum::default();
     group(file, &file.root()?, "", &mut Vec::new(), &mut sum)?;
     Ok(sum.text())
 }
 
-/// Adds a group, which must not be one of the groups at the addresses `seen`: a damaged file can link a group into itself.
+/// Adds a group, which must not be one of the groups at the addresses `seen`: a damaged file can link a group into
+/// itself.
 fn group(file: &Hdf5, of: &Group, path: &str, seen: &mut Vec<u64>, sum: &mut Checksum) -> Result<(), String> {
     if seen.contains(&of.address()) {
         return Err(format!("the group {path} has two names"));
@@ -74,7 +76,7 @@ fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Checksum) -> R
     }
 }
 
-/// The bytes of a number of 64 bits that equals a number of any type.
+/// The bytes of a number of any type, converted to 64 bits without loss.
 fn bits(bytes: &[u8], kind: &Datatype) -> Result<[u8; 8], Error> {
     match kind {
         Datatype::FloatingPoint { .. } => f64::decode(bytes, kind).map(f64::to_le_bytes),

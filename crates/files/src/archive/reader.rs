@@ -20,7 +20,7 @@ impl Reader {
     /// Opens a regular file.
     ///
     /// # Errors
-    /// A file that cannot be opened, is no regular file, or not HDF5.
+    /// A file that cannot be opened, is not a regular file, or is not HDF5.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
         let input = match Input::settled(&path) {
@@ -33,7 +33,7 @@ impl Reader {
         }
     }
 
-    /// True if the content of the file is that which was written; `None` if the file has no checksum.
+    /// True if the content of the file matches its checksum; `None` if the file has none.
     ///
     /// # Errors
     /// A file that cannot be read to its end.
@@ -42,8 +42,8 @@ impl Reader {
         Ok(Some(self.content_sha256()? == stated))
     }
 
-    /// The checksum of the content as it is: the names, shapes and values of all variables, and all attributes that are single numbers or
-    /// texts, but for that of the root which has the checksum.
+    /// Computes the checksum of the content: names, shapes and values of all variables, and all attributes that are
+    /// single numbers or texts, except for the checksum itself.
     ///
     /// # Errors
     /// A file that cannot be read to its end.
@@ -51,7 +51,7 @@ impl Reader {
         content::checksum(&self.file).map_err(|reason| self.failed("(all)", reason))
     }
 
-    /// The SHA-256 of the file that is open, also if another one has its name by now.
+    /// The SHA-256 of the open file, even if another file has taken its name.
     ///
     /// # Errors
     /// A file that cannot be read, or was changed in place since it was opened.
@@ -102,11 +102,11 @@ impl Reader {
         self.file.texts(path).map_err(|reason| self.failed(path, reason))
     }
 
-    /// The attributes of the group or variable at `path` that are single numbers or texts, in the order of their names. Those that mark and
-    /// link dimensions are left out.
+    /// The attributes of the group or variable at `path` that are single numbers or texts, in the order of their names.
+    /// Attributes that mark and link dimensions are left out.
     ///
     /// # Errors
-    /// A path at which there is nothing, or attributes that cannot be read.
+    /// A path without an object, or attributes that cannot be read.
     pub fn attributes(&self, path: &str) -> Result<Vec<(String, Attribute)>, FileError> {
         self.file.attributes(path).and_then(values).map_err(|reason| self.failed(&attribute(path, "*"), reason))
     }
@@ -126,7 +126,7 @@ impl Reader {
         self.file.number(path, name).map_err(|reason| self.failed(&attribute(path, name), reason))
     }
 
-    /// Returns an error that says what is there if there is no variable at `path`.
+    /// Returns an error with the existing names if there is no variable at `path`.
     fn check(&self, path: &str) -> Result<(), FileError> {
         let group = path.rsplit_once('/').map_or("/", |(group, _)| if group.is_empty() { "/" } else { group });
         match self.contains(path) {

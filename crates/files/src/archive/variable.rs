@@ -96,6 +96,6 @@ pub struct Provenance {
     pub machine: String,
     /// Number of threads.
     pub threads: usize,
-    /// Remarks on the result. Those made until the file is finished are written.
+    /// Warnings on the result; those made before the file is finished are written.
     pub warnings: Warnings,
 }

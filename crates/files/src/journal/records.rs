@@ -9,7 +9,7 @@ use crate::Checksum;
 pub(super) trait Storage {
     fn length(&mut self) -> io::Result<u64>;
     fn read(&mut self, offset: u64, length: usize) -> io::Result<Vec<u8>>;
-    /// Removes all bytes from `length` on.
+    /// Truncates the file to `length` bytes.
     fn cut(&mut self, length: u64) -> io::Result<()>;
     /// Writes at the end.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
@@ -127,7 +127,7 @@ impl<F: Storage> Records<F> {
         Ok(Self::find(file, head)?.0)
     }
 
-    /// Finds all whole records, and whether an incomplete one follows them.
+    /// Finds all complete records; true if an incomplete one follows them.
     fn find(file: F, head: &[u8]) -> Result<(Self, bool), Unusable> {
         let mut records = Self { file, places: Vec::new(), whole: 0, broken: false };
         let length = records.file.length()?;

@@ -1,5 +1,5 @@
-//! The compliance that layers add to that of a patch of a half-space: integrals of their compliance less that of the
-//! half-space, times a Bessel function, or the cosine of a profile, over all wavenumbers (theory.md, section 3.1).
+//! The contribution of layers to the compliance of a patch: integrals over all wavenumbers of their compliance less
+//! that of the half-space, times a Bessel function, or the cosine of a profile (theory.md, section 3.1).
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,11 +8,12 @@ use rayon::prelude::*;
 
 use crate::{Base, Blocks, Body, GreenError, Height};
 
-/// Functions of the distance from a point force, or from the line of one, tabulated: what layers add to the displacement by it.
+/// Tabulated functions of the distance from a point force or a line force: the contribution of layers to its
+/// displacement.
 ///
-/// The integrands vanish as e^(−2 q h) beyond the inverse of the thinnest top layer's height h, and the functions are smooth over
-/// distances of 2 h. Quadrature and interpolation are those of Gauss and of Chebyshev on pieces, exact to about 1e-13 of the largest
-/// value.
+/// The integrands vanish as e^(−2 q h) beyond the inverse of the thinnest top layer's height h, and the functions are
+/// smooth over distances of 2 h. Quadrature and interpolation are those of Gauss and of Chebyshev on pieces, exact to
+/// about 1e-13 of the largest value.
 struct Radial<const M: usize> {
     /// Length of a piece of the table.
     piece: f64,
@@ -23,16 +24,17 @@ struct Radial<const M: usize> {
     nodes: Vec<[f64; 2]>,
 }
 
-/// The displacement that layers add to that by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*) J₀(q r) dq
-/// over it, on a line 1/π ∫ (G_zz(q) − 2/(E* q)) cos(q x) dq.
+/// The contribution of layers to the displacement caused by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*)
+/// J₀(q r) dq over it, on a line 1/π ∫ (G_zz(q) − 2/(E* q)) cos(q x) dq.
 pub(super) struct Correction {
     table: Radial<1>,
     /// The displacement of a line.
     far: Option<Far>,
 }
 
-/// The part of the correction of a line that grows with the distance, as the displacement of half-spaces does: with the difference
-/// D of q G_zz(q) between long waves and short ones, 1/π ∫ D e^(−a q) cos(q x)/q dq = −D/(2 π) ln((x² + a²)/Lx²).
+/// The part of the correction of a line that grows with the distance, as the displacement of half-spaces does: with the
+/// difference D of q G_zz(q) between long waves and short ones, 1/π ∫ D e^(−a q) cos(q x)/q dq = −D/(2 π) ln((x² +
+/// a²)/Lx²).
 struct Far {
     /// D/(2 π).
     factor: f64,
@@ -64,7 +66,7 @@ impl Correction {
     /// The correction of this compliance for a body with layers; `None` for a half-space, or two of them.
     ///
     /// # Errors
-    /// A plate, which nothing holds; layers that are too thin for the patch or for its cells.
+    /// A plate, which has no support; layers that are too thin for the patch or for its cells.
     pub(super) fn of(body: &Body, grid: &Grid, compliance: fn(&Body, f64) -> f64) -> Result<Option<Self>, GreenError> {
         let Some(layers) = Layers::of(body)? else { return Ok(None) };
         let half_space = 2.0 / body.contact_modulus();
@@ -94,7 +96,7 @@ impl Correction {
     }
 }
 
-/// The limit of q G_zz(q) for long waves, which are those of the half-spaces below all layers; 0 for bodies that are held.
+/// The limit of q G_zz(q) for long waves: that of the half-spaces below all layers; 0 for bodies held by a base.
 fn long_waves(body: &Body) -> f64 {
     let first = match (body.height(), body.base()) {
         (Height::Infinite, _) => 2.0 / Body::half_space(*body.material()).contact_modulus(),
@@ -108,7 +110,7 @@ impl MatrixCorrection {
     /// The correction for a body with layers; `None` for a half-space, or two of them.
     ///
     /// # Errors
-    /// As [`Correction::of`], and a base on which the body slides.
+    /// A plate, or a body on a sliding base; layers that are too thin for the patch or for its cells.
     pub(super) fn of(body: &Body, grid: &Grid) -> Result<Option<Self>, GreenError> {
         let Some(layers) = Layers::of(body)? else { return Ok(None) };
         let bodies = || [Some(body), body.second()].into_iter().flatten();
@@ -147,8 +149,8 @@ fn bessel(x: f64) -> [f64; 3] {
 }
 
 impl<const M: usize> Radial<M> {
-    /// The integrals of `density(q)`, entry by entry times `wave(q r)`, over q, on the distances in the periodic cell in which the
-    /// patch lies.
+    /// The integrals of `density(q)`, entry by entry times `wave(q r)`, over q, on the distances in the periodic cell
+    /// in which the patch lies.
     fn of(
         layers: &Layers,
         grid: &Grid,
@@ -206,7 +208,7 @@ impl<const M: usize> Radial<M> {
     }
 }
 
-/// Checks that something holds the body sideways.
+/// Checks that the body has a lateral support.
 fn held(body: &Body) -> Result<(), GreenError> {
     match (body.height(), body.base()) {
         (Height::Finite(_), Base::Sliding) => Err(GreenError::FreeSliding),
@@ -215,11 +217,11 @@ fn held(body: &Body) -> Result<(), GreenError> {
     }
 }
 
-/// The layers of a body, or of two.
+/// Heights of the layers of a body, or of two.
 struct Layers {
-    /// The least height of a top layer.
+    /// The smallest height of a top layer.
     thinnest: f64,
-    /// The height of all layers, of the body with more.
+    /// The total height of the layers; of a pair, that of the body with the larger one.
     all: f64,
 }
 

@@ -6,16 +6,16 @@ use statrs::function::erf::erfc;
 
 use super::quadrature::{gauss_legendre, scaled, unit_rule};
 
-/// The summits of an isotropic Gaussian surface, each of which is an elastic contact of its own. Valid at light loads, where
-/// summits are far apart.
+/// The summits of an isotropic Gaussian surface as independent elastic contacts. Valid at light loads, where summits
+/// are far apart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asperities {
     m0: f64,
     m2: f64,
     m4: f64,
-    /// Paraboloids by their mean curvature t, in units of √m4: t, and what they carry of the area and of the load.
+    /// Paraboloids by their mean curvature t, in units of √m4: t, and their parts of the area and of the load.
     paraboloids: Vec<[f64; 3]>,
-    /// The rule by which interferences are integrated over, on [-1, 1].
+    /// The quadrature rule for integrals over the interference, on [-1, 1].
     rule: Vec<(f64, f64)>,
 }
 
@@ -33,25 +33,25 @@ pub struct AsperityContact {
 /// A theory of asperities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AsperityTheory {
-    /// Paraboloids with the distribution of heights and of both principal curvatures that the summits of a Gaussian surface have
-    /// (Bush, Gibson and Thomas 1975).
+    /// Paraboloids with the distribution of heights and of both principal curvatures that the summits of a Gaussian
+    /// surface have (Bush, Gibson and Thomas 1975).
     BushGibsonThomas,
-    /// Equal spheres with normally distributed heights (Greenwood and Williamson 1966), whose density, radius and scatter
-    /// follow from the moments (McCool 1986).
+    /// Equal spheres with normally distributed heights (Greenwood and Williamson 1966), whose density, radius and
+    /// scatter follow from the moments (McCool 1986).
     GreenwoodWilliamson,
 }
 
 /// The smallest Nayak parameter of an isotropic Gaussian surface.
 const LEAST_NAYAK: f64 = 1.5;
 
-/// The mean curvatures that are integrated over, in units of √m4, and the number of nodes for mean curvature, anisotropy and
-/// interference.
+/// The largest mean curvature of the integration, in units of √m4, and the number of nodes for mean curvature,
+/// anisotropy and interference.
 const STEEPEST: f64 = 14.0;
 const NODES: [usize; 3] = [80, 32, 24];
 
 impl Asperities {
-    /// From the spectral moments m0, m2, m4 of a straight cut, the mean squares of height (length²), slope and curvature
-    /// (1/length²). `None` unless all are positive and Nayak's parameter m0 m4/m2² is at least 3/2.
+    /// The surface with the spectral moments m0, m2, m4 of a straight cut, the mean squares of height (length²), slope
+    /// and curvature (1/length²). `None` unless all are positive and Nayak's parameter m0 m4/m2² is at least 3/2.
     pub fn new([m0, m2, m4]: [f64; 3]) -> Option<Self> {
         let positive = [m0, m2, m4].iter().all(|moment| *moment > 0.0 && moment.is_finite());
         if !(positive && (m0 / m2) * (m4 / m2) >= LEAST_NAYAK) {
@@ -65,7 +65,7 @@ impl Asperities {
         (self.m0 / self.m2) * (self.m4 / self.m2)
     }
 
-    /// Summits for each area, m4/(6π√3 m2), 1/length² (Longuet-Higgins 1957).
+    /// Summits per area, m4/(6π√3 m2), 1/length² (Longuet-Higgins 1957).
     pub fn density(&self) -> f64 {
         self.m4 / (6.0 * PI * 3_f64.sqrt() * self.m2)
     }
@@ -80,7 +80,7 @@ impl Asperities {
         AsperityContact { separation, area_fraction, relative_pressure }
     }
 
-    /// The contact under a mean pressure, given over E*; `None` if it is not that of a separation between −20 and 12 h_rms.
+    /// The contact under a mean pressure over E*; `None` if its separation is not between −20 and 12 h_rms.
     pub fn at_pressure(&self, theory: AsperityTheory, relative_pressure: f64) -> Option<AsperityContact> {
         let unit = self.m0.sqrt();
         let pressure = |level: f64| self.at_separation(theory, level * unit).relative_pressure;
@@ -124,7 +124,8 @@ impl Asperities {
         [area * density * unit / curvature, pressure * density * unit.powf(1.5) / curvature.sqrt()]
     }
 
-    /// The means of w and w^{3/2} over w > 0, if w is normally distributed with `mean` and standard deviation `scatter`.
+    /// The means of w and w^{3/2} over w > 0, if w is normally distributed with `mean` and standard deviation
+    /// `scatter`.
     fn interference(&self, mean: f64, scatter: f64) -> [f64; 2] {
         let level = mean / scatter;
         let low = (level - 9.0).max(0.0);
@@ -145,7 +146,7 @@ impl Asperities {
     }
 }
 
-/// The load that summits of each mean curvature t carry, over those of all orientations and shapes: t, area, load. A
+/// The contributions of summits of each mean curvature t, integrated over orientations and shapes: t, area, load. A
 /// summit of principal curvatures t ± r has the density (t² − r²)/(2π m2) times that of t, Gaussian with variance 2
 /// m4/3, and of r, a Rayleigh distribution of scale √(m4/3).
 fn paraboloids() -> Vec<[f64; 3]> {
@@ -167,8 +168,8 @@ fn paraboloids() -> Vec<[f64; 3]> {
     gauss_legendre(NODES[0], [0.0, STEEPEST]).into_iter().map(of_curvature).collect()
 }
 
-/// Hertz contact of a paraboloid of mean curvature 1 and principal curvatures 1 ± `ratio`: the area over the interference w, and
-/// the force over E* w^{3/2} (Johnson, Contact mechanics, 4.2).
+/// Hertz contact of a paraboloid of mean curvature 1 and principal curvatures 1 ± `ratio`: the area over the
+/// interference w, and the force over E* w^{3/2} (Johnson, Contact mechanics, 4.2).
 fn ellipse(ratio: f64) -> [f64; 2] {
     let curvatures = (1.0 + ratio) / (1.0 - ratio);
     let of_axes = |axes: f64| {
@@ -189,7 +190,8 @@ fn ellipse(ratio: f64) -> [f64; 2] {
     [PI * axes * square, 2.0 * PI / 3.0 * square.sqrt() / k]
 }
 
-/// The complete elliptic integral K of modulus e = √(1 − b²/a²), and 1 − E/K, from b/a by the arithmetic-geometric mean.
+/// The complete elliptic integral K of modulus e = √(1 − b²/a²), and 1 − E/K, from b/a by the arithmetic-geometric
+/// mean.
 fn elliptic(axes: f64) -> (f64, f64) {
     let [mut a, mut b] = [1.0, axes];
     let [mut power, mut sum] = [0.5, 0.5 * (1.0 - axes * axes)];

@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-/// The contact area of Persson's theory with a hardness, as fractions of the surface (Persson, J. Chem. Phys. 115 (2001) 3840;
-/// Xu, Li and Mulvihill, arXiv:2208.02665).
+/// The contact area of Persson's theory with a hardness, as fractions of the surface (Persson, J. Chem. Phys. 115
+/// (2001) 3840; Xu, Li and Mulvihill, arXiv:2208.02665).
 ///
-/// Waves are added from long to short. The pressure of a point does a random walk, whose variance is that of the pressure in
-/// full contact; at zero pressure the point leaves the contact, and at the hardness it stays.
+/// Waves are added from long to short. The pressure of a point does a random walk, whose variance is that of the
+/// pressure in full contact; at zero pressure the point leaves the contact, and at the hardness it stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElastoplasticArea {
     /// Points whose pressure lies between zero and the hardness.
@@ -19,8 +19,9 @@ pub struct ElastoplasticArea {
 const TERMS: i32 = 64;
 
 impl ElastoplasticArea {
-    /// The area under a mean pressure below the `hardness`, with the `variance` of the pressure in full contact (E*² ḡ²/4 on a
-    /// half-space). All in stress; the mean pressure and the variance are not negative, and the hardness is positive.
+    /// The area under a mean pressure below the `hardness`, with the `variance` of the pressure in full contact (E*²
+    /// ḡ²/4 on a half-space). All in stress; the mean pressure and the variance are not negative, and the hardness is
+    /// positive.
     pub fn new(mean_pressure: f64, variance: f64, hardness: f64) -> Self {
         let share = mean_pressure / hardness;
         let spread = variance / (hardness * hardness);
@@ -51,7 +52,7 @@ fn hits(start: f64, spread: f64) -> f64 {
     (0..TERMS).map(term).sum()
 }
 
-/// As [`hits`], by the waves of the interval.
+/// The probability of [`hits`], as a series of the waves of the interval.
 fn sines(start: f64, spread: f64) -> f64 {
     let term = |n: i32| {
         let wave = f64::from(n) * PI;

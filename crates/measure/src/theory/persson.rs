@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::persson_pressure;
 use super::quadrature::{scaled, unit_rule};
 
-/// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001): waves are added from long to short,
-/// and each spreads the distribution of pressure, which vanishes at zero pressure.
+/// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001): waves are added from long to
+/// short, and each spreads the distribution of pressure, which vanishes at zero pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Persson {
     /// Ascending in wavenumber.
@@ -17,29 +17,30 @@ pub struct Persson {
 #[derive(Clone, Debug, PartialEq)]
 struct Shell {
     wavenumber: f64,
-    /// Their part of the mean square height, length².
+    /// The contribution of the waves to the mean square height, length².
     mean_square_height: f64,
     /// The normal stiffness of the body, stress/length.
     stiffness: f64,
-    /// The waves in order, each its wavenumber and its part of the mean square height; those of one wavenumber are one.
+    /// The waves in order: wavenumber, and contribution to the mean square height; waves of equal wavenumber are
+    /// merged.
     waves: Vec<(f64, f64)>,
 }
 
-/// Waves whose wavenumbers differ by less than this ratio are taken together.
+/// Waves whose wavenumbers differ by less than this ratio form one shell.
 const ALIKE: f64 = 1.002;
 
 /// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a
 /// wavelength, and far below the distance of wavenumbers.
 const ROUNDING: f64 = 1e-12;
 
-/// The part of the elastic energy in full contact that a contact of small area has, over its share by area. Almqvist, Campañá,
-/// Prodanov and Persson (2011) find 0.42 to 0.48 for self-affine surfaces.
+/// The elastic energy of a contact of small area, over the energy in full contact times the area fraction. Almqvist,
+/// Campañá, Prodanov and Persson (2011) find 0.42 to 0.48 for self-affine surfaces.
 pub const ENERGY_FACTOR: f64 = 0.45;
 
 impl Persson {
-    /// From the waves, each its wavenumber (1/length) and its part of the mean square height (length²), in any order, and the
-    /// normal stiffness k(q) of the body (stress/length): E* q/2 for a half-space. Waves without height are left out. `None` if no
-    /// wave is left, or if a value is negative or not finite.
+    /// The theory for waves in any order, each with its wavenumber (1/length) and its contribution to the mean square
+    /// height (length²), and for the normal stiffness k(q) of the body (stress/length; E* q/2 for a half-space). Waves
+    /// without height are left out. `None` if no wave is left, or if a value is negative or not finite.
     pub fn new(waves: impl IntoIterator<Item = (f64, f64)>, stiffness: impl Fn(f64) -> f64) -> Option<Self> {
         let mut waves: Vec<(f64, f64)> = waves.into_iter().filter(|(_, square)| *square != 0.0).collect();
         let good = |value: f64| value > 0.0 && value.is_finite();
@@ -66,14 +67,15 @@ impl Persson {
         shells.iter().all(|shell| good(shell.stiffness)).then_some(Self { shells })
     }
 
-    /// The variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`, included to within
-    /// rounding errors; stress².
+    /// The variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`, which
+    /// is included up to rounding errors; stress².
     pub fn variance(&self, largest: f64) -> f64 {
         let largest = largest * (1.0 + ROUNDING);
         self.shells.iter().map(|shell| shell.variance_up_to(largest)).sum()
     }
 
-    /// The contact area fraction erf(p̄/√(2V)) that is seen if waves beyond the wavenumber `largest` are not; infinite: all.
+    /// The contact area fraction erf(p̄/√(2V)) of the waves up to the wavenumber `largest`; infinity includes all
+    /// waves.
     pub fn area(&self, mean_pressure: f64, largest: f64) -> f64 {
         match self.variance(largest) {
             0.0 => f64::from(u8::from(mean_pressure > 0.0)),
@@ -81,8 +83,8 @@ impl Persson {
         }
     }
 
-    /// The density P(σ) of the pressure σ > 0, 1/stress, of the waves up to `largest`: a Gaussian about p̄ less its mirror image
-    /// at σ = 0. Its integral is the contact area fraction. Zero if there is no wave.
+    /// The density P(σ) of the pressure σ > 0, 1/stress, of the waves up to `largest`: a Gaussian about p̄ less its
+    /// mirror image at σ = 0. Its integral is the contact area fraction. Zero if there is no wave.
     pub fn pressure_density(&self, mean_pressure: f64, largest: f64, pressure: f64) -> f64 {
         match self.variance(largest) {
             variance if variance > 0.0 && pressure > 0.0 => persson_pressure(pressure, mean_pressure, variance),
@@ -90,11 +92,13 @@ impl Persson {
         }
     }
 
-    /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy for each
-    /// area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al. 2011). Length.
+    /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy
+    /// for each area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al. 2011).
+    /// Length.
     ///
-    /// The sum is an integral over the variance V of the pressure, in which waves of equal wavenumber are added one by one: a
-    /// depends on V, and V grows by k² |h̃|² with each wave. So the gap depends on the spectrum alone, however few its waves are.
+    /// The sum is an integral over the variance V of the pressure, in which waves of equal wavenumber are added one by
+    /// one: a depends on V, and V grows by k² |h̃|² with each wave. The gap therefore depends on the spectrum alone,
+    /// even for few waves.
     pub fn mean_gap(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
         let separation = Separation { mean_pressure, energy_factor, rule: unit_rule(12).collect() };
         let rules = [2, 6].map(|count| unit_rule(count).collect::<Vec<_>>());
@@ -135,15 +139,15 @@ struct Separation {
     rule: Vec<(f64, f64)>,
 }
 
-/// p/√(2V) beyond which nothing is separated: the rest is below 1e-18.
+/// p/√(2V) beyond which the integrand is negligible: the rest is below 1e-18.
 const FAR: f64 = 6.5;
 
-/// The ratio of the deviations of the pressure at the ends of a shell below which two points of quadrature do.
+/// The ratio of the deviations of the pressure at the ends of a shell below which two points of quadrature suffice.
 const NARROW: f64 = 1.05;
 
 impl Separation {
-    /// The mean of [`at`](Self::at) over the variances between `low` and `high`; 1/stress. The rules of quadrature are that of a
-    /// narrow interval, and that of a wide one.
+    /// The mean of [`at`](Self::at) over the variances between `low` and `high`; 1/stress. The rules of quadrature are
+    /// that of a narrow interval, and that of a wide one.
     fn mean_over(&self, [low, high]: [f64; 2], rules: &[Vec<(f64, f64)>; 2]) -> f64 {
         // dV = 2 r dr with r = √V, from where anything is separated.
         let least = self.mean_pressure / (2.0_f64.sqrt() * FAR);

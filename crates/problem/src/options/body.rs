@@ -46,7 +46,7 @@ pub struct BodyArgs {
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct OtherArgs {
-    /// What the lowest layer stands on
+    /// Support of the lowest layer
     #[arg(long, value_parser = parse_choice::<BaseKind>(), default_value_t = BaseKind::Bonded)]
     #[serde(with = "named", skip_serializing_if = "is_bonded")]
     pub base: BaseKind,
@@ -416,7 +416,7 @@ pub struct RecordedBodyArgs {
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(with = "height_if")]
     height: Option<Height>,
-    /// What the lowest layer stands on
+    /// Support of the lowest layer
     #[arg(long, value_parser = parse_choice::<BaseKind>())]
     #[serde(with = "named_if")]
     base: Option<BaseKind>,

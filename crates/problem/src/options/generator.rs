@@ -164,7 +164,7 @@ impl GeneratorArgs {
     /// The heights of `--method psd`, the rows that are the `share` of this process.
     ///
     /// # Errors
-    /// As [`heights`](Self::heights), on all processes.
+    /// The errors of [`heights`](Self::heights), on all processes.
     pub fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
         self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| flagged(&error))
@@ -258,8 +258,8 @@ impl GeneratorArgs {
         self.rms_height.map_or(Normalisation::RmsGradient(self.rms_gradient), Normalisation::RmsHeight)
     }
 
-    /// Makes heights by subdivision on at least as many points as the grid has, cuts them to the grid, subtracts their mean
-    /// and scales them.
+    /// Makes heights by subdivision on at least as many points as the grid has, cuts them to the grid, subtracts their
+    /// mean and scales them.
     fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Unusable> {
         let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
         if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {

@@ -45,7 +45,7 @@ thread_local! {
     static READ: RefCell<Arrays> = const { RefCell::new(Arrays::new()) };
 }
 
-/// What `read` makes of a table and of arrays, which stand under their keys in the table that it gets.
+/// Calls `read` with a table that has the arrays under their keys, and returns its result.
 pub fn with<T>(arrays: Arrays, mut table: Table, read: impl FnOnce(Table) -> T) -> T {
     table.extend(arrays.keys().map(|key| (key.clone(), format!("{MARK}{key}").into())));
     let outer = READ.replace(arrays);

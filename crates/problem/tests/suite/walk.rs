@@ -215,8 +215,8 @@ fn rules_name_their_parts_and_reasons() {
     }
     assert!(Part::ALL.iter().all(|part| RULES.iter().any(|rule| rule.part == *part || rule.with == *part)));
     let facts = Facts { lower: Some(Lower::Seed), ..Facts::default() };
-    let told = facts.check().unwrap_err().to_string();
-    assert_eq!(told, "--height is inf; it must be finite with --lower-seed (a second surface needs a lower face)");
+    let message = facts.check().unwrap_err().to_string();
+    assert_eq!(message, "--height is inf; it must be finite with --lower-seed (a second surface needs a lower face)");
 }
 
 /// The page of the rules is made of them: `GFMD_DOCS=write cargo test -p gfmd-problem` writes it.
@@ -227,11 +227,13 @@ fn the_page_has_the_rules() {
         rules_of(task).into_iter().map(line).collect::<String>()
     };
     let text = format!(
-        "# What goes together\n\n\
+        "# Combinations of options\n\n\
          <!-- Made from crates/problem/src/rules.rs by `GFMD_DOCS=write cargo test -p gfmd-problem`. -->\n\n\
-         A hard wall goes with everything. The program, the Python package (names without dashes), `check` and the tests have one table of\n\
-         what does not go together; whatever is not in it is solved, and each combination of parts is tried on a small grid. `gfmd contact --help`\n\
-         and `gfmd path --help` have the same lists.\n\n\
+         A hard wall can be combined with every option. The program, the Python package (names without dashes), \
+         `check` and the\n\
+         tests use one table of refused combinations. All other combinations are solved, and a test tries each on a \
+         small grid.\n\
+         `gfmd contact --help` and `gfmd path --help` print the same lists.\n\n\
          ## `contact`\n\n{}\n## `path`\n\n{}\n## Reasons\n\n{}",
         lines(Task::Loads),
         lines(Task::Path),

@@ -26,7 +26,7 @@ class Body(Record):
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
         height: height of the slab, or of the top layer, length; None or infinity for a half-space.
-        base: what the lowest layer stands on: "bonded" (to a rigid base), "sliding" (on a rigid base without friction), "free"
+        base: support of the lowest layer: "bonded" (to a rigid base), "sliding" (on a rigid base without friction), "free"
             (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an elastic one).
         base_young: Young's modulus of the half-space below, stress; with base="half-space" only.
         base_poisson: Poisson's ratio of the half-space below; with base="half-space" only.

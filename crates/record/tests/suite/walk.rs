@@ -112,13 +112,16 @@ fn the_page_has_the_columns() {
     let text = format!(
         "# The numbers and fields of a result\n\n\
          <!-- Made from crates/record/src by `GFMD_DOCS=write cargo test -p gfmd-record`. -->\n\n\
-         Each load of `contact` and each step of `path` has those of these numbers that belong to its problem: in HDF5 as \
-         `/loads/<name>[load]` and\n`/path/<name>[step]`, in the JSON of a load or step at the place given (`.0`, `.1`: places in a \
-         list), in Python as attributes. A number without a\nvalue is `null`, NaN in HDF5 and Python, and its reason is in \
+         Each load of `contact` and each step of `path` has the numbers below that apply to its problem: in HDF5 as\n\
+         `/loads/<name>[load]` and `/path/<name>[step]`; in the JSON of a load or step at the place given (`.0`, \
+         `.1`: indices\n\
+         in a list); in Python as attributes. A number without a value is `null` (NaN in HDF5 and Python), and its \
+         reason is in\n\
          `undefined`: an object of the load or step, an attribute of the dataset.\n\n{}\n\
          Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}\n\
-         With `--statistics` the loads of a contact also have these arrays: those of patches one after the other, all others one row a \
-         load.\n\n{}",
+         With `--statistics` the loads of a contact also have these arrays. Those of patches follow each other load \
+         by load; all\n\
+         others have one row per load.\n\n{}",
         page(),
         fields(),
         statistics()

@@ -7,7 +7,7 @@ use multiversion::multiversion;
 
 use crate::preconditioned::BLOCK;
 
-/// The active blocks: those where a variable is not zero, or has a direction.
+/// The active blocks: those with a variable or a direction that is not zero.
 pub(super) struct Active {
     flags: Vec<bool>,
     /// True if stretches consist of whole blocks.
@@ -15,7 +15,7 @@ pub(super) struct Active {
 }
 
 impl Active {
-    /// All blocks of so many variables, which are handed on in stretches of `stretch`.
+    /// All blocks of `variables` variables, which are passed in stretches of `stretch`.
     pub(super) fn all(variables: usize, stretch: usize) -> Self {
         Self { flags: vec![true; variables.div_ceil(BLOCK)], aligned: stretch.is_multiple_of(BLOCK) }
     }
@@ -25,7 +25,7 @@ impl Active {
         &mut self.flags
     }
 
-    /// Finds the active blocks. Variables of idle ones were zero, and have stayed so.
+    /// Finds the active blocks. Variables of idle blocks were and are zero.
     pub(super) fn survey(&mut self, x: &[f64], direction: &[f32]) {
         pass_by(
             LEAF / BLOCK,
@@ -44,13 +44,13 @@ impl Active {
         blocks.filter(|block| self.flags[block.start / BLOCK])
     }
 
-    /// The flags of the blocks, to be cut into those of stretches.
+    /// The flags of the blocks in a form that can be divided into stretches.
     pub(super) fn flags(&self) -> Flags<'_> {
         if self.aligned { Flags::Known(&self.flags) } else { Flags::Unknown }
     }
 }
 
-/// Tells which blocks of a stretch are active, if this is known.
+/// The active blocks of a stretch, if they are known.
 #[derive(Clone, Copy)]
 pub(super) enum Flags<'a> {
     Unknown,
@@ -91,7 +91,7 @@ impl Split for Flags<'_> {
     }
 }
 
-/// Tells of each block whether a variable is not zero or has a direction.
+/// Sets the flag of each block with a variable or a direction that is not zero.
 #[multiversion(targets = "simd")]
 fn find_active(x: &[f64], direction: &[f32], flags: &mut [bool]) {
     for (active, (x, z)) in flags.iter_mut().zip(x.chunks(BLOCK).zip(direction.chunks(BLOCK))) {

@@ -1,10 +1,10 @@
-//! The numbers that were chosen for the search: meaning, origin, and in brackets the change of the transform pairs of
+//! Constants of the search: meaning, origin, and in brackets the change of the transform pairs of
 //! the default solver if the number is halved, and if it is doubled: the geometric mean over the cases of the example
 //! `pairs` of `gfmd-contact` at 256², then that of the iterations with two fields, of `squeezed` at 128².
 //! `tests/sensitivity` measures them.
 
-/// The number of directions of which one is the gradient. From projected gradients, which converge for any steps in
-/// between. Chosen (no effect; +15.9 %, -7.2 %).
+/// One direction in so many is the gradient: projected gradients converge for any steps in between. Chosen (no effect;
+/// +15.9 %, -7.2 %).
 pub(super) const PLAIN: u64 = 25;
 
 /// A step that brings variables to zero is kept if at least this fraction of it was downhill. Derived: for one half the
@@ -23,11 +23,11 @@ pub(super) const HALVINGS: usize = 30;
 pub(super) const REFRESH: f64 = 1e-4;
 
 /// After a step back to less than this fraction of the step, the gradient is computed anew: the rounding errors of the
-/// whole step are too large for what is left of it. Derived as [`REFRESH`] (no effect).
+/// whole step are too large for its remaining part. Derived like [`REFRESH`] (no effect).
 pub(super) const CANCELLED: f64 = 1e-4;
 
-/// The factor of a step that is so much longer than the variables that μ, of its size, cannot keep their mean for
-/// rounding errors. Chosen (no effect).
+/// The factor by which a step is shortened if it is so much longer than the variables that μ cannot preserve their mean
+/// because of rounding errors. Chosen (no effect).
 pub(super) const SHORTER: f64 = 1e-3;
 
 /// Relative accuracy of the mean in the search for μ. Chosen: a factor then makes the mean exact (-0.5 %, 0 %; no

@@ -7,8 +7,9 @@ use super::{Advance, Course, Vectors};
 use crate::Visit;
 use crate::quadratic::{Iterate, Judged, LEAST_DESCENT, Target, add_linear, turn};
 
-/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of non-negative variables of two fields, the halves of one vector, for
-/// [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is symmetric and positive semi-definite, and has a preconditioner.
+/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of non-negative variables of two fields, the halves of one vector,
+/// for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is symmetric and positive
+/// semi-definite, and has a preconditioner.
 pub trait Paired {
     /// b, one value for each variable; the number of variables is even.
     fn linear(&self) -> &[f64];
@@ -16,9 +17,10 @@ pub trait Paired {
     /// `out ← A x`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
 
-    /// `out ← M gradient` on the free variables, zero elsewhere: approximately the step to the point where the gradient of the
-    /// free variables vanishes. Variables are free if they are positive, or if they are zero and their gradient is negative. M
-    /// depends on the free set; it is symmetric positive (semi-)definite and approximates A⁻¹ on this set.
+    /// `out ← M gradient` on the free variables, zero elsewhere: approximately the step to the point where the gradient
+    /// of the free variables vanishes. Variables are free if they are positive, or if they are zero and their gradient
+    /// is negative. M depends on the free set; it is symmetric positive (semi-)definite and approximates A⁻¹ on this
+    /// set.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]);
 
     /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
@@ -30,9 +32,9 @@ pub trait Paired {
 /// The constraint on the means of the two halves.
 #[derive(Clone, Copy)]
 enum Means {
-    /// Both are this number.
+    /// Both means have this value.
     Both(f64),
-    /// They are equal.
+    /// The two means are equal.
     Equal,
 }
 
@@ -95,7 +97,7 @@ impl<P: Paired> Vectors for Pair<'_, P> {
         self.problem.visit(visitor);
     }
 
-    /// The means are made exact before.
+    /// Rescales the means first, so that they are exact.
     fn refresh(&mut self) {
         keep_means(self.x, self.means);
         self.problem.apply(self.x, &mut self.gradient);
@@ -196,7 +198,7 @@ impl<P: Paired> Vectors for Pair<'_, P> {
         Advance { length: path.length, lowest: if lowest > 0.0 { lowest } else { f64::INFINITY }, clipped }
     }
 
-    /// Brings the gradient there, too.
+    /// Updates the gradient as well.
     fn keep(&mut self, part: f64) -> bool {
         let Self { x, gradient, last_step, image, .. } = self;
         for_each((&mut x[..], &mut gradient[..], &last_step[..], &image[..]), &|_, (x, gradient, step, image)| {
@@ -214,8 +216,8 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 }
 
-/// A point of the projected path: `max(0, x − length z − shift)` on the free variables, those that are positive or have z ≠ 0;
-/// the others stay.
+/// A point of the projected path: `max(0, x − length z − shift)` on the free variables, which are positive or have z ≠
+/// 0; the others do not change.
 #[derive(Clone, Copy)]
 pub(super) struct Path {
     length: f64,
@@ -271,8 +273,8 @@ impl Path {
     }
 }
 
-/// The shift at which a decreasing function vanishes, from its value, its slope with the opposite sign, and the scale of its
-/// rounding errors: Newton's method within a bracket.
+/// The shift at which a decreasing function vanishes, from its value, its slope with the opposite sign, and the scale
+/// of its rounding errors: Newton's method within a bracket.
 fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
     let mut shift = 0.0;
     let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
@@ -295,7 +297,7 @@ fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
     Some(shift)
 }
 
-/// Scales the halves to the means that they must have, from which they differ by rounding errors.
+/// Scales the halves to the prescribed means, from which they differ by rounding errors.
 fn keep_means(x: &mut [f64], means: Means) {
     let points = x.len() / 2;
     let [first, second] = [&x[..points], &x[points..]].map(gfmd_vector::total);

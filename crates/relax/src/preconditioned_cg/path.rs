@@ -18,8 +18,8 @@ pub(super) struct Start<'a> {
     pub(super) upper: Ceiling<'a>,
 }
 
-/// A point of the projected path: `factor · max(0, x − length z − μ)`, at most the upper bound, on the free variables, between
-/// the bounds or with z ≠ 0; the others stay.
+/// A point of the projected path: `factor · max(0, x − length z − μ)`, at most the upper bound, on the free variables,
+/// between the bounds or with z ≠ 0; the others do not change.
 pub(super) struct Path {
     pub(super) length: f64,
     /// The length in the unit of steps.
@@ -115,7 +115,7 @@ impl Start<'_> {
     }
 }
 
-/// The middle of a bracket; one that is open on a side is opened further.
+/// The middle of a bracket; a bracket that is open on one side is widened.
 fn middle([low, high]: [f64; 2], mu: f64, size: f64) -> f64 {
     match (low.is_finite(), high.is_finite()) {
         (true, true) => 0.5 * (low + high),

@@ -30,7 +30,7 @@ pub(super) struct Single<'a, P> {
     image: Vec<f32>,
     active: Active,
     sums: Sums,
-    /// One for each stretch.
+    /// The sums of each stretch.
     parts: Vec<Sums>,
 }
 
@@ -89,8 +89,8 @@ impl<'a, P: Preconditioned> Single<'a, P> {
         }
     }
 
-    /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z ≠ 0.
-    /// β does not depend on the length of s.
+    /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z
+    /// ≠ 0. β does not depend on the length of s.
     fn conjugate(&mut self) {
         let offset = self.view().offset;
         let Self { share, gradient, direction, last_step, image, active, .. } = self;
@@ -178,7 +178,7 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
         }
     }
 
-    /// With zero mean if the mean is prescribed.
+    /// The direction has zero mean if the mean is prescribed.
     fn steepest(&mut self) -> f64 {
         let view = self.view();
         let is_free =
@@ -318,7 +318,8 @@ fn subtract(beta: f32, step: &[f32], flags: Flags<'_>, direction: &mut [f32]) {
     }
 }
 
-/// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding errors.
+/// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding
+/// errors.
 fn keep_mean(share: &Share, x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
     let Some(mean) = mean else { return };
     let [inside, at_bound] = share.reduce(
@@ -338,8 +339,8 @@ fn keep_mean(share: &Share, x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
     }
 }
 
-/// Brings the start to the prescribed mean, between zero and the upper bounds: as far as they allow from the bounds scaled to
-/// that mean.
+/// Moves the start to the prescribed mean, between zero and the upper bounds: towards the bounds scaled to that mean,
+/// as far as necessary.
 fn begin(share: &Share, x: &mut [f64], mean: Option<f64>, upper: &Upper) {
     rescale(share, x, share.total_of(x), mean);
     let Some(mean) = mean.filter(|_| upper.ceiling().is_finite()) else { return };

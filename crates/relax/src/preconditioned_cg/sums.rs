@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{Parcel, Share, lower, lowest, reduce};
+use gfmd_vector::{Serialise, Share, lower, lowest, reduce};
 use multiversion::multiversion;
 
 use super::active::{Flags, is_idle};
@@ -70,7 +70,7 @@ impl Sums {
         }
     }
 
-    /// The sums of all stretches of all processes, of which `parts` are the own ones.
+    /// The sums over all stretches of all processes; `parts` are those of this process.
     pub(super) fn all(share: &Share, parts: &[Self]) -> Self {
         if share.is_whole() {
             return Self::joined(parts);
@@ -120,7 +120,7 @@ impl Sums {
     }
 }
 
-impl Parcel for Sums {
+impl Serialise for Sums {
     const WORDS: usize = 8;
 
     fn put(&self, words: &mut [u64]) {
@@ -129,12 +129,12 @@ impl Parcel for Sums {
     }
 
     fn get(words: &[u64]) -> Self {
-        let ([x, x_gradient, positive_gradient, lowest, highest, slope], [positive, clipped]) = Parcel::get(words);
+        let ([x, x_gradient, positive_gradient, lowest, highest, slope], [positive, clipped]) = Serialise::get(words);
         Self { x, x_gradient, positive, positive_gradient, lowest, highest, slope, clipped }
     }
 }
 
-/// The factors that make numbers of the problem from those of single precision.
+/// The factors from numbers in single precision to numbers of the problem.
 #[derive(Clone, Copy)]
 pub(super) struct View {
     /// The unit of gradients.
@@ -197,7 +197,7 @@ pub(super) fn measure<G: Copy + PartialOrd + From<f32>, F: Fn(G) -> f64>(
     sums
 }
 
-/// The sums of terms over a block, pairwise, as processors can form several at once.
+/// The sums of terms over a block, formed pairwise so that processors can compute several at once.
 #[multiversion(targets = "simd")]
 pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -> [f64; K], const K: usize>(
     fields: (&[A], &[B], &[C], &[D]),

@@ -1,5 +1,5 @@
-//! The figures of one state of a contact: maps of pressure, of traction with two signs and of the gap, and a section through
-//! both surfaces with the pressure below it.
+//! The figures of one state of a contact: maps of pressure, of traction with two signs and of the gap, and a section
+//! through both surfaces with the pressure below it.
 
 use std::path::{Path, PathBuf};
 
@@ -14,21 +14,22 @@ use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
 use gfmd_unit::{Shown as Readable, Units};
 
-/// The fields of a state that its figures show, row by row. Lengths and stresses are those of the input.
+/// The fields of a state for its figures, row by row, with the units of the input.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     /// Normal pressure; attraction is negative.
     pub pressure: Vec<f64>,
-    /// Its repulsive part; the points of this are in contact.
+    /// Repulsive part of the pressure; its points are in contact.
     pub repulsion: Vec<f64>,
-    /// Distance between the surfaces; empty if it is not known.
+    /// Distance between the surfaces; empty if unknown.
     pub gap: Vec<f64>,
-    /// Height of the elastic surface above the undeformed one; empty if it is not known.
+    /// Height of the elastic surface above the undeformed one; empty if unknown.
     pub level: Vec<f64>,
 }
 
 impl Shown {
-    /// The fields of a state; a base that moves adds `lift` to the displacement, and a plastic `depth` is drawn in the body.
+    /// The fields of a state; a base that moves adds `lift` to the displacement, and a plastic `depth` is drawn in the
+    /// body.
     pub fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
         let mut level = contiguous(&state.displacement_z()).into_owned();
         let mut add = |field: Option<&Array2<f64>>, sign: f64| {
@@ -45,18 +46,18 @@ impl Shown {
         }
     }
 
-    /// Zeros for so many points.
+    /// Zeros for `points` points.
     pub fn zeros(points: usize) -> Self {
         let zeros = || vec![0.0; points];
         Self { pressure: zeros(), repulsion: zeros(), gap: zeros(), level: zeros() }
     }
 
-    /// The fields, to be kept.
+    /// The fields, for checkpoints.
     pub fn fields_mut(&mut self) -> [&mut [f64]; 4] {
         [&mut self.pressure, &mut self.repulsion, &mut self.gap, &mut self.level].map(Vec::as_mut_slice)
     }
 
-    /// The fields of the contact with a lower surface, as seen from there.
+    /// The fields of the contact with a lower surface, in its frame.
     pub fn below(state: &impl Fields) -> Self {
         let mut shown = Self::of(state, None, None);
         shown.level.iter_mut().for_each(|level| *level = -*level);
@@ -64,25 +65,25 @@ impl Shown {
     }
 }
 
-/// The face of the body that touches.
+/// The face of the body in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
-    /// Against the rigid surface above.
+    /// The upper face, against the rigid surface above.
     Upper,
-    /// Of a slab, against the surface below it.
+    /// The lower face of a slab, against the surface below it.
     Lower,
 }
 
-/// One state of a contact, as figures show it.
+/// One state of a contact for its figures.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
     /// The fields.
     pub shown: &'a Shown,
-    /// Their points.
+    /// The grid of the fields.
     pub grid: &'a Grid,
     /// Unit of lengths.
     pub unit: &'a str,
-    /// Unit of stresses, if it is known.
+    /// Unit of stresses, if known.
     pub stress: Option<&'a str>,
     /// E*, the unit of pressures.
     pub modulus: f64,
@@ -148,8 +149,8 @@ impl Scene<'_> {
         Ok(files)
     }
 
-    /// Gives the figures to `take`, one by one: the pressure; if anything is attracted, the traction with both signs; if it is known,
-    /// the gap; if also the displacement is known, the section. A profile has no maps: its pressure and its section show all.
+    /// Passes the figures to `take`, one by one: the pressure; with an attraction, the traction of both signs; the gap,
+    /// if known; the section, if the displacement is known as well. A profile has no maps, only pressure and section.
     pub fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
         let Shown { pressure, gap, level, .. } = self.shown;
         let is_line = self.grid.is_line();
@@ -184,7 +185,7 @@ impl Scene<'_> {
         drawn
     }
 
-    /// The unit of pressures: that in which people read them if it is known, else E*.
+    /// The unit of pressures: a readable unit if the unit is known, otherwise E*.
     fn pressures(&self) -> Pressures {
         let highest = largest(&self.shown.pressure);
         match Units::new(Some(self.unit), self.stress).shown("stress", highest) {
@@ -197,13 +198,13 @@ impl Scene<'_> {
         }
     }
 
-    /// The distance between the surfaces; zero in contact, and where the residuals of the contact leave it below.
+    /// The distance between the surfaces; zero in contact, and where residuals make it negative.
     fn distances(&self) -> impl Iterator<Item = f64> {
         let both = self.shown.gap.iter().zip(&self.shown.repulsion);
         both.map(|(gap, repulsion)| if *repulsion > 0.0 { 0.0 } else { gap.max(0.0) })
     }
 
-    /// The map of the gap on a logarithmic scale, contact in a colour of its own.
+    /// The map of the gap on a logarithmic scale, with a separate colour for contact.
     fn gap<'v>(&self, distances: &'v [f64], name: &str) -> Drawn<'v> {
         let mut drawn = field(self.grid, distances, &format!("gap / {name}"), self.unit);
         if let Drawn::Map(map) = &mut drawn {
@@ -256,8 +257,8 @@ impl Scene<'_> {
         Some(Chart::stacked(vec![upper, lower]))
     }
 
-    /// The elastic surface in contact along a row, run by run, each from half a step before its first point to half a step behind
-    /// its last one.
+    /// The elastic surface in contact along a row, as runs of points, each from half a step before its first point to
+    /// half a step after its last.
     fn contacts(&self, points: &[usize]) -> Vec<Series> {
         let (Shown { repulsion, level, .. }, ny, dx) = (self.shown, self.grid.points()[1], self.grid.spacing()[0]);
         let at = |place: usize| ((points[place] / ny) as f64 * dx, level[points[place]]);
@@ -277,7 +278,7 @@ impl Scene<'_> {
         runs
     }
 
-    /// The points of a row; of a long one, those nearest to the other surface out of every few.
+    /// The points of a row; in a long row, one of several neighbours, the one nearest to the other surface.
     fn chosen(&self, row: usize) -> Vec<usize> {
         let Self { shown, grid, .. } = self;
         let [nx, ny] = grid.points();
@@ -334,11 +335,11 @@ fn scaled(mut series: Vec<Series>, [x, y]: [f64; 2]) -> Vec<Series> {
     series
 }
 
-/// The least attraction that is shown, over the largest repulsion; residuals of a wall alone are below.
+/// The smallest attraction that is shown, over the largest repulsion; residuals of a hard wall are smaller.
 const ATTRACTED: f64 = 1e-6;
 
-/// The end of a scale about zero for values of both signs, `None` if nothing is attracted: that of all but a few repulsive values,
-/// which are largest at sharp peaks, and no less than the strongest attraction.
+/// The end of a symmetric colour scale; `None` without attraction. It covers all repulsive values but a few, which are
+/// largest at sharp peaks, and at least the strongest attraction.
 fn largest_of_two_signs(values: &[f64]) -> Option<f64> {
     let strongest = values.iter().fold(0.0, |strongest: f64, p| strongest.max(-p));
     let mut repulsive: Vec<f64> = values.iter().copied().filter(|p| *p > 0.0).collect();

@@ -147,7 +147,7 @@ fn on_edge<'a>(fit: &Fit, data: impl Iterator<Item = &'a Datum>) -> Vec<(f64, f6
     curve
 }
 
-/// Returns true for data that vary along this axis: their levels along the other two are the most frequent ones.
+/// True for data on the line along this axis: their levels along the other two are the most frequent ones.
 fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
     let all: Vec<[f64; 3]> = all.collect();
     let others = |eps: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { eps[k] });
@@ -156,8 +156,8 @@ fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bo
     count(&eps) == most
 }
 
-/// A chart of contact area against reduced pressure: the finest point of each family, and the extrapolated limit. `None` for
-/// slopes, from which no area follows.
+/// A chart of contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
+/// `None` for slopes, from which no area follows.
 pub(super) fn area(plan: &Plan, analysis: &Analysis) -> Option<Chart> {
     let config = &plan.config;
     if config.fit.estimator == Estimator::Slope {

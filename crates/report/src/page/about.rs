@@ -1,4 +1,4 @@
-//! The parts of a page that every result has: where it comes from, what it cost, how to repeat and to cite it.
+//! The sections of a page for every result: origin, cost, repetition, citation.
 
 use gfmd_files::{Provenance, Reader};
 use maud::{Markup, html};
@@ -17,7 +17,7 @@ pub fn warnings(reader: &Reader) -> Vec<String> {
     all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
 }
 
-/// The page with the parts that every result has. `again` is the command that repeats the run.
+/// The page with the sections of every result. `again` is the command that repeats the run.
 pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>, again: Option<&str>) -> Markup {
     let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
     let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
@@ -52,7 +52,7 @@ pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>
     render(page, &common)
 }
 
-/// The page about something that is no result file, by a program of this `provenance`. `repeat` says how it is made again.
+/// The page about an object other than a result file. `repeat` describes how to make it again.
 pub(crate) fn page_of(page: &Page, kicker: String, provenance: &Provenance, repeat: Markup) -> Markup {
     let Provenance { program, version, git_commit, created, .. } = provenance;
     render(

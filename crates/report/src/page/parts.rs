@@ -1,4 +1,4 @@
-//! The parts that pages about a contact and about a path have in common: surface, fields, failure.
+//! Parts shared by the pages about a contact and about a path: surface, fields, failure.
 
 use std::convert::Infallible;
 
@@ -15,13 +15,13 @@ use super::{Fact, Page, Table};
 use crate::figures::{Face, Kind, Scene, heights, rough, sides};
 use gfmd_run::convergence::StoredFailure;
 
-/// True for a column with a number, that is not left out.
+/// True for a column that has a number and is not left out.
 fn is_shown(form: Form, values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite() && (form != Form::SizeUnlessZero || *value != 0.0))
 }
 
 impl Page {
-    /// Says which surface, body and law were asked for.
+    /// Adds the surface, body and law of the problem.
     pub(crate) fn asked(&mut self, surface: &Result<StoredSurface, String>, table: &toml::Table, law: &str) {
         match surface {
             Ok(surface) => {
@@ -110,7 +110,8 @@ impl Page {
         drawn.unwrap_or_else(|never| match never {});
     }
 
-    /// Adds the tables of the numbers of the first `rows` states, of which each has a number: those that people read.
+    /// Adds the tables of the numbers of the first `rows` states, with the columns that have a number, in readable
+    /// units.
     pub(crate) fn numbers(&mut self, stored: &Stored, rows: usize, state: &str) {
         let tables = [
             (Kept::State, ""),
@@ -152,7 +153,7 @@ impl Page {
         }
     }
 
-    /// Says how a search failed, if the file says so; `part` is what the file counts.
+    /// Adds the failure of a search, if the file has one; `part` is the name of the counted part.
     pub(crate) fn failure(&mut self, reader: &Reader, part: &str) {
         let Some(stored) = StoredFailure::read(reader) else { return };
         self.failed = Some(html! {

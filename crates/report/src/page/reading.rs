@@ -1,4 +1,4 @@
-//! The parts of a file that a page takes: columns by name, the configuration, fields of the expected shape.
+//! Reading of the parts of a file for its page: columns by name, the configuration, fields of the expected shape.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
@@ -10,10 +10,10 @@ use crate::figures::{Face, Shown};
 use gfmd_run::failure::Failure;
 use gfmd_run::units::units_of_result;
 
-/// The values of a column, and the unit in which people read them; that of the file if it is not known.
+/// The values of a column in a readable unit, and that unit; in the unit of the file for `None`.
 pub(crate) type InUnit = (Vec<f64>, Option<Readable>);
 
-/// The configuration of a file as a table; empty if it has none that can be read.
+/// The configuration of a file as a table; empty if it cannot be read.
 pub(crate) fn config(reader: &Reader) -> toml::Table {
     reader.text("/", "config").ok().and_then(|config| config.parse().ok()).unwrap_or_default()
 }
@@ -26,10 +26,10 @@ pub(crate) struct Stored<'a> {
 }
 
 impl<'a> Stored<'a> {
-    /// The columns of `group`; `first` must be there, and has their length.
+    /// The columns of `group`; `first` must exist, and gives their length.
     ///
     /// # Errors
-    /// A file without it.
+    /// A file without the column `first`.
     pub(crate) fn new(reader: &'a Reader, group: &'a str, first: &str) -> Result<Self, Failure> {
         let values = reader.values::<f64>(&format!("{group}/{first}"));
         let values = values.map_err(|error| Failure::Input(error.to_string()))?;
@@ -47,7 +47,7 @@ impl<'a> Stored<'a> {
         if values.len() == self.length { values } else { vec![f64::NAN; self.length] }
     }
 
-    /// A column in the unit in which people read it, if that of the file is known.
+    /// A column in a readable unit, if the unit of the file is known.
     pub(crate) fn read(&self, column: &Column) -> InUnit {
         let mut values = self.column(column.name);
         let finite = values.iter().filter(|value| value.is_finite());
@@ -69,7 +69,8 @@ impl<'a> Stored<'a> {
         self.reader.contains(&format!("{}/{name}", self.group))
     }
 
-    /// The largest residual `name` of the rows that were computed, which have a mean pressure; NaN if one of them is NaN.
+    /// The largest residual `name` of the rows that were computed, which have a mean pressure; NaN if one of them is
+    /// NaN.
     pub(crate) fn worst(&self, name: &str) -> f64 {
         let rows = self.column("mean_pressure").into_iter().zip(self.column(name));
         let computed = rows.filter(|(pressure, _)| pressure.is_finite()).map(|(_, residual)| residual);
@@ -77,7 +78,7 @@ impl<'a> Stored<'a> {
         computed.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN)
     }
 
-    /// The sum of the numbers of a column, NaN if the file has none.
+    /// The sum of the numbers of a column; NaN if the file has none.
     pub(crate) fn sum(&self, name: &str) -> f64 {
         self.column(name).into_iter().filter(|value| !value.is_nan()).reduce(|a, b| a + b).unwrap_or(f64::NAN)
     }
@@ -154,10 +155,10 @@ impl StoredSurface {
     }
 
     /// The fields of state `index` that the figures of a face show. Gap and displacement may be missing. The pressure
-    /// of a wall behind an attraction is not in the file: where the gap is closed there is contact, too.
+    /// of a wall behind an attraction is not in the file; points with a closed gap therefore also count as contact.
     ///
     /// # Errors
-    /// As [`field`](Self::field), for the pressure.
+    /// The errors of [`field`](Self::field) for the pressure.
     pub(crate) fn shown(&self, reader: &Reader, index: usize, fields: &FaceFields) -> Result<Shown, String> {
         let pressure = self.field(reader, fields.pressure, index)?;
         let gap = self.field(reader, fields.gap, index).unwrap_or_default();
@@ -175,7 +176,7 @@ impl StoredSurface {
     /// The field `name` of state `index`.
     ///
     /// # Errors
-    /// A field that the file does not have, or not on the grid of the surface, or that was not computed.
+    /// A field that is missing, not on the grid of the surface, or not computed.
     pub(crate) fn field(&self, reader: &Reader, name: &str, index: usize) -> Result<Vec<f64>, String> {
         let path = format!("/fields/{name}");
         let shape = reader.shape(&path).map_err(|_| format!("the file has no field {name}"))?;

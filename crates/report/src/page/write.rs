@@ -1,9 +1,9 @@
-//! Numbers as they stand in a page.
+//! Numbers in a page.
 
 use gfmd_files::legible;
 use maud::{Markup, html};
 
-/// A number with five significant digits, and a dash for one that has no meaning.
+/// A number with five significant digits; a dash for NaN.
 pub(crate) fn number(value: f64) -> Markup {
     with_digits(value, 5)
 }
@@ -24,7 +24,7 @@ fn with_digits(value: f64, digits: usize) -> Markup {
     html! { (mantissa.replace('-', "−")) " × 10" sup { (power.to_string().replace('-', "−")) } }
 }
 
-/// A number as a table of text shows it, its power of ten raised.
+/// A number of a text table, with a superscript power of ten.
 pub(crate) fn powers(shown: &str) -> Markup {
     let shown = shown.replace('-', "−");
     match shown.split_once('e') {
@@ -36,7 +36,7 @@ pub(crate) fn powers(shown: &str) -> Markup {
     }
 }
 
-/// A number that was given: as many of its digits as it has, at most six.
+/// A given number with its digits, at most six.
 pub(crate) fn given(value: f64) -> Markup {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if !rounded.is_finite() {
@@ -67,10 +67,10 @@ pub(crate) fn interval([low, high]: [f64; 2]) -> Markup {
     html! { "[" (with_digits(low, 4)) ", " (with_digits(high, 4)) "]" }
 }
 
-/// The longest text of a file that a page repeats.
+/// The longest text of a file in a page, in characters.
 const LONGEST: usize = 20_000;
 
-/// A text of a file as a page may show it: without characters that control the display, and not too long.
+/// A text of a file, made safe for a page: without control characters, and cut if it is too long.
 pub(crate) fn text(found: &str) -> String {
     let end = found.char_indices().nth(LONGEST).map_or(found.len(), |(end, _)| end);
     let (start, rest) = found.split_at(end);
@@ -82,13 +82,13 @@ pub(crate) fn text(found: &str) -> String {
     text
 }
 
-/// A number of a configuration; NaN if it has none of this name.
+/// A number of a configuration; NaN if there is none of this name.
 pub(crate) fn of(table: &toml::Table, name: &str) -> f64 {
     let value = table.get(name).and_then(|value| value.as_float().or(value.as_integer().map(|i| i as f64)));
     value.unwrap_or(f64::NAN)
 }
 
-/// A word of a command as a shell reads it back.
+/// A word of a command, quoted for a shell.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

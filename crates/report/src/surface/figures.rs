@@ -9,17 +9,17 @@ use gfmd_unit::{Shown, Units};
 use super::{Subject, kind, unit_of};
 use crate::figures::{largest, length, short, sides};
 
-/// The largest number of points that a line is drawn with; longer profiles are thinned to lowest and highest values.
+/// The largest number of points of a line; longer profiles are thinned to lowest and highest values.
 const MOST_POINTS: usize = 4000;
 
-/// The ratio of the whole range to that without outliers from which on the colours of a map leave them out.
+/// The smallest ratio of the whole range to that without outliers for which the colours of a map leave outliers out.
 const FAR: f64 = 2.0;
 
-/// The densities below the highest one that a distribution shows.
+/// The smallest density shown in a distribution, over the highest one.
 const LOWEST_DENSITY: f64 = 1e-5;
 
 impl Subject<'_> {
-    /// Gives the map of the heights to `take`; `None` of a profile.
+    /// Passes the map of the heights to `take`; `None` for a profile.
     pub fn map<R>(&self, take: impl FnOnce(&Map) -> R) -> Option<R> {
         if self.grid.is_line() {
             return None;
@@ -114,7 +114,7 @@ impl Subject<'_> {
         }]))
     }
 
-    /// The autocorrelation against distance: the radial mean, along x and along y; `None` of a flat surface.
+    /// The autocorrelation against distance: the radial mean, along x and along y; `None` for a flat surface.
     pub fn autocorrelation(&self, texture: &Texture) -> Option<Chart> {
         let found = &texture.autocorrelation;
         if found.mean_square() <= 0.0 {
@@ -143,7 +143,7 @@ impl Subject<'_> {
         }]))
     }
 
-    /// Gives the map of the autocorrelation to `take`; `None` of a profile and of a flat surface.
+    /// Passes the map of the autocorrelation to `take`; `None` for a profile and for a flat surface.
     pub fn correlation_map<R>(&self, texture: &Texture, take: impl FnOnce(&Map) -> R) -> Option<R> {
         let found = &texture.autocorrelation;
         if self.grid.is_line() || found.mean_square() <= 0.0 {
@@ -163,7 +163,7 @@ impl Subject<'_> {
         Some(take(&map))
     }
 
-    /// The distributions of height, slope and curvature; `None` of a flat surface.
+    /// The distributions of height, slope and curvature; `None` for a flat surface.
     pub fn distributions(&self, texture: &Texture) -> Option<Chart> {
         let found = &texture.distributions;
         let slopes = [("along *x*", &found.slope_x), ("along *y*", &found.slope_y)];
@@ -236,7 +236,7 @@ impl Subject<'_> {
         [chart("rms slope", 0, &texture.scales.slope), chart("rms curvature", -1, &texture.scales.curvature)]
     }
 
-    /// The bearing curve with its core; `None` of a flat surface.
+    /// The bearing curve with its core; `None` for a flat surface.
     pub fn bearing(&self, texture: &Texture) -> Option<Chart> {
         let found = &texture.bearing;
         let core = found.core?;
@@ -254,7 +254,7 @@ impl Subject<'_> {
         }]))
     }
 
-    /// The unit in which people read a power of length up to the `highest`.
+    /// The readable unit for a power of length up to `highest`.
     fn read(&self, power: i32, highest: f64) -> Shown {
         let known = Units::new(self.unit, None).shown(&kind(power), highest);
         let name = if power == 0 { String::new() } else { unit_of(self.unit(), power) };
@@ -262,7 +262,7 @@ impl Subject<'_> {
     }
 }
 
-/// The range of all but a thousandth of the values at either end, if the others lie far beyond it.
+/// The range of the values without a thousandth at either end, if these are far outside it.
 fn without_outliers(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     let beyond = values.len() / 1000;

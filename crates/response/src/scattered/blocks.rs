@@ -4,7 +4,8 @@ use gfmd_field::Grid;
 
 use super::{LANES, ROWS};
 
-/// Blocks of [`LANES`] neighbouring points in a row, sorted as the points of the grid. Values of the points come block by block.
+/// Blocks of [`LANES`] neighbouring points in a row, in the order of the points of the grid. Values of the points are
+/// stored block by block.
 #[derive(Debug)]
 pub struct Blocks {
     /// The number of blocks in a row of the grid.
@@ -15,11 +16,11 @@ pub struct Blocks {
     starts: Vec<usize>,
 }
 
-/// The number of blocks below which one thread works on them alone.
+/// The number of blocks below which a single thread processes them.
 const FEW: usize = 64;
 
 impl Blocks {
-    /// The blocks at these places among all of `grid`, in ascending order.
+    /// The blocks with these indices among all blocks of `grid`, in ascending order.
     pub fn new(grid: &Grid, places: Vec<usize>) -> Self {
         let [rows, columns] = grid.points();
         let width = columns / LANES;
@@ -71,8 +72,8 @@ impl Blocks {
         self.places[block] % self.width
     }
 
-    /// Calls `each` on several threads for at most [`ROWS`] rows together, with the values of their blocks, `size` for each. Rows without
-    /// blocks may be left out.
+    /// Calls `each` on several threads, for at most [`ROWS`] rows at a time, with the values of their blocks, `size`
+    /// per block. Rows without blocks may be left out.
     pub(super) fn for_rows<T: Send>(
         &self,
         size: usize,
@@ -82,7 +83,8 @@ impl Blocks {
         self.for_some(0..self.rows(), size, values, each);
     }
 
-    /// The numbers of these rows, and the blocks of each with their values, `size` for each, of the `values` of all blocks of the rows.
+    /// The numbers of these rows, and the blocks of each with their values, `size` for each, of the `values` of all
+    /// blocks of the rows.
     pub(super) fn by_row<'a, T>(
         &'a self,
         rows: Range<usize>,

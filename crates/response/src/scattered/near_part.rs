@@ -2,21 +2,21 @@
 
 use std::sync::LazyLock;
 
-/// β of the window: the larger, the less of the other part is left beyond a wavenumber, and the larger this wavenumber is.
+/// β of the window: a larger β leaves less of the other part beyond a wavenumber, but increases this wavenumber.
 const BETA: f64 = 6.5;
 
-/// The spacing of the table, and its last k: beyond that of the shortest waves.
+/// The spacing of the table, and its last k, which exceeds that of the shortest waves.
 const STEP: f64 = 0.25;
 const LAST: f64 = 48.0;
 
 /// The number of terms of the window's series.
 const TERMS: i32 = 24;
 
-/// The number of stretches over which is integrated.
+/// The number of intervals of the integration.
 const STRETCHES: usize = 24;
 
-/// The transform ∫₀¹ (1 − Φ(t)) J₀(k t) dt of the part (1 − Φ(r))/r of the kernel 1/r, which vanishes beyond r = 1. Φ(t) is the
-/// integral from 0 to t of the window I₀(β √(1 − t²)) of Kaiser and Bessel, over that to 1.
+/// The transform ∫₀¹ (1 − Φ(t)) J₀(k t) dt of the part (1 − Φ(r))/r of the kernel 1/r, which vanishes beyond r = 1.
+/// Φ(t) is the integral from 0 to t of the window I₀(β √(1 − t²)) of Kaiser and Bessel, over that to 1.
 pub(super) fn near_part(k: f64) -> f64 {
     static TABLE: LazyLock<Vec<f64>> = LazyLock::new(|| {
         let terms = terms();

@@ -6,16 +6,16 @@ use multiversion::multiversion;
 use super::stencil::{NARROW, Stencil};
 use super::{Blocks, LANES};
 
-/// The blocks with values that are not zero. Those of a row come first at the place of its blocks.
+/// The blocks with nonzero values. Those of a row are first in the range of its blocks.
 #[derive(Debug, Default)]
 pub(super) struct Sources(Vec<Source>);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source {
     column: u32,
-    /// The number of lanes whose value is not zero; none behind the last source of a row.
+    /// The number of lanes with nonzero values; zero after the last source of a row.
     filled: u32,
-    /// These lanes and their values, and then others, whose value is zero.
+    /// The indices of these lanes, followed by lanes whose value is zero.
     lanes: [u8; LANES],
     values: [f32; LANES],
 }
@@ -50,7 +50,7 @@ impl Source {
     }
 }
 
-/// All lanes for each set of them, those of the set first.
+/// A permutation of all lanes for each subset of them, with the lanes of the subset first.
 const ORDER: [[u8; LANES]; 1 << LANES] = {
     let mut orders = [[0; LANES]; 1 << LANES];
     let mut set = 0;
@@ -96,7 +96,7 @@ impl Sources {
         &sources[..number.unwrap_or(sources.len())]
     }
 
-    /// Adds to `out` for each point of the blocks the sum over all values times the kernel to this point.
+    /// Adds to `out`, for each point of the blocks, the sum over all values times the kernel to this point.
     pub(super) fn add<const N: usize>(&self, stencil: &Stencil<N>, blocks: &Blocks, out: &mut [f32]) {
         let length = blocks.width() + N - 1;
         blocks.for_rows(LANES, out, &|rows, out| {
@@ -109,8 +109,8 @@ impl Sources {
     }
 }
 
-/// Adds to `out` the sums for these blocks of a row, from those of the whole row, and so many `beyond` each of its ends, which belong to
-/// the opposite one.
+/// Adds to `out` the sums for these blocks of a row, from those of the whole row, and so many `beyond` each of its
+/// ends, which belong to the opposite one.
 #[multiversion(targets = "simd")]
 fn hand_out(sums: &mut [[f32; LANES]], beyond: usize, (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
     let width = blocks.width();

@@ -1,4 +1,4 @@
-//! B-splines, by which points spread to a coarse grid, and fields are interpolated from it (Essmann et al. 1995).
+//! B-splines that spread values of points to a coarse grid and interpolate fields from it (Essmann et al. 1995).
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -12,27 +12,27 @@ use super::{Blocks, COARSENING, LANES, ROWS};
 /// The number of coarse points in a direction to which a point spreads: a B-spline of degree one less.
 pub(super) const ORDER: usize = 8;
 
-/// The number of coarse points along a row to which a block spreads, and the same with some to which it gives nothing: whole vectors.
+/// The number of coarse points along a row to which a block spreads; and the same padded with zeros to whole vectors.
 const SPREAD: usize = ORDER + LANES / COARSENING - 1;
 const PADDED: usize = SPREAD.next_multiple_of(LANES);
 
 /// The number of coarse points before the first one of a row to which its first block spreads.
 const BEFORE: usize = ORDER / 2 - 1;
 
-/// The splines between the points of blocks and a coarse grid. What they take and give along rows lies in lines: rows of the coarse grid,
-/// and what lies beyond their ends as far as blocks spread.
+/// The splines between the points of blocks and a coarse grid. Values along rows are stored in lines: rows of the
+/// coarse grid, extended at both ends as far as blocks spread.
 #[derive(Debug)]
 pub(super) struct Splines {
     /// The numbers of coarse points.
     points: [usize; 2],
-    /// The weights that a point at each of the places between two coarse points gives to those around it.
+    /// The weights of a point, at each position between two coarse points, for the coarse points around it.
     weights: [[f32; ORDER]; COARSENING],
-    /// The same for the lanes of a block and the coarse points around it: what a lane gives to them, and what each gives to the lanes.
+    /// The weights between the lanes of a block and the coarse points around it, in both directions.
     given: [[f32; PADDED]; LANES],
     taken: [[f32; LANES]; SPREAD],
 }
 
-/// The weights that the sources of every row give to the coarse points of a line.
+/// The contributions of the sources of every row to the coarse points of a line.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     values: Vec<f32>,
@@ -41,7 +41,7 @@ pub(super) struct Lines {
 }
 
 impl Splines {
-    /// For a coarse grid of so many points.
+    /// The splines for a coarse grid with these numbers of points.
     pub(super) fn new(points: [usize; 2]) -> Self {
         let weights: [[f32; ORDER]; COARSENING] =
             from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
@@ -57,12 +57,12 @@ impl Splines {
         }
     }
 
-    /// The length of a line: a row of the coarse grid, and what lies beyond its ends as far as blocks spread.
+    /// The length of a line: a row of the coarse grid, extended at both ends as far as blocks spread.
     pub(super) fn line(&self) -> usize {
         self.points[1] + PADDED - LANES / COARSENING
     }
 
-    /// Fills the lines with what the sources of every row of points give to coarse points.
+    /// Fills the lines with the contributions of the sources of every row of points to coarse points.
     pub(super) fn spread(&self, blocks: &Blocks, sources: &Sources, lines: &mut Lines) {
         let Lines { values, filled } = lines;
         values.resize(self.line() * blocks.rows(), 0.0);
@@ -77,7 +77,7 @@ impl Splines {
         });
     }
 
-    /// Fills a row of the coarse grid with what the lines around it give.
+    /// Fills a row of the coarse grid with the contributions of the lines around it.
     pub(super) fn gather(&self, lines: &Lines, row: usize, values: &mut [f32]) {
         values.fill(0.0);
         let [rows, columns] = self.points;
@@ -94,7 +94,7 @@ impl Splines {
         }
     }
 
-    /// `out` ← what is interpolated at the points of the blocks from the lines of a field on the coarse grid.
+    /// `out` ← values at the points of the blocks, interpolated from the lines of a field on the coarse grid.
     pub(super) fn interpolate(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
         blocks.for_rows(LANES, out, &|rows, out| {
             let mut line = vec![0.0; self.line()];
@@ -107,7 +107,7 @@ impl Splines {
         });
     }
 
-    /// Fills a line with what the lines around a row of points give.
+    /// Fills a line with the interpolation of the lines around a row of points.
     fn blend(&self, lines: &[f32], row: usize, line: &mut [f32]) {
         line.fill(0.0);
         let (rows, length) = (self.points[0], line.len());
@@ -129,7 +129,8 @@ pub(super) fn repeat(row: &[f32], line: &mut [f32]) {
     }
 }
 
-/// Adds what a line has beyond the ends of its row of so many `columns` to the points of the row: the transpose of [`repeat`].
+/// Adds the values of a line beyond the ends of its row of `columns` points to the points of the row: the transpose of
+/// [`repeat`].
 fn fold(line: &mut [f32], columns: usize) {
     for i in (BEFORE + columns..line.len()).rev() {
         line[i - columns] += line[i];
@@ -149,7 +150,7 @@ fn add_all<const K: usize>(sum: &mut [f32], weights: &[f32; K], rows: [&[f32]; K
     }
 }
 
-/// `line` ← what the sources of a row give to its so many coarse points.
+/// `line` ← contributions of the sources of a row to its coarse points, `columns` in number.
 #[multiversion(targets = "simd")]
 fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32], columns: usize) {
     line.fill(0.0);
@@ -165,7 +166,7 @@ fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32],
     fold(line, columns);
 }
 
-/// `out` ← what these blocks of a row take from the coarse points of its line.
+/// `out` ← values of these blocks of a row, interpolated from the coarse points of its line.
 #[multiversion(targets = "simd")]
 fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
     for (block, out) in of_row.zip(out.as_chunks_mut::<LANES>().0) {
@@ -178,7 +179,8 @@ fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&B
     }
 }
 
-/// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place` between 0 and 1.
+/// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place`
+/// between 0 and 1.
 fn spline(place: f64) -> [f64; ORDER] {
     // De Boor's recurrence for equidistant knots.
     let mut values = [0.0; ORDER];

@@ -7,7 +7,8 @@ use super::compliance_of;
 use crate::NormalResponse;
 use crate::elastic::fits;
 
-/// A kernel between two points, by their distance along x and y. N blocks of a row have points within reach of one of them.
+/// A kernel between two points, by their distance along x and y. N blocks of a row have points within reach of one of
+/// them.
 #[derive(Debug)]
 pub(super) struct Stencil<const N: usize> {
     /// The largest distance, in points.
@@ -16,7 +17,7 @@ pub(super) struct Stencil<const N: usize> {
     wide: Range<usize>,
 }
 
-/// The number of blocks that a row of a kernel reaches at least: the own one, and one on each side.
+/// The smallest number of blocks that a row of a kernel reaches: the block itself, and one on each side.
 pub(super) const NARROW: usize = 3;
 
 /// The distance in points from an axis, up to which a kernel has ripples along the axis.
@@ -26,8 +27,9 @@ impl<const N: usize> Stencil<N> {
     /// The length of a row of the table.
     const WIDTH: usize = (N + 1) * LANES - 1;
 
-    /// The kernel whose value for the wave q is `of(q, G)`, up to a distance in length, and near the axes up to one in points. It is computed
-    /// on a periodic cell of fewer `points`, which divide those of the grid: its waves are waves of the grid.
+    /// The kernel whose value for the wave q is `of(q, G)`, up to a distance in length, and near the axes up to one in
+    /// points. It is computed on a periodic cell of fewer `points`, which divide those of the grid: its waves are waves
+    /// of the grid.
     pub(super) fn new(
         response: &NormalResponse,
         points: [usize; 2],
@@ -67,13 +69,13 @@ impl<const N: usize> Stencil<N> {
         self.reach
     }
 
-    /// The rows in which the kernel reaches N blocks; in others it reaches [`NARROW`].
+    /// The rows in which the kernel reaches N blocks; in other rows it reaches [`NARROW`].
     pub(super) fn wide(&self) -> &Range<usize> {
         &self.wide
     }
 
-    /// The kernel for targets `k` − reach rows behind the source, without so many blocks at its beginning. The values from its lane l to
-    /// all lanes of all blocks within reach begin at `LANES` − 1 − l.
+    /// The kernel for targets `k` − reach rows behind the source, without so many blocks at its beginning. The values
+    /// from its lane l to all lanes of all blocks within reach begin at `LANES` − 1 − l.
     #[inline(always)]
     pub(super) fn rows(&self, k: Range<usize>, without: usize) -> impl Iterator<Item = &[f32]> {
         self.table[k.start * Self::WIDTH..k.end * Self::WIDTH]

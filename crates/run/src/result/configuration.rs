@@ -1,7 +1,8 @@
 //! The configuration of a result, read as data: the keys that describe its problem, each with its type, and no others.
 //!
-//! A result may come from a stranger. No key names a file that is written, and no file is opened that a key names, but the input
-//! of a result of `body`, which [`Configuration::file`] returns and whose name the result has a second time, with a checksum.
+//! A result may come from a stranger. No key names a file that is written, and no file is opened that a key names, but
+//! the input of a result of `body`, which [`Configuration::file`] returns and whose name the result has a second time,
+//! with a checksum.
 
 use clap::Args;
 use serde::de::DeserializeOwned;
@@ -15,7 +16,8 @@ use gfmd_problem::options::flags::{self, keys, line};
 const SHOWN: [&str; 10] =
     ["out", "plots", "vtk", "resume", "checkpoint", "compare", "draw", "levels", "deepest", "scan"];
 
-/// Keys of files or parts of them, whose values stand in the result, from which they are taken; of `hardness` a text alone.
+/// Keys of files or parts of them, whose values stand in the result, from which they are taken; of `hardness` a text
+/// alone.
 pub const FILES: [&str; 9] = [
     "surface",
     "channel",
@@ -88,7 +90,8 @@ impl Configuration {
         self.table.get("surface").and_then(Value::as_str)
     }
 
-    /// The problem as it was named, to be described. The files in it are those that a stranger names: none may be opened.
+    /// The problem as it was named, to be described. The files in it are those that a stranger names: none may be
+    /// opened.
     ///
     /// # Errors
     /// A value of another type, which is named.
@@ -96,11 +99,11 @@ impl Configuration {
         flags::of_table(self.table.clone()).map_err(|reason| Failure::input(NAME, reason))
     }
 
-    /// The problem, or a part of it, without the keys in `except`, and without those that name files, in place of which there are
-    /// those that are `stored` in the result.
+    /// The problem, or a part of it, without the keys in `except`, and without those that name files, in place of which
+    /// there are those that are `stored` in the result.
     ///
     /// # Errors
-    /// As [`as_named`](Self::as_named).
+    /// The errors of [`as_named`](Self::as_named).
     pub fn problem<A: DeserializeOwned>(&self, except: &[String], stored: Table) -> Result<A, Failure> {
         let own = |key: &String| !except.contains(key) && !self.names_a_file(key);
         let table = self.table.iter().filter(|(key, _)| own(key)).map(|(key, value)| (key.clone(), value.clone()));

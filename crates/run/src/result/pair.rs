@@ -36,7 +36,7 @@ pub struct Pair<'a> {
     pub first: &'a Reader,
     /// The file with which it is compared.
     pub second: &'a Reader,
-    /// What this file is.
+    /// The kind of this file.
     pub against: Against,
 }
 

@@ -46,11 +46,11 @@ pub fn stored_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Conf
     config.problem(&replaced, stored)
 }
 
-/// The problem of a result, to be solved again. A surface that was made from a file or an array is taken from the result, where
-/// it is stored as it was used; a generated one, which has a number of points, is generated again.
+/// The problem of a result, to be solved again. A surface that was made from a file or an array is taken from the
+/// result, where it is stored as it was used; a generated one, which has a number of points, is generated again.
 ///
 /// # Errors
-/// As [`stored_problem`].
+/// The errors of [`stored_problem`].
 pub fn repeated_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Configuration) -> Result<A, Failure> {
     match is_generated(config) {
         true => config.problem(&BESIDE.map(Into::into), stored_fields(reader, config)?),
@@ -70,7 +70,7 @@ fn stored_fields(reader: &Reader, config: &Configuration) -> Result<Table, Failu
         (config.names_a_file("hardness"), hardness.is_none(), "/surface/hardness"),
     ];
     if let Some((.., path)) = needed.into_iter().find(|(is_named, is_missing, _)| *is_named && *is_missing) {
-        return Err(Failure::input("config of the file", format!("it names the field {path}, which the file has not")));
+        return Err(Failure::input("config of the file", format!("it names the field {path}, which is missing")));
     }
     Ok(base.into_iter().chain(lower).chain(hardness).map(|(key, name)| (key.into(), name.into())).collect())
 }

@@ -31,11 +31,11 @@ impl Way {
 pub struct Row {
     /// Variables as `/group/name`, attributes as `/group@name` or `/group/name@name`; `*` stands for any letters.
     pub parts: &'static [&'static str],
-    /// Without `--rerun`.
+    /// Verification without `--rerun`.
     pub plain: Way,
-    /// With `--rerun`.
+    /// Verification with `--rerun`.
     pub rerun: Way,
-    /// By what.
+    /// The data or the computation that it is compared with; empty for none.
     pub by: &'static str,
 }
 
@@ -47,9 +47,9 @@ use Way::{Checksum, InPart, Verified};
 
 /// Rows of all kinds.
 const ALL: &[Row] = &[
-    row(&["@schema_version"], Verified, Verified, "it is that of the program"),
+    row(&["@schema_version"], Verified, Verified, "the version of the program"),
     row(&["@content_sha256"], Verified, Verified, "the whole content"),
-    row(&["@config"], InPart, InPart, "keys and types; the values that enter what is verified below"),
+    row(&["@config"], InPart, InPart, "keys and types; values on which verified parts depend"),
     row(
         &[
             "@program",
@@ -72,19 +72,19 @@ const ALL: &[Row] = &[
 
 /// Rows of the surface of a contact or a path.
 const SURFACE: &[Row] = &[
-    row(&["/surface/height"], Verified, Verified, "height_sha256, the fields, the generator if it made them"),
+    row(&["/surface/height"], Verified, Verified, "height_sha256, the fields, the generator of generated heights"),
     row(
         &["/surface@rms_gradient", "/surface@boundary", "/surface@height_sha256", "/surface@length_*"],
         Verified,
         Verified,
         "the heights and the configuration",
     ),
-    row(&["/surface@description"], InPart, InPart, "the generator, if it made the heights"),
+    row(&["/surface@description"], InPart, InPart, "the generator of generated heights"),
     row(
         &["/surface@file", "/surface@file_sha256", "/surface@second_file", "/surface@second_file_sha256"],
         InPart,
         InPart,
-        "the file, if it is there",
+        "the file, if it exists",
     ),
     row(&["/surface/hardness"], InPart, InPart, "the loads, where the hardness is reached"),
     row(&["/surface@*"], Checksum, Checksum, ""),
@@ -116,15 +116,20 @@ const CONTACT: &[Row] = &[
         Verified,
         "the fields of the load, to 1e-3; their bounds",
     ),
-    row(&["/loads/*"], Verified, Verified, "the fields of the load; without fields the second run alone"),
+    row(&["/loads/*"], Verified, Verified, "the fields of the load; without fields only the second run"),
     row(&["/fields/*"], Verified, Verified, "the pressure, with a law also the gap, on surface and body"),
     row(&["/patches/*", "/distributions/*", "/spectra/*"], Verified, Verified, "the fields of the loads"),
     row(&["/base/displacement", "/base/traction", "/base/lift"], Verified, Verified, "the body over this base"),
     row(&["/base/*"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/lower/height", "/lower@height_sha256"], Verified, Verified, "each other, the generator if it made them"),
+    row(
+        &["/lower/height", "/lower@height_sha256"],
+        Verified,
+        Verified,
+        "each other, the generator of generated heights",
+    ),
     row(&["/lower@rms_gradient", "/lower@boundary", "/lower@length_*"], Verified, Verified, "the heights"),
     row(&["/lower/*"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/lower@description"], InPart, InPart, "the generator, if it made the heights"),
+    row(&["/lower@description"], InPart, InPart, "the generator of generated heights"),
     row(&["/lower@*"], Checksum, Checksum, ""),
 ];
 
@@ -135,7 +140,7 @@ const PATH: &[Row] = &[
         &["/history/branch"],
         Verified,
         Verified,
-        "the pressure of the last step, which it gives with the displacement",
+        "the pressure of the last step, computed from it and the displacement",
     ),
     row(&["/path/seconds"], Checksum, Checksum, ""),
     row(
@@ -154,10 +159,10 @@ const PATH: &[Row] = &[
         &["/path/dissipated", "/path/dissipated_error", "/path/extra_solves"],
         InPart,
         Verified,
-        "the balance of work and energy, in steps of laws with an energy that were not divided",
+        "the balance of work and energy (laws with an energy, undivided steps)",
     ),
     row(&["/path/step"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/path/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
+    row(&["/path/*"], InPart, Verified, "the waypoints of the configuration; the fields there"),
     row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
 ];
 
@@ -179,8 +184,8 @@ const PUNCH: &[Row] = &[
 ];
 
 const BODY: &[Row] = &[
-    row(&["/input@*"], InPart, InPart, "the file, if it is there"),
-    row(&["/fields/*", "/fields@slice"], Verified, Verified, "a second run, if the input is there; else nothing"),
+    row(&["/input@*"], InPart, InPart, "the file, if it exists"),
+    row(&["/fields/*", "/fields@slice"], Verified, Verified, "a second run, if the input exists; else nothing"),
 ];
 
 const SWEEP: &[Row] = &[
@@ -222,7 +227,7 @@ const SWEEP: &[Row] = &[
     row(&["/example/*", "/example@*"], Verified, Verified, "the configuration"),
 ];
 
-/// The rows of a kind; the first that fits a part is that of the part.
+/// The rows of a kind. The first row that matches a part applies to it.
 pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
         Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],

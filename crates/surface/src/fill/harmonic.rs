@@ -1,19 +1,20 @@
-//! Laplace's equation on the undefined points by conjugate gradients, preconditioned with a multigrid cycle whose coarse
-//! points are blocks of two by two. Each coarse system is solved by up to two steps of conjugate gradients, preconditioned by
-//! the next level (a K cycle; Notay and Vassilevski 2008), so that corrections have their right size on every level.
+//! Laplace's equation on the undefined points by conjugate gradients, preconditioned with a multigrid cycle whose
+//! coarse points are blocks of two by two. Each coarse system is solved by up to two steps of conjugate gradients,
+//! preconditioned by the next level (a K cycle; Notay and Vassilevski 2008), so that corrections have their right size
+//! on every level.
 
 use ndarray::Array2;
 use rayon::prelude::*;
 
 use crate::SurfaceError;
 
-/// The residual relative to that of zero heights at which the solution is taken.
+/// The residual, relative to that of zero heights, at which the iteration ends.
 const RESIDUAL: f64 = 1e-12;
 
-/// The largest relative residual of a solution, recomputed at the end: rounding adds to that of the iteration.
+/// The largest relative residual of a solution, recomputed at the end: rounding adds to the residual of the iteration.
 const ALLOWED: f64 = 1e-9;
 
-/// The largest number of iterations; ten to thirty are needed.
+/// The largest number of iterations; usually ten to thirty suffice.
 const MOST_ITERATIONS: usize = 500;
 
 /// Damping of the smoother, Jacobi's method.
@@ -252,8 +253,8 @@ fn add_blocks(level: &Level, coarse: &[f64], u: &mut [f64]) {
     }
 }
 
-/// Conjugate gradients with the cycle as preconditioner, which is not linear: each direction is made orthogonal to the last.
-/// Returns the solution and the residual relative to the load.
+/// Conjugate gradients with the cycle as preconditioner, which is not linear: each direction is made orthogonal to the
+/// last. Returns the solution and the residual relative to the load.
 fn solve(levels: &[Level], load: &[f64]) -> (Vec<f64>, f64) {
     let ny = levels[0].points[1];
     let mut solution = vec![0.0; load.len()];

@@ -11,30 +11,30 @@ const INTERVALS: usize = 200;
 /// The number of intervals over which the secant of the core is sought.
 const FINE: usize = 1000;
 
-/// The share of the points that the secant spans.
+/// The fraction of the points that the secant spans.
 const SECANT: f64 = 0.4;
 
-/// The bearing curve of Abbott and Firestone: the share of points at or above a height, the areal material ratio of ISO
-/// 25178-2.
+/// The bearing curve of Abbott and Firestone: the fraction of points at or above a height, which is the areal material
+/// ratio of ISO 25178-2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bearing {
     /// Material ratios from 0 to 1, in steps of 0.005.
     pub ratio: Vec<f64>,
     /// The height above the mean at which the surface has this ratio, from the highest to the lowest; length.
     pub height: Vec<f64>,
-    /// The parameters of the curve; `None` of a flat surface.
+    /// The parameters of the curve; `None` for a flat surface.
     pub core: Option<Core>,
 }
 
-/// The parameters of the bearing curve, ISO 25178-2 and 13565-2, without a filter: the straight line through the 40 %
-/// of the curve that are the least steep is the core.
+/// The parameters of the bearing curve, ISO 25178-2 and 13565-2, without a filter. The core is the straight line
+/// through the least steep 40 % of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Core {
     /// The height above the mean of the line of the core at the ratio 0, length.
     pub top: f64,
-    /// Sk: height of the core, from the line at the ratio 0 to that at 1, length.
+    /// Sk: height of the core, between the ends of its line at the ratios 0 and 1, length.
     pub sk: f64,
-    /// Spk: reduced height of the peaks above the core, length: of the triangle with their area.
+    /// Spk: reduced height of the peaks above the core, length: that of a triangle of equal area.
     pub spk: f64,
     /// Svk: reduced depth of the valleys below it, length.
     pub svk: f64,
@@ -61,7 +61,7 @@ impl Bearing {
 }
 
 impl Core {
-    /// From heights in ascending order, and the height at a ratio.
+    /// The parameters from heights in ascending order and the function `at`, the height at a ratio.
     fn of(sorted: &[f64], at: impl Fn(f64) -> f64) -> Option<Self> {
         if sorted.first() == sorted.last() {
             return None;

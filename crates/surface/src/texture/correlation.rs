@@ -9,16 +9,15 @@ use crate::{PowerSpectrum, SurfaceError};
 
 /// The autocorrelation of heights, at distances up to half of the cell along x and along y.
 ///
-/// The height-difference function A(d) = ⟨(h(x+d) − h(x))²⟩/2 is the mean over all points if the heights repeat, and
-/// over the pairs of points inside otherwise; SurfaceTopography has the same one. The autocorrelation f(d) = 1 −
-/// A(d)/Sq² is f_ACF of ISO 25178-2 for heights that repeat; for others it differs from it by the pairs whose mean
-/// square is not Sq².
+/// The height-difference function A(d) = ⟨(h(x+d) − h(x))²⟩/2 is the mean over all points if the heights repeat,
+/// otherwise over the pairs of points inside, as in SurfaceTopography. The autocorrelation f(d) = 1 − A(d)/Sq² is f_ACF
+/// of ISO 25178-2 for heights that repeat. Otherwise the two differ, since the mean square over the pairs is not Sq².
 #[derive(Clone, Debug, PartialEq)]
 pub struct Autocorrelation {
     spacing: [f64; 2],
     /// Half of the (shorter) side, length.
     farthest: f64,
-    /// True if the largest distance along an axis is that of a point and its own image: +d and −d are one.
+    /// True if the largest distance along an axis is half the period, where +d and −d are equivalent.
     is_edge: [bool; 2],
     /// A at distances of 0 to nx/2 points along x and −ny/2 to ny/2 along y.
     difference: Array2<f64>,
@@ -28,16 +27,16 @@ pub struct Autocorrelation {
 /// The distances at which the autocorrelation falls to 0.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrelationLengths {
-    /// Sal of ISO 25178-2, length: the shortest distance, of all directions. `None` if it does not fall that far within
-    /// half of the cell, or if the surface is flat.
+    /// Sal of ISO 25178-2, length: the shortest distance over all directions. `None` if the autocorrelation does not
+    /// fall to 0.2 within half of the cell, or if the surface is flat.
     pub sal: Option<f64>,
-    /// The longest distance, over the directions, of the first fall to 0.2; `None` if in one of them there is none, and
-    /// of a profile.
+    /// The longest distance, over all directions, of the first fall to 0.2; `None` if one direction has none, and for a
+    /// profile.
     pub longest: Option<f64>,
 }
 
 impl CorrelationLengths {
-    /// Str of ISO 25178-2, the texture aspect ratio: the shortest distance over the longest one, 1 of an isotropic
+    /// Str of ISO 25178-2, the texture aspect ratio: the shortest distance over the longest one, 1 for an isotropic
     /// surface.
     pub fn aspect(&self) -> Option<f64> {
         Some(self.sal? / self.longest?)
@@ -47,14 +46,15 @@ impl CorrelationLengths {
 /// The value of the autocorrelation that ends a correlated distance.
 const ENDS: f64 = 0.2;
 
-/// The number of directions in which the end is sought, a degree apart.
+/// The number of directions of the search, a degree apart.
 const DIRECTIONS: usize = 180;
 
 impl Autocorrelation {
-    /// The autocorrelation of heights `[nx, ny]`, or of a profile `[n, 1]`, by fast Fourier transforms; those that do
+    /// The autocorrelation of heights `[nx, ny]`, or of a profile `[n, 1]`, by fast Fourier transforms; heights that do
     /// not repeat are transformed in a cell 1.5 times as long.
     ///
-    /// # Errors Heights of another shape than the grid, or not finite.
+    /// # Errors
+    /// Heights of another shape than the grid, or not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -93,7 +93,7 @@ impl Autocorrelation {
         self.mean_square
     }
 
-    /// f = 1 − A/Sq² of a height-difference function A; NaN of a flat surface.
+    /// f = 1 − A/Sq² for a height-difference function A; NaN for a flat surface.
     pub fn relative(&self, difference: f64) -> f64 {
         if self.mean_square > 0.0 { 1.0 - difference / self.mean_square } else { f64::NAN }
     }
@@ -109,7 +109,7 @@ impl Autocorrelation {
     }
 
     /// Mean distances and means of A over rings as wide as the (larger) spacing, centred on its multiples, up to half
-    /// of the (shorter) side. Of a profile, every distance is a ring.
+    /// of the (shorter) side. For a profile, every distance is a ring.
     pub fn radial(&self) -> Vec<[f64; 2]> {
         let (columns, middle) = (self.difference.ncols(), self.middle());
         let is_line = columns == 1;
@@ -132,7 +132,7 @@ impl Autocorrelation {
         filled.map(|[weight, distance, value]| [distance / weight, value / weight]).collect()
     }
 
-    /// A at all distances, those of opposite sign, too: from −nx/2 to nx/2 points along x and −ny/2 to ny/2 along y,
+    /// A at all distances of both signs: from −nx/2 to nx/2 points along x and −ny/2 to ny/2 along y,
     /// length².
     pub fn map(&self) -> Array2<f64> {
         let (rows, columns) = self.difference.dim();
@@ -200,13 +200,13 @@ impl Autocorrelation {
         Some((1.0 - right) * of_row(x) + right * of_row(x + 1))
     }
 
-    /// The place of the zero distance along y.
+    /// The index of the zero distance along y.
     fn middle(&self) -> usize {
         self.difference.ncols() / 2
     }
 }
 
-/// A cell of the same spacing with room for half of the points more along each axis.
+/// A cell of the same spacing with half as many points more along each axis.
 fn longer(grid: &Grid, half: [usize; 2]) -> Result<Grid, SurfaceError> {
     let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
     let points = [nx + half[0], ny + half[1]];

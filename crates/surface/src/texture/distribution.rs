@@ -8,7 +8,7 @@ use crate::statistics::checked;
 /// The number of bins of a distribution.
 const BINS: usize = 100;
 
-/// The standard deviations on either side of the mean over which bins lie at most.
+/// The largest extent of the bins on either side of the mean, in standard deviations.
 const WIDE: f64 = 6.0;
 
 /// The distribution of values in bins of equal width.
@@ -16,9 +16,9 @@ const WIDE: f64 = 6.0;
 pub struct Density {
     /// Middles of the bins.
     pub middles: Vec<f64>,
-    /// Values in a bin over all values and over the width.
+    /// Number of values in a bin over the number of all values and over the width.
     pub densities: Vec<f64>,
-    /// The share of values outside of the bins, farther than 6 standard deviations from the mean.
+    /// The fraction of values outside the bins, farther than 6 standard deviations from the mean.
     pub outside: f64,
     /// Mean of all values.
     pub mean: f64,
@@ -28,7 +28,7 @@ pub struct Density {
 
 impl Density {
     /// The distribution of values over 100 bins between the lowest and the highest one, at most 6 standard deviations
-    /// on either side of the mean; `None` of values that are all equal.
+    /// on either side of the mean; `None` if all values are equal.
     pub fn of(values: &[f64]) -> Option<Self> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -65,16 +65,16 @@ impl Density {
     }
 }
 
-/// The distributions of a surface; `None` of values that are all equal, or of which there are none.
+/// The distributions of a surface; `None` without values, or if all values are equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distributions {
     /// Heights above their mean, length.
     pub height: Option<Density>,
     /// Slopes along x by forward differences.
     pub slope_x: Option<Density>,
-    /// Slopes along y by forward differences; `None` of a profile.
+    /// Slopes along y by forward differences; `None` for a profile.
     pub slope_y: Option<Density>,
-    /// Curvatures by central second differences, 1/length: the mean of those along x and y; h'' of a profile.
+    /// Curvatures by central second differences, 1/length: the mean of those along x and y; h'' for a profile.
     pub curvature: Option<Density>,
 }
 
@@ -82,7 +82,8 @@ impl Distributions {
     /// The distributions of heights `[nx, ny]`, or of a profile `[n, 1]`; differences cross the edges of the cell if it
     /// `repeats`.
     ///
-    /// # Errors Heights of another shape than the grid, or not finite.
+    /// # Errors
+    /// Heights of another shape than the grid, or not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());

@@ -14,10 +14,10 @@ const PER_DECADE: f64 = 10.0;
 /// The slope at a distance r is √⟨(h(x+r) − h(x))²⟩/r; the curvature at a distance r, the length of its three points,
 /// is √⟨(h(x+r/2) − 2h(x) + h(x−r/2))²⟩/(r/2)² (A. Sanner et al., Appl. Surf. Sci. Adv. 7, 100190 (2022)). Distances
 /// are whole numbers of grid steps up to half of the side, about ten a decade. Means are over all points if the heights
-/// repeat, else over those whose differences lie inside.
+/// repeat, otherwise over the differences inside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
-    /// Root-mean-square slopes along x and along y, which a profile does not have.
+    /// Root-mean-square slopes along x and along y; empty along y for a profile.
     pub slope: [Vec<[f64; 2]>; 2],
     /// Root-mean-square curvatures along x and along y, 1/length.
     pub curvature: [Vec<[f64; 2]>; 2],
@@ -59,7 +59,7 @@ fn distances(most: usize) -> Vec<usize> {
     found
 }
 
-/// Gives each pair of heights at so many steps from each other, along an axis, to `take`.
+/// Calls `take` with each pair of heights `by` steps apart along an axis.
 pub(super) fn steps(
     all: &[f64],
     [nx, ny]: [usize; 2],
@@ -84,7 +84,7 @@ pub(super) fn steps(
     }
 }
 
-/// Gives each three heights at so many steps from each other, along an axis, to `take`.
+/// Calls `take` with each triple of heights `by` steps apart along an axis.
 fn bends(all: &[f64], [nx, ny]: [usize; 2], axis: usize, by: usize, repeats: bool, mut take: impl FnMut([f64; 3])) {
     let last = |n: usize| if repeats { n } else { n.saturating_sub(2 * by) };
     match axis {

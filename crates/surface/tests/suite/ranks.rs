@@ -2,7 +2,7 @@
 
 use gfmd_field::{Grid, Share};
 use gfmd_surface::{Amplitudes, Moments, Normalisation, Scaling, SelfAffine, Statistics, SurfaceError};
-use gfmd_vector::Rehearsal;
+use gfmd_vector::ThreadRanks;
 use ndarray::{Array2, s};
 use proptest::prelude::*;
 
@@ -22,7 +22,7 @@ fn spectrum(grid: &Grid) -> SelfAffine {
 fn compare(grid: &Grid, spectrum: &SelfAffine, seed: u64, size: usize) {
     let heights = spectrum.heights(grid, seed).unwrap();
     let statistics = Statistics::of(&heights, grid).unwrap();
-    let each = Rehearsal::of(size, |ranks| {
+    let each = ThreadRanks::of(size, |ranks| {
         let share = Share::among(ranks, grid.points(), 1).unwrap();
         let own = spectrum.heights_over(grid, seed, &share).unwrap();
         assert_eq!(own, heights.slice(s![share.rows(), ..]), "the rows of {size} ranks on {grid:?}");
@@ -72,7 +72,7 @@ fn a_hole_that_one_rank_has_is_refused_by_all() {
     let grid = Grid::square(128, 1.0).unwrap();
     let mut heights = Array2::zeros((128, 128));
     (heights[[70, 3]], heights[[100, 5]]) = (f64::NAN, f64::INFINITY);
-    let refused = Rehearsal::of(3, |ranks| {
+    let refused = ThreadRanks::of(3, |ranks| {
         let share = Share::among(ranks, grid.points(), 1).unwrap();
         Statistics::over(&heights.slice(s![share.rows(), ..]).to_owned(), &grid, &share).unwrap_err()
     });

@@ -1,4 +1,4 @@
-//! The elastic body of a configuration, made as that of a contact.
+//! The elastic body of a configuration, built like that of a contact.
 
 use gfmd_green::{Body, Height};
 use gfmd_problem::Unusable;
@@ -7,7 +7,8 @@ use gfmd_problem::options::{BodyArgs, Layer, OtherArgs};
 use super::BodyConfig;
 use crate::SweepError;
 
-/// The options of the body of a contact, and the fields of a configuration in their place. One that begins another stands after it.
+/// The options of the body of a contact, and the corresponding fields of a configuration. A name that is a prefix of
+/// another one follows it.
 const FIELDS: [(&str, &str); 8] = [
     ("--base-young", "body.base_young"),
     ("--base-poisson", "body.base_poisson"),
@@ -48,7 +49,7 @@ impl BodyConfig {
     }
 }
 
-/// What is wrong with the options, in the names of the fields.
+/// The error message of the options, with the names of the fields.
 fn in_fields(unusable: &Unusable) -> String {
     FIELDS.iter().fold(unusable.to_string(), |text, (option, field)| text.replace(option, field))
 }

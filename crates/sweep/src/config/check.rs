@@ -1,4 +1,4 @@
-//! Which configurations can be used.
+//! Validation of configurations.
 
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
@@ -92,7 +92,7 @@ impl Config {
         )
     }
 
-    /// Checks the way in which heights are made.
+    /// Checks the method that generates heights.
     fn check_method(&self) -> Result<(), SweepError> {
         let SurfaceConfig { method, roll_off, hurst, .. } = &self.surface;
         if !(*roll_off > 0.0 && *roll_off <= 1.0) {
@@ -120,7 +120,7 @@ impl Config {
         Ok(())
     }
 
-    /// Checks what concerns slopes, the control of the approach, and reference cells.
+    /// Checks slopes, the control of the approach, and reference cells.
     fn check_protocol(&self) -> Result<(), SweepError> {
         let Self { loads, statistics, fit, .. } = self;
         let count = loads.p_star.len();

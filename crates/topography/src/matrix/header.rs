@@ -3,7 +3,7 @@
 use crate::bytes::clip;
 use crate::unit::{Conversion, is_length};
 
-/// The words of the header, in the spellings of several programs and in German.
+/// The entries of the header, in the spellings of several programs and in German.
 #[derive(Debug, Default)]
 pub(super) struct Header {
     pub(super) channel: Option<String>,
@@ -60,8 +60,8 @@ impl Header {
         self.width.is_some() || self.height.is_some() || self.pixel.is_some()
     }
 
-    /// The units of length that the line above the numbers names for each of its columns, such as `x in µm, y in µm`.
-    /// Where blanks separate the names, which have blanks themselves, the units are those of the columns if they are as many.
+    /// The unit of length of each column, from the line above the numbers, such as `x in µm, y in µm`. Names may
+    /// contain blanks; if blanks separate them, the units are assigned to the columns if there are equally many.
     pub(super) fn column_units(&self, columns: usize) -> Vec<Option<String>> {
         let separator = [';', '\t', ','].into_iter().find(|&separator| self.columns.contains(separator)).unwrap_or(' ');
         // The word "in" is no inch here.

@@ -24,8 +24,8 @@ fn is_missing(word: &str) -> bool {
     word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str())
 }
 
-/// A number as Rust and C write it: with a decimal point for a decimal comma, the sign `-` for the minus of typography, and the
-/// exponent `e` for that of double precision in Fortran, which also leaves the letter out before three digits.
+/// A number as Rust and C write it: with a decimal point for a decimal comma, the sign `-` for the minus of typography,
+/// and the exponent `e` for that of double precision in Fortran, which also leaves the letter out before three digits.
 fn plain(word: &str) -> String {
     let mut text: String = word.chars().map(|c| if is_minus(c) { '-' } else { c }).collect();
     if !text.contains('.') {
@@ -53,8 +53,9 @@ fn is_minus(c: char) -> bool {
     matches!(c, '\u{2212}' | '\u{2010}' | '\u{2011}' | '\u{2013}' | '\u{ff0d}')
 }
 
-/// True if a word is a number, stands for a missing one, or is meant as one in a spelling that is not read: digits of any
-/// script with signs, one decimal separator or groups of three, and an exponent. Dates and times are no numbers.
+/// True if a word is a number, denotes a missing one, or resembles a number in a spelling that is not supported: digits
+/// of any script with signs, one decimal separator or groups of three, and an exponent. Dates and times are not
+/// numbers.
 pub(super) fn looks_like(word: &str) -> bool {
     if word.parse::<f64>().is_ok() || is_missing(word) {
         return true;

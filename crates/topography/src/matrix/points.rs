@@ -7,13 +7,13 @@ use super::header::Header;
 use crate::format::Map;
 use crate::unit::Sides;
 
-/// The distance of a coordinate from its place on the lattice, in spacings, that counts as rounding.
+/// The largest distance of a coordinate from its lattice point, in spacings, that counts as rounding.
 const OFF: f64 = 0.05;
 
-/// The least number of lines that are looked at as points.
+/// The smallest number of lines that may be a list of points.
 const FEWEST: usize = 4;
 
-/// The number of lines of three numbers from which on they are not taken as a matrix without saying so.
+/// The number of lines of three numbers above which they are not silently taken as a matrix.
 const MANY: usize = 16;
 
 /// The largest ratio of the points of a lattice to those in the list.
@@ -79,7 +79,7 @@ fn profile(x: Vec<f64>, heights: impl Iterator<Item = f64>) -> Result<Map, Strin
     Ok(Map { heights, lengths: Some([axis.step * axis.count as f64, 1.0]), ..Map::default() })
 }
 
-/// The surface through points x y z on a lattice; points of the lattice that the list lacks are undefined.
+/// The surface through points x y z on a lattice; lattice points missing from the list are undefined.
 fn surface(rows: &Rows) -> Option<Map> {
     let axis = |column: usize| Axis::of(&rows.column(column).collect::<Vec<_>>());
     let (x, y) = (axis(0)?, axis(1)?);

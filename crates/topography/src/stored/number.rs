@@ -3,7 +3,8 @@
 use hdf5_reader::error::{ByteOrder, Error};
 use hdf5_reader::{Datatype, H5Type, dtype_element_size};
 
-/// A number that can be read from a file: `f64` from every integer and float, `u64` and `i64` from integers within their range.
+/// A number that can be read from a file: `f64` from every integer and float, `u64` and `i64` from integers within
+/// their range.
 pub trait Number: Decode {}
 
 impl Number for f64 {}
@@ -51,7 +52,7 @@ impl Decode for i64 {
     }
 }
 
-/// A number as the library of files sees it.
+/// A number as a type of the file library.
 #[derive(Clone)]
 pub(super) struct Stored<T>(pub(super) T);
 

@@ -1,6 +1,6 @@
 //! Sums over ranks, which threads play, have the bits of one process.
 
-use gfmd_vector::{LEAF, Rehearsal, Share, TooManyRanks, add, pass, reduce};
+use gfmd_vector::{LEAF, Share, ThreadRanks, TooManyRanks, add, pass, reduce};
 use proptest::prelude::*;
 
 /// Scattered numbers, whose sum depends on the order.
@@ -26,7 +26,7 @@ fn assert_bits_of_one(points: [usize; 2], size: usize, levels: u32) {
         |values: &[f64]| values.iter().copied().fold((0.0, f64::INFINITY), |(sum, low), x| (sum + x, low.min(x)));
     let merge = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1.min(b.1));
     let reduced = reduce(field.len(), &|range| lowest(&field[range]), &merge);
-    Rehearsal::of(size, |ranks| {
+    ThreadRanks::of(size, |ranks| {
         let share = Share::among(ranks, points, levels).unwrap();
         assert!(!share.rows().is_empty());
         assert_eq!(share.total(), rows * columns);
@@ -87,7 +87,7 @@ proptest! {
 
 #[test]
 fn more_ranks_than_leaves_are_refused_with_the_largest_number() {
-    let refused = |points, levels| Rehearsal::of(5, |ranks| Share::among(ranks, points, levels).err())[0];
+    let refused = |points, levels| ThreadRanks::of(5, |ranks| Share::among(ranks, points, levels).err())[0];
     assert_eq!(refused([512, 1000], 0), Some(TooManyRanks { ranks: 5, most: 2, unit: 256 }));
     assert_eq!(refused([1, 1 << 20], 0), Some(TooManyRanks { ranks: 5, most: 1, unit: 1 }));
     assert_eq!(refused([64, LEAF], 4), Some(TooManyRanks { ranks: 5, most: 4, unit: 16 }));

@@ -119,13 +119,15 @@ impl AnyLoad {
         let busy = if self.timed {
             ""
         } else {
-            "The machine was busy with other work, so that times are not told, and the limit of time is shorter than it seems.\n\n"
+            "The machine was busy with other work, so that times are left out, and the effective \
+             time limit is shorter than stated.\n\n"
         };
         let mut page = format!(
             "<!-- Written by `cargo xtask bench-peers --any-load{flag} --write-docs`; change xtask/src/bench_peers/any_load instead. -->\n\
              # Any load: what each program reaches\n\n\
-             Which loads, from first touch to full contact, can be solved and certified: with periodic and free boundaries and with a\n\
-             hardness. [Benchmarks](benchmarks.md) has times on larger grids.\n\n\
+             Loads from first touch to full contact that each program solves with a certified result, with periodic \
+             and free\n\
+             boundaries and with a hardness. [Benchmarks](benchmarks.md) has times on larger grids.\n\n\
              {date}. {machine}. Commit {short}. {versions}.\n\n\
              {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, shortest \
              wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that a program computed (the iterations, it., if it does not \
@@ -138,7 +140,7 @@ impl AnyLoad {
         for table in self.tables() {
             let _ = writeln!(page, "{}", table.markdown());
         }
-        let _ = writeln!(page, "## What is not certified\n");
+        let _ = writeln!(page, "## Results without a certificate\n");
         for line in self.failures() {
             let _ = writeln!(page, "- {line}.");
         }

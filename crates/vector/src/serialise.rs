@@ -1,18 +1,18 @@
-//! Values as words.
+//! Serialisation of values to words of 64 bits.
 
-/// A result of a sum, as words that can travel.
-pub trait Parcel: Send + Sized {
+/// A value that can be sent between processes: the result of a sum, as words of 64 bits.
+pub trait Serialise: Send + Sized {
     /// The number of words.
     const WORDS: usize;
 
     /// Writes the words.
     fn put(&self, words: &mut [u64]);
 
-    /// The value of these words.
+    /// Reads a value from its words.
     fn get(words: &[u64]) -> Self;
 }
 
-impl Parcel for () {
+impl Serialise for () {
     const WORDS: usize = 0;
 
     fn put(&self, _: &mut [u64]) {}
@@ -20,7 +20,7 @@ impl Parcel for () {
     fn get(_: &[u64]) -> Self {}
 }
 
-impl Parcel for f64 {
+impl Serialise for f64 {
     const WORDS: usize = 1;
 
     fn put(&self, words: &mut [u64]) {
@@ -32,7 +32,7 @@ impl Parcel for f64 {
     }
 }
 
-impl Parcel for f32 {
+impl Serialise for f32 {
     const WORDS: usize = 1;
 
     fn put(&self, words: &mut [u64]) {
@@ -44,7 +44,7 @@ impl Parcel for f32 {
     }
 }
 
-impl Parcel for u64 {
+impl Serialise for u64 {
     const WORDS: usize = 1;
 
     fn put(&self, words: &mut [u64]) {
@@ -56,7 +56,7 @@ impl Parcel for u64 {
     }
 }
 
-impl Parcel for usize {
+impl Serialise for usize {
     const WORDS: usize = 1;
 
     fn put(&self, words: &mut [u64]) {
@@ -68,7 +68,7 @@ impl Parcel for usize {
     }
 }
 
-impl Parcel for bool {
+impl Serialise for bool {
     const WORDS: usize = 1;
 
     fn put(&self, words: &mut [u64]) {
@@ -80,7 +80,7 @@ impl Parcel for bool {
     }
 }
 
-impl<P: Parcel, const K: usize> Parcel for [P; K] {
+impl<P: Serialise, const K: usize> Serialise for [P; K] {
     const WORDS: usize = K * P::WORDS;
 
     fn put(&self, words: &mut [u64]) {
@@ -93,32 +93,32 @@ impl<P: Parcel, const K: usize> Parcel for [P; K] {
 }
 
 macro_rules! tuples {
-    ($($parcel:ident $place:tt),*) => {
-        impl<$($parcel: Parcel),*> Parcel for ($($parcel,)*) {
-            const WORDS: usize = 0 $(+ $parcel::WORDS)*;
+    ($($part:ident $place:tt),*) => {
+        impl<$($part: Serialise),*> Serialise for ($($part,)*) {
+            const WORDS: usize = 0 $(+ $part::WORDS)*;
 
             fn put(&self, words: &mut [u64]) {
                 let mut at = 0;
                 $(
-                    self.$place.put(&mut words[at..at + $parcel::WORDS]);
-                    at += $parcel::WORDS;
+                    self.$place.put(&mut words[at..at + $part::WORDS]);
+                    at += $part::WORDS;
                 )*
                 debug_assert_eq!(at, Self::WORDS);
             }
 
             fn get(words: &[u64]) -> Self {
                 let mut parts = Words(words);
-                ($(parts.next::<$parcel>(),)*)
+                ($(parts.next::<$part>(),)*)
             }
         }
     };
 }
 
-/// Words that are read one value after another.
+/// Words from which values are read one after another.
 struct Words<'a>(&'a [u64]);
 
 impl Words<'_> {
-    fn next<P: Parcel>(&mut self) -> P {
+    fn next<P: Serialise>(&mut self) -> P {
         let (own, rest) = self.0.split_at(P::WORDS);
         self.0 = rest;
         P::get(own)
@@ -130,9 +130,9 @@ tuples!(A 0, B 1, C 2);
 tuples!(A 0, B 1, C 2, D 3);
 tuples!(A 0, B 1, C 2, D 3, E 4);
 
-/// Numbers of which one or two fill a word.
+/// Numbers, one or two of which fill a word.
 pub trait Word: Copy + Default + Send + Sync {
-    /// The number of numbers in a word.
+    /// Numbers per word.
     const EACH: usize;
 
     /// The word of at most [`EACH`](Self::EACH) numbers.
@@ -141,7 +141,7 @@ pub trait Word: Copy + Default + Send + Sync {
     /// Writes the numbers of a word.
     fn unpacked(word: u64, numbers: &mut [Self]);
 
-    /// The number of words for so many numbers.
+    /// The number of words that hold `numbers` numbers.
     fn words(numbers: usize) -> usize {
         numbers.div_ceil(Self::EACH)
     }
@@ -153,7 +153,7 @@ pub trait Word: Copy + Default + Send + Sync {
         }
     }
 
-    /// The numbers of several parts, one after another, each of which begins with a word of its own.
+    /// The numbers of several parts, one after another; each part begins with a new word.
     fn joined(words: Vec<u64>, lengths: impl Iterator<Item = usize>) -> Vec<Self> {
         let mut all = Vec::new();
         let mut rest = &words[..];
@@ -186,7 +186,7 @@ impl Word for f64 {
         numbers[0] = Self::from_bits(word);
     }
 
-    /// In the memory of the words.
+    /// Reuses the memory of the words.
     fn joined(words: Vec<u64>, _: impl Iterator<Item = usize>) -> Vec<Self> {
         words.into_iter().map(Self::from_bits).collect()
     }
