@@ -237,6 +237,7 @@ impl Kind for ViscoelasticContact {
             mean_shear: [0.0; 2],
             lateral: [0.0; 2],
             time: state.time,
+            distance: 0.0,
             loss: Loss::Certified { lost: state.dissipated, error: state.dissipated_error },
         }
     }

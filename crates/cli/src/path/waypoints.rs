@@ -116,7 +116,7 @@ impl WaypointArgs {
         let drive = |leg: usize, share: f64| {
             let (value, sideways) = (at(&values, leg, share), at(&lateral, leg, share));
             let load = if under_load { Load::MeanPressure(value) } else { Load::Approach(value) };
-            Drive { load, lateral: along.map(|c| c * sideways), time: 0.0 }
+            Drive { load, lateral: along.map(|c| c * sideways), time: 0.0, distance: 0.0 }
         };
         let inside = (0..count - 1).flat_map(|leg| (0..steps).map(move |i| (leg, f64::from(i) / f64::from(steps))));
         let drives = inside.map(|(leg, share)| drive(leg, share)).chain([drive(count - 1, 0.0)]).collect();

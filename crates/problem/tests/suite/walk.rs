@@ -90,7 +90,7 @@ impl Visit for Reading<'_> {
 
 #[test]
 fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_kept() {
-    let drive = |pressure| Drive { load: Load::MeanPressure(pressure), lateral: [0.0; 2], time: 0.0 };
+    let drive = |pressure| Drive { load: Load::MeanPressure(pressure), lateral: [0.0; 2], time: 0.0, distance: 0.0 };
     let drives = [0.004, 0.02, 0.01].map(drive);
     let on_path = Facts { task: Task::Path, ..Facts::default() };
     for facts in [
@@ -191,7 +191,7 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
         let lateral = [if facts.lateral { 1e-4 } else { 0.0 }, 0.0];
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
-            let state = problem.press(Drive { load, lateral, time: 0.0 }).tolerance(1e-6).solve();
+            let state = problem.press(Drive { load, lateral, time: 0.0, distance: 0.0 }).tolerance(1e-6).solve();
             let state = state.map_err(|error| format!("solved: {error}"))?;
             if state.worst() <= 1e-6 { Ok(()) } else { Err(format!("residual {:e}", state.worst())) }
         });
