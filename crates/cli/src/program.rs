@@ -252,7 +252,11 @@ impl Command {
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
             _ => {
-                return Err(Failure::value("the command", name, "path, slide, wear, punch, body, kappa-sweep or green"));
+                return Err(Failure::value(
+                    "the command",
+                    name,
+                    "path, slide, wear, punch, body, kappa-sweep or green",
+                ));
             }
         })
     }

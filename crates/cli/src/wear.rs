@@ -32,7 +32,7 @@ pub use self::report::Report;
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
-  gfmd wear --n 128 --eps-f-inv 16 --p-star 0.05 --coefficient 1 --distance 0,1e-3:10:40 --steps 1 --out worn.h5 --plots worn
+  gfmd wear --n 128 --eps-f-inv 16 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out worn.h5 --plots worn
   gfmd wear --surface scan.sur --young 2GPa --pressure 1MPa --coefficient 1e-15/Pa --distance 0,1m --steps 50 --json")]
 pub struct Args {
     #[command(flatten)]

@@ -40,12 +40,15 @@ pub(crate) struct LoadArgs {
     displacement: Vec<Entry>,
 }
 
+/// The load, or the approach, of a number.
+type LoadOf = fn(f64) -> Load;
+
 impl LoadArgs {
     /// The loads or approaches, of which none may pull if the surfaces are `hard`, and the load of one.
     ///
     /// # Errors
     /// A value that cannot be used; several flags.
-    pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, fn(f64) -> Load), Failure> {
+    pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, LoadOf), Failure> {
         let flag = self.flag();
         let given = [&self.pressure, &self.p_star, &self.displacement];
         if given.into_iter().filter(|values| !values.is_empty()).count() > 1 {
@@ -53,7 +56,7 @@ impl LoadArgs {
                 "{flag} is given beside another of --pressure, --p-star, --displacement"
             )));
         }
-        let (values, load): (Vec<f64>, fn(f64) -> Load) = match flag {
+        let (values, load): (Vec<f64>, LoadOf) = match flag {
             "--pressure" => (numbers(&self.pressure).collect(), Load::MeanPressure),
             "--p-star" => (numbers(&self.p_star).map(|p| p * unit_pressure).collect(), Load::MeanPressure),
             _ => (numbers(&self.displacement).collect(), Load::Approach),
