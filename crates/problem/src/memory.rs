@@ -27,9 +27,9 @@ impl Held {
     /// A path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(41);
     /// A path with surfaces that wear.
-    pub const WEAR: Self = Self(40);
+    pub const WEAR: Self = Self(42);
     /// The same on a patch.
-    pub const WEAR_FREE: Self = Self(70);
+    pub const WEAR_FREE: Self = Self(50);
     /// A path with a law, on a patch.
     pub const PATH_FREE: Self = Self(141);
     /// A path that moves all components.

@@ -25,6 +25,7 @@ from ._record import Record, Residual
 from ._slide import Slide, slide
 from ._solve import contact, contacts
 from ._surface import Statistics, Surface, read, self_affine
+from ._wear import Wear, wear
 
 __all__ = [
     "Body",
@@ -46,6 +47,7 @@ __all__ = [
     "Slide",
     "Statistics",
     "Surface",
+    "Wear",
     "__version__",
     "cite",
     "contact",
@@ -62,4 +64,5 @@ __all__ = [
     "read",
     "self_affine",
     "slide",
+    "wear",
 ]
