@@ -49,7 +49,8 @@ def test_quantities_may_have_units():
     units = gfmd.wear(surface, body, coefficient="3e-12 1/Pa", distance="1mm", mean_pressure="10MPa", steps=2)
     bare = gfmd.wear(surface, gfmd.Body(young=2e9), coefficient=3e-12, distance=1000.0, mean_pressure=1e7, steps=2)
     assert units.steps.wear_volume.tolist() == bare.steps.wear_volume.tolist()
-    assert units.wear_volume == pytest.approx(3e-12 * 1e7 * 1000.0, rel=1e-12)
+    # The load grows over the first leg: half of it at the first of two steps.
+    assert units.wear_volume == pytest.approx(0.75 * 3e-12 * 1e7 * 1000.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +61,7 @@ def test_quantities_may_have_units():
         (dict(distance=-1.0), "distance is -1; it must be finite and not negative"),
         (dict(distance=[]), "distance"),
         (dict(distance=[1, 2], p_star=[0.1, 0.2, 0.3]), "distance has 2 waypoints; it must have 1 or 3"),
-        (dict(p_star=-0.1), "p-star is -0.1"),
+        (dict(p_star=-0.1), "p_star is -0.1; it must be positive and finite"),
         (dict(p_star=None), "the path is given by none"),
         (dict(steps=0), "steps is 0"),
     ],
@@ -69,7 +70,7 @@ def test_unusable_arguments_are_refused(given, words):
     arguments = {**dict(coefficient=1.0, distance=1.0, p_star=0.05), **given}
     with pytest.raises(gfmd.InputError) as error:
         gfmd.wear(gfmd.self_affine(n=16, eps_f_inv=4), gfmd.Body(), **arguments)
-    assert words.replace("-", "_") in str(error.value).replace("-", "_"), error.value
+    assert words in str(error.value), error.value
 
 
 def test_a_body_that_relaxes_does_not_wear():

@@ -56,15 +56,15 @@ impl LoadArgs {
                 "{flag} is given beside another of --pressure, --p-star, --displacement"
             )));
         }
-        let (values, load): (Vec<f64>, LoadOf) = match flag {
-            "--pressure" => (numbers(&self.pressure).collect(), Load::MeanPressure),
-            "--p-star" => (numbers(&self.p_star).map(|p| p * unit_pressure).collect(), Load::MeanPressure),
-            _ => (numbers(&self.displacement).collect(), Load::Approach),
+        let (given, unit, load): (_, f64, LoadOf) = match flag {
+            "--pressure" => (&self.pressure, 1.0, Load::MeanPressure),
+            "--p-star" => (&self.p_star, unit_pressure, Load::MeanPressure),
+            _ => (&self.displacement, 1.0, Load::Approach),
         };
         let allowed = if hard { "positive and finite" } else { "finite" };
-        match values.iter().find(|value| !(value.is_finite() && (!hard || **value > 0.0))) {
+        match numbers(given).find(|value| !(value.is_finite() && (!hard || *value > 0.0))) {
             Some(bad) => Err(Failure::value(flag, bad, allowed)),
-            None => Ok((values, load)),
+            None => Ok((numbers(given).map(|value| value * unit).collect(), load)),
         }
     }
 
