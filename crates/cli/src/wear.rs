@@ -32,7 +32,7 @@ pub use self::report::Report;
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
-  gfmd wear --n 128 --eps-f-inv 16 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out worn.h5 --plots worn
+  gfmd wear --n 128 --eps-f-inv 16 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out w.h5 --plots w
   gfmd wear --surface scan.sur --young 2GPa --pressure 1MPa --coefficient 1e-15/Pa --distance 0,1m --steps 50 --json")]
 pub struct Args {
     #[command(flatten)]
@@ -48,15 +48,16 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
     #[serde(with = "named")]
     boundary: Boundary,
-    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid, too
+    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
+    /// too
     #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
     #[command(flatten)]
     #[serde(flatten)]
     loads: LoadArgs,
-    /// Sliding distances of the legs, each of which ends at a waypoint: the first one begins at first touch; a leg of no
-    /// distance is one step
+    /// Sliding distances of the legs, each of which ends at a waypoint: the first one begins at first touch; a leg of
+    /// no distance is one step
     #[arg(
         long,
         value_delimiter = ',',
@@ -67,7 +68,8 @@ pub struct Args {
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     distance: Vec<Entry>,
-    /// Wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over the pressure
+    /// Wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over the
+    /// pressure
     #[arg(long, value_name = "K", required = true, allow_negative_numbers = true, help_heading = "Wear")]
     #[serde(skip_serializing_if = "Option::is_none")]
     coefficient: Option<f64>,
@@ -88,8 +90,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw wear, area and largest pressure against the distance: PREFIX-wear.svg, .png; of the last step the worn profile beside the
-    /// unworn: PREFIX-profile, the depth lost: PREFIX-depth, and PREFIX-map (pressure), PREFIX-gap, PREFIX-section
+    /// Draw wear, area and largest pressure against the distance: PREFIX-wear.svg, .png; of the last step the worn
+    /// profile beside the unworn: PREFIX-profile, the depth lost: PREFIX-depth, and PREFIX-map (pressure), PREFIX-gap,
+    /// PREFIX-section
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,

@@ -221,8 +221,8 @@ impl Contact {
         Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
     }
 
-    /// This contact after the surfaces have lost a `depth` `[x, y]`, in length: as [`indented`](Self::indented), with residuals
-    /// over the extent of the depth where it is larger than that of the displacement.
+    /// This contact after the surfaces have lost a `depth` `[x, y]`, in length: as [`indented`](Self::indented), with
+    /// residuals over the extent of the depth where it is larger than that of the displacement.
     ///
     /// # Errors
     /// A depth of another shape than the heights, or not finite.
@@ -233,8 +233,9 @@ impl Contact {
         Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.indented(depth)? })
     }
 
-    /// This contact on a body below springs that act point by point, of this `compliance` in length/stress: G(q) is larger by it
-    /// for every wave and for the uniform mode. The displacement of a solution is that of body and springs.
+    /// This contact on a body below springs that act point by point, of this `compliance` in length/stress: G(q) is
+    /// larger by it for every wave and for the uniform mode. The displacement of a solution is that of body and
+    /// springs.
     #[must_use]
     pub fn softened(&self, compliance: f64) -> Self {
         let compliance = compliance * self.units.stiffness();
@@ -351,8 +352,8 @@ impl Contact {
         solution
     }
 
-    /// The scale of lengths in the residuals, before the displacement is known, in [`units`](Self::units). Worn surfaces may touch with a
-    /// very small approach, beside the depth that they have lost.
+    /// The scale of lengths in the residuals, before the displacement is known, in [`units`](Self::units). Worn
+    /// surfaces may touch with a very small approach, beside the depth that they have lost.
     pub(crate) fn length_scale(&self, load: Load) -> f64 {
         let scale = self.scaled.length_scale(load);
         if self.worn > 0.0 { scale.max(RigidSurface::finer_scale(self.scaled.rms_height(), self.worn)) } else { scale }

@@ -39,8 +39,8 @@ pub struct Drive {
     /// Time at which load and displacement are reached, since the first touch of the undeformed surfaces. It has an
     /// effect only on viscoelastic bodies.
     pub time: f64,
-    /// Sliding distance at which they are reached, since the first touch of the undeformed surfaces, in length. It has an effect
-    /// only on surfaces that wear.
+    /// Sliding distance at which they are reached, since the first touch of the undeformed surfaces, in length. It has
+    /// an effect only on surfaces that wear.
     pub distance: f64,
 }
 

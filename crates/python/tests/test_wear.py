@@ -10,7 +10,8 @@ SURFACE = dict(n=32, eps_f_inv=4)
 
 
 def test_a_surface_runs_in_and_its_volume_is_known():
-    worn = gfmd.wear(gfmd.self_affine(**SURFACE), gfmd.Body(), coefficient=0.5, distance=[0, 1, 1000], p_star=0.05, steps=10)
+    body = gfmd.Body()
+    worn = gfmd.wear(gfmd.self_affine(**SURFACE), body, coefficient=0.5, distance=[0, 1, 1000], p_star=0.05, steps=10)
     steps = worn.steps
     assert steps.distance.shape == (21,) and worn.wear_depth.shape == worn.pressure.shape == (3, 32, 32)
     assert steps.distance[[0, 10, 20]].tolist() == [0.0, 1.0, 1001.0]
@@ -21,7 +22,8 @@ def test_a_surface_runs_in_and_its_volume_is_known():
     assert worn.wear_depth.mean(axis=(1, 2)) == pytest.approx(volume[[0, 10, 20]], rel=1e-12)
     assert worn.wear_volume == steps.wear_volume[-1] and worn.coefficient == 0.5
     # The heights that are left are those that a further contact begins with.
-    left = gfmd.contact(gfmd.Surface(worn.surface.heights - worn.wear_depth[1]), gfmd.Body(), mean_pressure=float(steps.mean_pressure[10]))
+    heights = gfmd.Surface(worn.surface.heights - worn.wear_depth[1])
+    left = gfmd.contact(heights, body, mean_pressure=float(steps.mean_pressure[10]))
     assert left.pressure == pytest.approx(worn.pressure[1], abs=1e-5 * steps.max_pressure[10])
     assert pickle.loads(pickle.dumps(worn)).steps.distance.tolist() == steps.distance.tolist()
 
@@ -35,9 +37,12 @@ def test_a_surface_runs_in_and_its_volume_is_known():
     ],
 )
 def test_the_numbers_are_those_of_the_program(words, body, given, run_program):
-    wanted = run_program("wear", "--n=32", "--eps-f-inv=4", "--coefficient=0.7", "--distance=0.1,2", "--steps=3", *words)
-    worn = gfmd.wear(gfmd.self_affine(**SURFACE), gfmd.Body(**body), coefficient=0.7, distance=[0.1, 2], steps=3, **given)
-    for name in ("distance", "displacement", "mean_pressure", "max_pressure", "wear_volume", "max_wear", "dissipated", "elastic_energy"):
+    flags = ["--n=32", "--eps-f-inv=4", "--coefficient=0.7", "--distance=0.1,2", "--steps=3"]
+    wanted = run_program("wear", *flags, *words)
+    surface = gfmd.self_affine(**SURFACE)
+    worn = gfmd.wear(surface, gfmd.Body(**body), coefficient=0.7, distance=[0.1, 2], steps=3, **given)
+    lengths = ("distance", "displacement", "wear_volume", "max_wear")
+    for name in (*lengths, "mean_pressure", "max_pressure", "dissipated", "elastic_energy"):
         assert worn.steps[name].tolist() == [step[name] for step in wanted["steps"]], name
     assert (worn.wear_volume, worn.dissipated) == (wanted["wear_volume"], wanted["dissipated"])
 
@@ -75,4 +80,5 @@ def test_unusable_arguments_are_refused(given, words):
 
 def test_a_body_that_relaxes_does_not_wear():
     with pytest.raises(gfmd.InputError, match="body is viscoelastic; it must be elastic here"):
-        gfmd.wear(gfmd.self_affine(n=16, eps_f_inv=4), gfmd.Body(prony=[(1.0, 0.5)]), coefficient=1.0, distance=1.0, p_star=0.05)
+        rubber = gfmd.Body(prony=[(1.0, 0.5)])
+        gfmd.wear(gfmd.self_affine(n=16, eps_f_inv=4), rubber, coefficient=1.0, distance=1.0, p_star=0.05)

@@ -788,7 +788,7 @@ const MEASURED: &[Column] = &[
         "stress*length",
         &[
             (relaxing, "energy lost in the dashpots in this step, per area"),
-            (wears, "work of the pressure on the depth lost in this step, per area; the work of friction is no part of it"),
+            (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
             (any, "energy lost in this step, per area; NaN if the law has no energy"),
         ],
         |at| lost(at, false),

@@ -174,7 +174,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// The steps whose fields are in a file: of legs that have a `length`, the key of their times or distances, the last of each.
+/// The steps whose fields are in a file: of legs that have a `length`, the key of their times or distances, the last of
+/// each.
 pub(crate) fn waypoints(table: &toml::Table, length: &str, computed: usize, steps_of_leg: usize) -> Vec<usize> {
     let list = |name: &str| table.get(name).and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
     let lengths = list(length);
@@ -205,8 +206,8 @@ pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<
     along("time", [area, pressure, approach].into_iter().zip(labels).collect())
 }
 
-/// Panels of columns, each of which has points and a label, against the length of a path, which is logarithmic if it has more than
-/// two decades; a state at its start is left out of these. A number that is constant has no panel.
+/// Panels of columns, each of which has points and a label, against the length of a path, which is logarithmic if it
+/// has more than two decades; a state at its start is left out of these. A number that is constant has no panel.
 pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<Panel> {
     let lengths =
         columns.iter().flat_map(|(points, _)| points).map(|(length, _)| *length).filter(|length| *length > 0.0);

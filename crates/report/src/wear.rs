@@ -12,14 +12,15 @@ use gfmd_run::failure::Failure;
 
 const CITED: [&str; 2] = [
     "J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24, 981–988 (1953).",
-    "L. A. Galin, Contact problems of the theory of elasticity in the presence of wear, Journal of Applied Mathematics and \
-     Mechanics 40, 981–986 (1976).",
+    "L. A. Galin, Contact problems of the theory of elasticity in the presence of wear, Prikladnaya Matematika i \
+     Mekhanika 40, 981–986 (1976).",
 ];
 
 /// The most values along a profile; longer ones are thinned.
 const MOST_POINTS: usize = 2000;
 
-/// Panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from columns by name.
+/// Panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from columns
+/// by name.
 pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
     let [distance, volume, area, peak] = ["distance", "wear_volume", "area_fraction", "max_pressure"].map(column);
     let [far, deep] = [&distance, &volume].map(|values| length(unit, largest(values)));
@@ -34,8 +35,8 @@ pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &
     along(&format!("distance / {}", far.name), columns)
 }
 
-/// The heights along the row of the largest depth lost, and what is left of them, as if the rough surface alone wore; `None` if
-/// nothing is lost.
+/// The heights along the row of the largest depth lost, and what is left of them, as if the rough surface alone wore;
+/// `None` if nothing is lost.
 pub fn profile(grid: &Grid, [heights, depth]: [&[f64]; 2], unit: &str) -> Option<Chart> {
     let [nx, ny] = grid.points();
     let deepest =
@@ -110,7 +111,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     });
     page.answer.push(html! {
         p {
-            (computed) " of " (stored.len()) " steps. The largest depth lost is " (read("max_wear", "length", deepest[last]))
+            (computed) " of " (stored.len()) " steps. The largest depth lost is "
+            (read("max_wear", "length", deepest[last]))
             "; the contact area went from " (number(100.0 * area[0])) " % to " (number(100.0 * area[last]))
             " % of the surface, the largest pressure over the mean from " (number(peak[0] / mean[0])) " to "
             (number(peak[last] / mean[last])) ". "

@@ -144,8 +144,8 @@ impl NormalResponse {
         self.changed(compliance, uniform, false)
     }
 
-    /// The response of the body below springs that act point by point, of this `compliance` in length/stress: all modes are more
-    /// compliant by it, the uniform one, too. All modes belong to this process.
+    /// The response of the body below springs that act point by point, of this `compliance` in length/stress: all modes
+    /// are more compliant by it, the uniform one, too. All modes belong to this process.
     #[must_use]
     pub fn softened(&self, compliance: f64) -> Self {
         // The table has no uniform mode, which is recognised by its index, the first.

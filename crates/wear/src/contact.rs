@@ -8,12 +8,13 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::WearState;
 
-/// A rigid rough surface that slides on an elastic one, with a hard wall, while either or both wear (theory.md, section 7.10).
+/// A rigid rough surface that slides on an elastic one, with a hard wall, while either or both wear (theory.md, section
+/// 7.10).
 ///
-/// The depth w lost so far is added to the clearance. Over a sliding distance s it grows by ∂w/∂s = k p, with a coefficient k in
-/// 1/stress: Archard's, over the hardness. The pressure is that at the end of a step of the length Δs, so that the step is an
-/// ordinary contact: its compliance is G(q) + k Δs for every wave and for the uniform mode, its clearance has the depth before. The
-/// error of a step falls with the square of its length, and none is unstable.
+/// The depth w lost so far is added to the clearance. Over a sliding distance s it grows by ∂w/∂s = k p, with a
+/// coefficient k in 1/stress: Archard's, over the hardness. The pressure is that at the end of a step of the length Δs,
+/// so that the step is an ordinary contact: its compliance is G(q) + k Δs for every wave and for the uniform mode, its
+/// clearance has the depth before. The error of a step falls with the square of its length, and none is unstable.
 #[derive(Clone, Debug)]
 pub struct WearContact {
     contact: Contact,
@@ -38,8 +39,8 @@ fn beyond(approach: f64, touch: f64) -> Option<f64> {
 }
 
 impl WearContact {
-    /// A `contact` whose surfaces, unworn at first, lose the depth `coefficient` × pressure × distance. The coefficient, in 1/stress,
-    /// is that of both surfaces together.
+    /// A `contact` whose surfaces, unworn at first, lose the depth `coefficient` × pressure × distance. The
+    /// coefficient, in 1/stress, is that of both surfaces together.
     ///
     /// # Errors
     /// A coefficient that is not positive and finite; a hardness.
@@ -63,8 +64,8 @@ impl WearContact {
         self.coefficient
     }
 
-    /// The state of `pressure` under `drive` on surfaces that have lost the `depth`, with its residuals from fresh transforms. The
-    /// numbers of the step to it are not known: they are NaN.
+    /// The state of `pressure` under `drive` on surfaces that have lost the `depth`, with its residuals from fresh
+    /// transforms. The numbers of the step to it are not known: they are NaN.
     ///
     /// # Errors
     /// Fields of another shape than the grid; a depth that is not finite.

@@ -5,8 +5,8 @@ use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 /// A state of surfaces that wear, after one sliding distance.
 #[derive(Clone, Debug)]
 pub struct WearState {
-    /// Fields and residuals of the contact of the surfaces as they are worn. The displacement is that of the elastic body, and the
-    /// approach counts from first touch of the unworn surfaces.
+    /// Fields and residuals of the contact of the surfaces as they are worn. The displacement is that of the elastic
+    /// body, and the approach counts from first touch of the unworn surfaces.
     pub solution: Solution,
     /// Sliding distance since the first touch, in length.
     pub distance: f64,
@@ -18,11 +18,11 @@ pub struct WearState {
     pub deepest: f64,
     /// Elastic energy per area, in stress × length.
     pub elastic_energy: f64,
-    /// Work of the pressure on the depth lost in the step to this state, per area, in stress × length. The work of friction is no
-    /// part of it.
+    /// Work of the pressure on the depth lost in the step to this state, per area, in stress × length. The work of
+    /// friction is no part of it.
     pub dissipated: f64,
-    /// The difference between the work of the load in the step, by the trapezoidal rule, and the energy gained and lost. It falls with
-    /// the square of the length of the step; 0 in a step over no distance.
+    /// The difference between the work of the load in the step, by the trapezoidal rule, and the energy gained and
+    /// lost. It falls with the square of the length of the step; 0 in a step over no distance.
     pub dissipated_error: f64,
 }
 

@@ -90,7 +90,8 @@ pub(crate) fn lengths(flag: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure
     }
 }
 
-/// The number of waypoints of lists, each with its flag and its length, between which there are `legs` of so many `steps`.
+/// The number of waypoints of lists, each with its flag and its length, between which there are `legs` of so many
+/// `steps`.
 ///
 /// # Errors
 /// A list of another length; more steps than there may be.
@@ -108,8 +109,8 @@ pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
     Ok(count)
 }
 
-/// The steps of `count` legs, each of which has a length and ends at its value, or at the only one: the first begins with
-/// nothing. A leg of no length is one step. `drive` is that of a value, and of the length of the path so far.
+/// The steps of `count` legs, each of which has a length and ends at its value, or at the only one: the first begins
+/// with nothing. A leg of no length is one step. `drive` is that of a value, and of the length of the path so far.
 pub(crate) fn legs(
     (values, lengths, count): (&[f64], &[f64], usize),
     steps: u32,

@@ -15,8 +15,8 @@ use gfmd_run::session::Session;
 
 use super::Args;
 
-/// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the balance of
-/// work and energy.
+/// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the
+/// balance of work and energy.
 pub(crate) fn check(
     reader: &Reader,
     config: &Configuration,

@@ -83,8 +83,8 @@ fn wear_is_written_checked_drawn_and_told() {
         ("line", "--dim 2 --pressure 0.02,0.005,0.01", 1),
     ] {
         let run = format!(
-            "wear --n 24 --eps-f-inv 6 {flags} --coefficient 0.7 --distance 1,0,20 --steps 3 --out {name}.h5 --plots {name} \
-             --json"
+            "wear --n 24 --eps-f-inv 6 {flags} --coefficient 0.7 --distance 1,0,20 --steps 3 --out {name}.h5 \
+             --plots {name} --json"
         );
         let report = json(folder.path(), &words(&run));
         let steps = report["steps"].as_array().unwrap();
@@ -150,8 +150,8 @@ fn random_combinations_keep_volume_and_energy_and_are_what_their_files_say() {
         };
         let distances = format!("{},{}", dice.of(&["0", "1e-3", "0.1"]), dice.wide(4.0));
         let run = format!(
-            "wear {surface} {dim} {body} {boundary} {loads} --coefficient {coefficient} --distance {distances} --steps 3 \
-             --out {case}.h5 --json"
+            "wear {surface} {dim} {body} {boundary} {loads} --coefficient {coefficient} --distance {distances} \
+             --steps 3 --out {case}.h5 --json"
         );
         let output = gfmd(folder.path(), &words(&run));
         if output.status.code() == Some(2) {

@@ -125,8 +125,10 @@ def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
     kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
     found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
     if len(found) != 1:
-        raise InputError(f"{said} given by {', '.join(found) or 'none'}; it must be given by one of mean_pressure, p_star, approach")
-    return {"pressure": found.get("mean_pressure"), "p_star": found.get("p_star"), "displacement": found.get("approach")}
+        given = ", ".join(found) or "none"
+        raise InputError(f"{said} given by {given}; it must be given by one of mean_pressure, p_star, approach")
+    keys = {"pressure": "mean_pressure", "p_star": "p_star", "displacement": "approach"}
+    return {key: found.get(name) for key, name in keys.items()}
 
 
 def gathered(values: dict[str, Any]) -> dict[str, Any]:
@@ -136,7 +138,8 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
-    return {**{name: _command.records(value) for name, value in values.items()}, "steps": Record(columns), "undefined": undefined}
+    told = {name: _command.records(value) for name, value in values.items()}
+    return {**told, "steps": Record(columns), "undefined": undefined}
 
 
 def path(

@@ -103,7 +103,9 @@ def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
 def steps_dataset(result: Any, fields: Sequence[str]) -> Any:
     """An xarray.Dataset of the scalars of the steps of a result, and of those of the `fields` that it has."""
     units = (result.unit, result.get("stress_unit"))
-    variables = {name: (("step", "axis")[: values.ndim], values, attributes(name, units)) for name, values in result.steps.items()}
+    axes = ("step", "axis")
+    columns = result.steps.items()
+    variables = {name: (axes[: values.ndim], values, attributes(name, units)) for name, values in columns}
     for name in fields:
         if name in result:
             variables[name] = (("waypoint", "y", "x"), np.swapaxes(result[name], 1, 2), attributes(name, units))

@@ -18,12 +18,13 @@ class Wear(Record):
     """A surface that slides on an elastic body, while both lose depth by Archard's law.
 
     Attributes:
-        steps: a Record of arrays over the steps: `distance`, `displacement` (the approach, beyond first touch of the unworn surfaces),
-            `mean_gap`, `wear_volume` (the mean depth lost so far), `max_wear` (length), `mean_pressure`, `max_pressure` (stress), `p_star`,
-            `area_fraction`, `elastic_energy`, `dissipated` (the work of the pressure on the depth lost in the step), `dissipated_error`
-            (stress * length), `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
-        pressure, gap, displacement_z: fields at the ends of the legs [waypoint, x, y], stress and length; NaN at those that were not
-            reached.
+        steps: a Record of arrays over the steps: `distance`, `displacement` (the approach, beyond first touch of the unworn
+            surfaces), `mean_gap`, `wear_volume` (the mean depth lost so far), `max_wear` (length), `mean_pressure`,
+            `max_pressure` (stress), `p_star`, `area_fraction`, `elastic_energy`, `dissipated` (the work of the pressure on
+            the depth lost in the step), `dissipated_error` (stress * length), `iterations`, `transform_pairs`, `converged`,
+            `residual_...`, `seconds`.
+        pressure, gap, displacement_z: fields at the ends of the legs [waypoint, x, y], stress and length; NaN at those that
+            were not reached.
         wear_depth: depth that both surfaces have lost so far [waypoint, x, y], length.
         coefficient: depth lost per distance, over the pressure, 1/stress.
         dissipated, dissipated_error: work of the pressure on the depth lost along the path, per area, stress * length.
@@ -34,7 +35,8 @@ class Wear(Record):
         surface, n, length, unit, rms_gradient, rms_height, e_star, law: the problem.
 
     Example:
-        >>> worn = gfmd.wear(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), coefficient=1.0, distance=[0, 0.1, 1.0], p_star=0.05, steps=2)
+        >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+        >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=[0, 0.1, 1.0], p_star=0.05, steps=2)
         >>> worn.steps.distance.shape, worn.wear_depth.shape
         ((5,), (3, 32, 32))
     """
@@ -71,7 +73,8 @@ class Wear(Record):
             InputError: another name. Error: no matplotlib.
 
         Example:
-            >>> worn = gfmd.wear(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
+            >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+            >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
             >>> ax = worn.plot("distance", "wear_volume")
         """
         from . import _show
@@ -85,7 +88,8 @@ class Wear(Record):
             Error: no xarray.
 
         Example:
-            >>> worn = gfmd.wear(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
+            >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+            >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
             >>> worn.to_xarray().wear_depth.dims
             ('waypoint', 'y', 'x')
         """
@@ -111,16 +115,16 @@ def wear(
     max_iterations: int = 100_000,
     threads: Optional[int] = None,
 ) -> Wear:
-    """Wears a surface that slides on an elastic body, by Archard's law in implicit steps: running-in, worn shape and volume.
+    """Wears a surface that slides on an elastic body, by Archard's law in implicit steps: running-in, worn shape, volume.
 
     Args:
         surface, body: as of `contact`.
-        coefficient: wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over the
-            pressure. It may be a text with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if the surface has one.
-        distance: sliding distances of the legs, each of which ends at a waypoint, length: a number or a sequence. The first leg begins
-            at first touch; a leg of no distance is one step.
-        mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence, positive; as of
-            `path`.
+        coefficient: wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over
+            the pressure. It may be a text with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if the surface has one.
+        distance: sliding distances of the legs, each of which ends at a waypoint, length: a number or a sequence. The first
+            leg begins at first touch; a leg of no distance is one step.
+        mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence,
+            positive; as of `path`.
         boundary: "periodic", or "free" as of `contact`.
         stress_unit: unit of stresses given without one, as of `contact`.
         grid_error: as of `path`.
@@ -133,7 +137,8 @@ def wear(
         NotConverged, Interrupted: `.state` is the Wear so far.
 
     Example:
-        >>> worn = gfmd.wear(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), coefficient=1.0, distance=[0, 100.0], p_star=0.05, steps=20)
+        >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+        >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=[0, 100.0], p_star=0.05, steps=20)
         >>> float(worn.steps.area_fraction[0]) < 0.2, float(worn.steps.area_fraction[-1])
         (True, 1.0)
     """
