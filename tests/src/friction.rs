@@ -73,7 +73,7 @@ pub(crate) fn follow(
     for wanted in case["states"].as_array().into_iter().flatten() {
         let lateral = numbers(&wanted["lateral"]);
         let load = Load::MeanPressure(get(&wanted["mean_pressure"]));
-        let drive = Drive { load, lateral: [lateral[0], lateral[1]], time: 0.0 };
+        let drive = Drive { load, lateral: [lateral[0], lateral[1]], time: 0.0, distance: 0.0 };
         let state = contact.press(drive).tolerance(1e-10).starting_from(last.as_ref()).solve()?;
         let (pressure, shear) = (numbers(&wanted["pressure"]), numbers(&wanted["shear"]));
         let peak = pressure.iter().copied().fold(0.0, f64::max);

@@ -180,7 +180,7 @@ fn sheared_wave() -> Result<Check, ValidationError> {
     let contact =
         FrictionalContact::new(&incompressible()?, &Grid::line(256, 1.0)?, &ripple(256), Limit::Coulomb(0.4))?;
     let solve = |load: f64, x: f64, start| {
-        let drive = Drive { load: Load::MeanPressure(load), lateral: [x, 0.0], time: 0.0 };
+        let drive = Drive { load: Load::MeanPressure(load), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
         contact.press(drive).tolerance(1e-11).starting_from(start).solve()
     };
     let load = 0.3 * PI * 0.01;
@@ -201,7 +201,7 @@ fn sheared_sphere() -> Result<Check, ValidationError> {
     let contact = FrictionalContact::new(&incompressible()?, &Grid::square(n, 1.0)?, &sphere(n), limit)?;
     let load = 4.0 / 3.0 * a.powi(3);
     let solve = |x: f64, start| {
-        let drive = Drive { load: Load::MeanPressure(load), lateral: [x, 0.0], time: 0.0 };
+        let drive = Drive { load: Load::MeanPressure(load), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
         contact.press(drive).starting_from(start).solve()
     };
     let rest = solve(0.0, None)?;

@@ -13,7 +13,7 @@ use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
-use crate::{body, contact, kappa_sweep, path, punch, slide};
+use crate::{body, contact, kappa_sweep, path, punch, slide, wear};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::result::{Comparison, Configuration, Difference, Kind, printable};
 use gfmd_run::session::Session;
@@ -27,7 +27,7 @@ use rerun::Rerun;
   gfmd check sweep.h5 --rerun --sample 20
   gfmd check path.h5 --rerun --json")]
 pub struct Args {
-    /// Result of contact, path, slide, punch, body or kappa-sweep
+    /// Result of contact, path, slide, wear, punch, body or kappa-sweep
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Run the stored configuration again, and compare every number
@@ -93,7 +93,7 @@ const LISTED: usize = 20;
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
-    let kinds = "a result of contact, path, slide, punch, body or kappa-sweep";
+    let kinds = "a result of contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader)
         .ok_or_else(|| Failure::Input(format!("{} is not a result file; it must be {kinds}", file.display())))?;
     // A file that the library cannot read to its end is damaged.
@@ -153,6 +153,7 @@ fn recompute(
         Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
         Kind::Path => Configuration::read::<path::Args>(kind, &text),
         Kind::Slide => Configuration::read::<slide::Args>(kind, &text),
+        Kind::Wear => Configuration::read::<wear::Args>(kind, &text),
         Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
         Kind::Body => Configuration::read::<body::Args>(kind, &text),
         Kind::KappaSweep => {
@@ -163,6 +164,7 @@ fn recompute(
         Kind::Contact => contact::check(reader, &config, comparison, session)?,
         Kind::Path => path::check(reader, &config, comparison, session)?,
         Kind::Slide => slide::check(reader, &config, comparison, session)?,
+        Kind::Wear => wear::check(reader, &config, comparison, session)?,
         Kind::Punch => punch::check(reader, &config, comparison, session)?,
         Kind::Body => body::check(reader, comparison)?,
         Kind::KappaSweep => {}
@@ -174,6 +176,7 @@ fn recompute(
         Kind::Contact if args.rerun => rerun.compare(comparison, contact::again),
         Kind::Path if args.rerun => rerun.compare(comparison, path::again),
         Kind::Slide if args.rerun => rerun.compare(comparison, slide::again),
+        Kind::Wear if args.rerun => rerun.compare(comparison, wear::again),
         Kind::Punch if args.rerun => rerun.compare(comparison, punch::again),
         _ => Ok(()),
     }

@@ -9,30 +9,26 @@ mod waypoints;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Load, SolveError, Solver, Visit};
-use gfmd_files::Output;
-use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
+use gfmd_contact::{Boundary, Budget, Dynamics, Solver};
+use gfmd_interface::{Path, Refinement, Step};
 use gfmd_law::{Kind, Limit};
 use gfmd_problem::{Facts, Friction, GridError, Posed, Rest, Task};
-use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
-use crate::progress::Progress;
+use crate::course::{Course, Followed, Way};
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_problem::options::{named, parse_choice};
-use gfmd_report::figures::{Scene, Shown, parse_prefix};
+use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
 use gfmd_run::lower::LowerArgs;
-use gfmd_run::resume::{Kept, ResumeArgs};
-use gfmd_run::series::{
-    Asked, Chosen, Ended, Head, Outlet, Places, Prepared, Reached, Series, beside, keeping, on_finer_grids, resolved,
-};
+use gfmd_run::resume::ResumeArgs;
+use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
@@ -172,6 +168,7 @@ impl Args {
             hardness: self.hardness.as_ref(),
             limit,
             prony: prony.as_ref(),
+            wear: None,
             boundary: self.boundary,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
@@ -204,7 +201,14 @@ impl Args {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    Way::new(args, session)?.run(args, session)
+    let course = course(args, session)?;
+    let (config, flag, resume) = (args.config()?, args.waypoints.flag(), args.resume);
+    let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() };
+    let followed = |followed: Followed| ended(&course, args, followed, session);
+    args.asked(|asked| {
+        let way = Way { asked, flag, resume, refinement, config: config.clone() };
+        course.run(&way, session, followed, |report| report.out.as_ref())
+    })
 }
 
 fn is_periodic(boundary: &Boundary) -> bool {
@@ -212,210 +216,66 @@ fn is_periodic(boundary: &Boundary) -> bool {
 }
 
 /// The input of the command, checked before the first solve.
-struct Way {
-    prepared: Prepared,
-    drives: Vec<Drive>,
-    places: Places,
-    output: Option<Output>,
+fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
+    if !(1e-9..=0.1).contains(&args.energy_tol) {
+        return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
+    }
+    match (args.prony.relaxing(), args.waypoints.time.is_empty()) {
+        (Some(_), true) => return Err(Failure::Input("--time is missing; it is needed with --prony".into())),
+        (None, false) => return Err(Failure::Input("--time is given; it must be left out without --prony".into())),
+        _ => {}
+    }
+    let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
+    args.body.check_modulus(prepared.surface.unit.as_deref())?;
+    // A viscoelastic body may be left behind, and meet the surface again.
+    let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
+    let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
+    let (drives, places) = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
+    let output = session.output(args.out.as_ref())?;
+    Ok(Course { prepared, drives, places, output })
 }
 
-impl Way {
-    fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        if !(1e-9..=0.1).contains(&args.energy_tol) {
-            return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
-        }
-        match (args.prony.relaxing(), args.waypoints.time.is_empty()) {
-            (Some(_), true) => return Err(Failure::Input("--time is missing; it is needed with --prony".into())),
-            (None, false) => return Err(Failure::Input("--time is given; it must be left out without --prony".into())),
-            _ => {}
-        }
-        let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
-        args.body.check_modulus(prepared.surface.unit.as_deref())?;
-        // A viscoelastic body may be left behind, and meet the surface again.
-        let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
-        let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
-        let (drives, places) = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
-        let output = session.output(args.out.as_ref())?;
-        Ok(Self { prepared, drives, places, output })
+/// Writes the file of a path, draws it, and tells of it.
+fn ended(
+    Course { prepared, drives, .. }: &Course,
+    args: &Args,
+    followed: Followed,
+    session: &Session,
+) -> Result<Outcome<Report>, Failure> {
+    let Followed { contact, path, ended, mut file, widest, unsettled } = followed;
+    tell_of_unsettled(&unsettled, &path, args, session);
+    if let (Some(file), Some(state)) = (&mut file, path.state().and_then(Rest::relaxing)) {
+        memory::write(file, &prepared.surface, state)?;
     }
-
-    fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        let Self { prepared, drives, output, .. } = self;
-        let contact = args.asked(|asked| prepared.pose_and_tell(asked, session))?;
-        prepared.check_drives(&contact, drives, args.waypoints.flag(), args.tol)?;
-        prepared.warn_of_drives(drives, args.waypoints.flag(), session);
-        let config = args.config()?;
-        let kept = match output {
-            Some(output) if !session.is_in_memory() => {
-                Some(Kept::open(output, prepared.identity(&config, session), drives.len(), args.resume, None)?)
-            }
-            _ => None,
-        };
-        keeping(kept, |kept| self.follow(&contact, args, config, kept, session), |report| report.out.as_ref())
+    let Ended { records, failure, not_converged, parted_at } = ended;
+    let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
+    let out = session.written(out);
+    let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+    head.relaxation = args.prony.told(&args.body)?;
+    let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
+    let mut report = Report { parted_at, not_converged, out, ..report };
+    if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
+        let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
+        report.plots = figures::draw(prefix, &report, args.steps as usize, &scene)?;
     }
-
-    /// Makes the steps that are not kept, and writes the file. An interrupted run whose state is kept has no file.
-    fn follow(
-        &self,
-        contact: &Posed,
-        args: &Args,
-        config: String,
-        mut kept: Option<&mut Kept>,
-        session: &Session,
-    ) -> Result<Outcome<Report>, Failure> {
-        let Self { prepared, drives, places, output } = self;
-        let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() };
-        let mut path = Path::new(contact, args.budget(), refinement);
-        let series = Series {
-            prepared,
-            session,
-            drives,
-            tolerance: args.tol,
-            places: places.clone(),
-            chosen: Chosen::All,
-            ends_with_file: true,
-        };
-        let mut file = series.file(output.as_ref(), config, output.is_some())?;
-        let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
-        let finer = args.asked(|asked| on_finer_grids(asked, prepared))?;
-        let finer = finer.iter().map(|(finer, contact)| Beside {
-            prepared: finer,
-            contact,
-            path: Path::new(contact, args.budget(), refinement),
-            rise: finer.surface.highest() - prepared.surface.highest(),
-            ended: None,
-        });
-        let mut log = Log {
-            contact,
-            drives,
-            finer: finer.collect(),
-            tolerance: args.tol,
-            session,
-            points: prepared.surface.grid.len(),
-            widest: None,
-            unsettled: Vec::new(),
-        };
-        let kept_files = (file.as_mut(), kept.as_deref_mut());
-        let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
-        progress.finish();
-        self.tell_of_unsettled(&log.unsettled, &path, args, session);
-        let mut file = file.filter(|_| !ended.is_kept(kept.as_deref()));
-        if let (Some(file), Some(state)) = (&mut file, path.state().and_then(Rest::relaxing)) {
-            memory::write(file, &prepared.surface, state)?;
-        }
-        let Ended { records, failure, not_converged, parted_at } = ended;
-        let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
-        let out = session.written(out);
-        let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
-        head.relaxation = args.prony.told(&args.body)?;
-        let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
-        let mut report = Report { parted_at, not_converged, out, ..report };
-        if let (None, Some(prefix), Some((_, shown))) = (&failure, &args.plots, &log.widest) {
-            let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
-            report.plots = figures::draw(prefix, &report, args.steps as usize, &scene)?;
-        }
-        Ok(Outcome { report, failure })
-    }
-
-    /// Warns of steps that further increments would change.
-    fn tell_of_unsettled(&self, unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
-        let Some((first, _)) = unsettled.first() else { return };
-        let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
-        let settling = unsettled.iter().map(|(_, step)| path.settling_solves(step)).max().unwrap_or(energy_solves);
-        let others = match unsettled.len() - 1 {
-            0 => String::new(),
-            others => format!(" and {others} more"),
-        };
-        session.warn(
-            "increments",
-            format!(
-                "step {first}{others}: shear, lost energy and sticking points may change by more than --energy-tol \
-                 {energy_tol} with more increments; --energy-solves {energy_solves} did not suffice: about {settling} \
-                 should, or take more --steps"
-            ),
-        );
-    }
+    Ok(Outcome { report, failure })
 }
 
-/// A path on a finer grid, beside the one that is asked for.
-struct Beside<'a> {
-    prepared: &'a Prepared,
-    contact: &'a Posed,
-    path: Path<'a, Posed>,
-    /// Height of its highest point above that of the other grid, from which an approach counts there.
-    rise: f64,
-    /// The reason why the path ended, once it has.
-    ended: Option<String>,
-}
-
-impl Beside<'_> {
-    /// The record of the step under a drive of the other grid.
-    fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<OnFinerGrid, Failure> {
-        if let Some(reason) = &self.ended {
-            return Err(Failure::Computation(reason.clone()));
-        }
-        let load = match drive.load {
-            Load::Approach(approach) => Load::Approach(approach + self.rise),
-            pressure => pressure,
-        };
-        let step = self.path.step(Drive { load, ..drive }, &mut session.stop()).map_err(|error| match error {
-            SolveError::Interrupted { .. } => Failure::Interrupted("interrupted".into()),
-            error => {
-                let [nx, ny] = self.prepared.surface.grid.points();
-                let reason = format!("the grid of {nx} x {ny} points: {error}");
-                Failure::Computation(self.ended.insert(reason).clone())
-            }
-        })?;
-        let state = self.path.state().ok_or_else(|| Failure::Computation(NOT_SOLVED.into()))?;
-        let reading = self.contact.reading(state);
-        let at = resolved(self.prepared, state, tolerance);
-        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at }))
-    }
-}
-
-/// The outlet of a path.
-struct Log<'a> {
-    contact: &'a Posed,
-    drives: &'a [Drive],
-    /// Paths on finer grids, beside the one that is asked for.
-    finer: Vec<Beside<'a>>,
-    tolerance: f64,
-    session: &'a Session,
-    points: usize,
-    /// The largest contact area, and its fields.
-    widest: Option<(f64, Shown)>,
-    /// The steps that further increments would change.
-    unsettled: Vec<(usize, Step)>,
-}
-
-impl Outlet for Log<'_> {
-    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
-        let Reached { index, state, step, at, started, is_cut } = reached;
-        let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
-        let finer = self.finer.iter_mut().map(|finer| match is_cut {
-            true => Ok(Err(NOT_SOLVED.to_owned())),
-            false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
-        });
-        let finer = finer.collect::<Result<_, Failure>>()?;
-        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, reading)), finer, ..at });
-        if step.is_unsettled {
-            self.unsettled.push((index, *step));
-        }
-        let area = record.number("area_fraction");
-        if self.widest.as_ref().is_none_or(|(most, _)| area > *most) {
-            self.widest = Some((area, Shown::of(state, None, state.plastic_depth())));
-        }
-        Ok(record)
-    }
-
-    /// Visits the largest contact area and its fields; there are none before the first step.
-    fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
-        if is_new {
-            self.widest = Some((f64::NAN, Shown::zeros(self.points)));
-        }
-        if let Some((area, shown)) = &mut self.widest {
-            visitor.number(area);
-            shown.fields_mut().into_iter().for_each(|field| visitor.field(field));
-        }
-    }
+/// Warns of steps that further increments would change.
+fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
+    let Some((first, _)) = unsettled.first() else { return };
+    let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
+    let settling = unsettled.iter().map(|(_, step)| path.settling_solves(step)).max().unwrap_or(energy_solves);
+    let others = match unsettled.len() - 1 {
+        0 => String::new(),
+        others => format!(" and {others} more"),
+    };
+    session.warn(
+        "increments",
+        format!(
+            "step {first}{others}: shear, lost energy and sticking points may change by more than --energy-tol \
+             {energy_tol} with more increments; --energy-solves {energy_solves} did not suffice: about {settling} \
+             should, or take more --steps"
+        ),
+    );
 }

@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::session::Common;
 use crate::{
     body, check, completions, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session,
-    slide, surface, theory,
+    slide, surface, theory, wear,
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
@@ -57,6 +57,8 @@ pub enum Command {
     Path(Box<path::Args>),
     /// Slide a rough surface steadily over a viscoelastic body: friction by hysteresis against velocity
     Slide(Box<slide::Args>),
+    /// Wear a rough surface that slides on an elastic body: running-in by Archard's law
+    Wear(Box<wear::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
     /// Evaluate theories of rough contact for a surface and a body, without solving a contact
@@ -244,11 +246,18 @@ impl Command {
         Ok(match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
             "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),
+            "wear" => Self::Wear(Box::new(of_keys(table, arrays)?)),
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
             "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
-            _ => return Err(Failure::value("the command", name, "path, slide, punch, body, kappa-sweep or green")),
+            _ => {
+                return Err(Failure::value(
+                    "the command",
+                    name,
+                    "path, slide, wear, punch, body, kappa-sweep or green",
+                ));
+            }
         })
     }
 
@@ -278,6 +287,7 @@ impl Command {
             Self::Green(args) => whole(green::run(args)?),
             Self::Path(args) => ended(path::run(args, session)?),
             Self::Slide(args) => ended(slide::run(args, session)?),
+            Self::Wear(args) => ended(wear::run(args, session)?),
             Self::Law(args) => whole(law::run(args)?),
             Self::Theory(args) => whole(theory::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),

@@ -11,7 +11,7 @@ use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
 use crate::session::list_files;
-use crate::{body, contact, path, punch, slide};
+use crate::{body, contact, path, punch, slide, wear};
 use gfmd_report::quoted;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{Configuration, Kind};
@@ -23,7 +23,7 @@ use gfmd_run::session::Session;
   gfmd report kappa.h5
   gfmd report contact.h5 --out contact-page.html")]
 pub struct Args {
-    /// Result of contact, path, slide, punch, body or kappa-sweep
+    /// Result of contact, path, slide, wear, punch, body or kappa-sweep
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Write the page to this file; default: beside the result, with the ending .html
@@ -51,7 +51,7 @@ pub struct Report {
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
-    let kinds = "contact, path, slide, punch, body or kappa-sweep";
+    let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader).ok_or_else(|| {
         let name = file.display();
         let surface = reader.contains("/surface/height");
@@ -82,6 +82,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         Kind::Path => gfmd_report::path::page(&reader)?,
         Kind::KappaSweep => gfmd_report::kappa::page(&reader, session)?,
         Kind::Slide => gfmd_report::slide::page(&reader)?,
+        Kind::Wear => gfmd_report::wear::page(&reader)?,
         Kind::Punch => gfmd_report::punch::page(&reader)?,
         Kind::Body => gfmd_report::body::page(&reader)?,
     };
@@ -100,6 +101,7 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
         Kind::Path => Configuration::read::<path::Args>(kind, &text),
         Kind::KappaSweep => return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into()),
         Kind::Slide => Configuration::read::<slide::Args>(kind, &text),
+        Kind::Wear => Configuration::read::<wear::Args>(kind, &text),
         Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
         Kind::Body => Configuration::read::<body::Args>(kind, &text),
     };

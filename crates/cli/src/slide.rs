@@ -99,6 +99,7 @@ impl Args {
             hardness: None,
             limit: None,
             prony: prony.as_ref(),
+            wear: None,
             boundary: Boundary::Periodic,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,

@@ -27,6 +27,10 @@ pub struct Contact {
     pub(crate) share: Share,
     /// Time step and damping of the damped dynamics.
     pub(crate) dynamics: Dynamics,
+    /// The largest less the smallest depth that the surfaces have lost, in `units`.
+    worn: f64,
+    /// True if springs that act point by point are part of the body.
+    is_softened: bool,
     /// The rigid surface, in `units`.
     pub(crate) scaled: Arc<RigidSurface>,
     /// The rigid surface.
@@ -107,6 +111,8 @@ impl Contact {
             hardness: None,
             share: share.clone(),
             dynamics: Dynamics::default(),
+            worn: 0.0,
+            is_softened: false,
             scaled: units.surface(&surface),
             surface,
             contact_modulus: body.contact_modulus(),
@@ -150,6 +156,8 @@ impl Contact {
             hardness: None,
             share: grid.whole(),
             dynamics: Dynamics::default(),
+            worn: 0.0,
+            is_softened: false,
             scaled: Arc::clone(&surface),
             surface,
             contact_modulus: conductor.body().contact_modulus(),
@@ -169,7 +177,20 @@ impl Contact {
         let surface = Self::rough(&share, response.grid(), heights)?;
         let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
         let (free, hardness, dynamics, units) = (None, None, Dynamics::default(), Units::ONE);
-        Ok(Self { response, free, hardness, share, dynamics, scaled, surface, contact_modulus, units })
+        let (worn, is_softened) = (0.0, false);
+        Ok(Self {
+            response,
+            free,
+            hardness,
+            share,
+            dynamics,
+            worn,
+            is_softened,
+            scaled,
+            surface,
+            contact_modulus,
+            units,
+        })
     }
 
     /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the start of
@@ -198,6 +219,28 @@ impl Contact {
     pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let surface = Arc::new(self.surface.indented(depth)?);
         Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
+    }
+
+    /// This contact after the surfaces have lost a `depth` `[x, y]`, in length: as [`indented`](Self::indented), with
+    /// residuals over the extent of the depth where it is larger than that of the displacement.
+    ///
+    /// # Errors
+    /// A depth of another shape than the heights, or not finite.
+    pub fn worn(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let [least, most] = depth
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], depth| [depth.min(least), depth.max(most)]);
+        Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.indented(depth)? })
+    }
+
+    /// This contact on a body below springs that act point by point, of this `compliance` in length/stress: G(q) is
+    /// larger by it for every wave and for the uniform mode. The displacement of a solution is that of body and
+    /// springs.
+    #[must_use]
+    pub fn softened(&self, compliance: f64) -> Self {
+        let compliance = compliance * self.units.stiffness();
+        let free = self.free.as_ref().map(|free| free.softened(compliance).into());
+        Self { response: self.response.softened(compliance).into(), free, is_softened: true, ..self.clone() }
     }
 
     /// This contact on a body whose waves have stiffnesses that are larger by these `factors`, laid out as the
@@ -301,12 +344,19 @@ impl Contact {
             0.0 => 0.0,
             compliance => compliance * self.share.total_of(&pressure) / self.share.total() as f64,
         };
-        let length_scale = self.scaled.length_scale(load);
+        let length_scale = self.length_scale(load);
         let conditions =
-            Conditions { sinking: uniform, load, length_scale, extent: 0.0, hardness: self.hardness.as_ref() };
+            Conditions { sinking: uniform, load, length_scale, extent: self.worn, hardness: self.hardness.as_ref() };
         let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
         solution.effort.transform_pairs = compliance.pairs() - counted;
         solution
+    }
+
+    /// The scale of lengths in the residuals, before the displacement is known, in [`units`](Self::units). Worn
+    /// surfaces may touch with a very small approach, beside the depth that they have lost.
+    pub(crate) fn length_scale(&self, load: Load) -> f64 {
+        let scale = self.scaled.length_scale(load);
+        if self.worn > 0.0 { scale.max(RigidSurface::finer_scale(self.scaled.rms_height(), self.worn)) } else { scale }
     }
 
     /// Compliance of the uniform mode, and its stiffness in preconditioners, if it takes part in the search: if the approach of a periodic
@@ -315,8 +365,13 @@ impl Contact {
         let takes_part = self.free.is_none() && matches!(load, Load::Approach(_));
         takes_part.then(|| {
             let compliance = self.response.uniform_compliance();
-            let stiffness =
-                if compliance > 0.0 { 1.0 / compliance } else { LEVEL * self.response.stiffness_range()[0] };
+            let level = LEVEL * self.response.stiffness_range()[0];
+            let stiffness = match (1.0 / compliance, self.is_softened) {
+                // Springs on a body with a fixed mean level may have hardly any compliance.
+                (own, true) => own.min(level),
+                (own, false) if compliance > 0.0 => own,
+                _ => level,
+            };
             [compliance, stiffness]
         })
     }

@@ -39,12 +39,15 @@ pub struct Drive {
     /// Time at which load and displacement are reached, since the first touch of the undeformed surfaces. It has an
     /// effect only on viscoelastic bodies.
     pub time: f64,
+    /// Sliding distance at which they are reached, since the first touch of the undeformed surfaces, in length. It has
+    /// an effect only on surfaces that wear.
+    pub distance: f64,
 }
 
 impl From<Load> for Drive {
-    /// A drive without lateral displacement, in no time.
+    /// A drive without lateral displacement, in no time and over no distance.
     fn from(load: Load) -> Self {
-        Self { load, lateral: [0.0; 2], time: 0.0 }
+        Self { load, lateral: [0.0; 2], time: 0.0, distance: 0.0 }
     }
 }
 
@@ -55,13 +58,19 @@ impl Drive {
         Self { time, ..self }
     }
 
+    /// The drive reached after this sliding `distance`.
+    #[must_use]
+    pub fn after(self, distance: f64) -> Self {
+        Self { distance, ..self }
+    }
+
     /// Checks that every number is finite.
     ///
     /// # Errors
     /// The first number that is not finite.
     pub fn check(&self) -> Result<(), Refusal> {
         let [x, y] = self.lateral.map(|lateral| ("lateral displacement", lateral));
-        let all = [self.load.named(), x, y, ("time", self.time)];
+        let all = [self.load.named(), x, y, ("time", self.time), ("distance", self.distance)];
         match all.into_iter().find(|(_, found)| !found.is_finite()) {
             Some((what, found)) => Err(Refusal::NotFinite { what, found }),
             None => Ok(()),

@@ -209,6 +209,23 @@ pub enum Refusal {
         /// The time of the state before; 0 before the first one.
         least: f64,
     },
+    /// Surfaces that wear slide backwards.
+    #[error("the distance is {found}; it must be at least {least}, that of the state before")]
+    Distance {
+        /// The sliding distance.
+        found: f64,
+        /// That of the state before; 0 before the first one.
+        least: f64,
+    },
+    /// The coefficient of wear is not positive.
+    #[error("the wear coefficient is {found}; it must be positive and finite")]
+    WearCoefficient {
+        /// The coefficient.
+        found: f64,
+    },
+    /// Surfaces that wear have no hardness.
+    #[error("a hardness is given; it must be left out with wear")]
+    WearHardness,
     /// The relaxation of the shear modulus alone is not known of the body.
     #[error("the shear modulus alone relaxes; shear and bulk modulus must relax alike with {with}")]
     ShearAlone {

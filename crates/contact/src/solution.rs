@@ -74,7 +74,8 @@ pub(crate) struct Conditions<'a> {
     pub(crate) load: Load,
     /// The scale of lengths in the residuals, unless the displacement is very small.
     pub(crate) length_scale: f64,
-    /// An extent of the displacement beside that of the own surface: of two faces the larger one counts.
+    /// An extent of lengths beside that of the displacement of the own surface: that of the other face, or of a worn
+    /// depth. The larger one counts.
     pub(crate) extent: f64,
     /// The largest pressure that the surfaces carry.
     pub(crate) hardness: Option<&'a Upper>,

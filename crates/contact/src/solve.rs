@@ -69,7 +69,7 @@ impl Equilibrium for Contact {
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
         let load = self.units().drive(drive).load;
         let watch = &mut self.units().shown(watch);
-        let coarsest = self.scaled.length_scale(load);
+        let coarsest = self.length_scale(load);
         let (solution, ending) = refine(coarsest, budget, start, watch, |length_scale, budget, start, watch| {
             let attempt =
                 Attempt { contact: self, load, length_scale, budget, start, watch, effort: Effort::default() };

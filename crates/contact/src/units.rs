@@ -118,7 +118,7 @@ impl Units {
             Load::MeanPressure(mean) => Load::MeanPressure(mean / self.stress()),
             Load::Approach(approach) => Load::Approach(approach / self.normal),
         };
-        Drive { load, lateral: drive.lateral.map(|u| u / self.normal), time: drive.time }
+        Drive { load, lateral: drive.lateral.map(|u| u / self.normal), ..drive }
     }
 
     /// A watcher of a search in these units, which shows `watch` energies and displacements in the units of the input.

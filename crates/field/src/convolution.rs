@@ -105,6 +105,13 @@ impl Convolution {
         self.kernel.iter().fold(0.0, |largest, k| k.abs().max(largest))
     }
 
+    /// The convolution whose kernel at no distance is larger by `part`, which adds `part` times the field.
+    #[must_use]
+    pub fn with_own(&self, part: f64) -> Self {
+        let plan = Plan::new(&self.grid, self.plan.points());
+        Self { grid: self.grid, plan, kernel: self.kernel.iter().map(|k| k + part).collect() }
+    }
+
     /// The convolution with `factor` times the kernel, in single precision.
     pub fn rounded(&self, factor: f64) -> Convolution<f32> {
         let plan = Plan::new(&self.grid, self.plan.points());

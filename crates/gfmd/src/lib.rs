@@ -84,6 +84,7 @@
 //! | add adhesion, cohesion or friction; follow a path of loads    | [`interface`] | [`Interface`](interface::Interface), [`FrictionalContact`](interface::FrictionalContact), [`Path`](interface::Path) |
 //! | choose or evaluate the law of an interface                    | [`law`]       | [`Law`](law::Law), [`Kind`](law::Kind) |
 //! | follow a viscoelastic body in time, or slide over it           | [`viscoelastic`] | [`ViscoelasticContact`](viscoelastic::ViscoelasticContact), [`SlidingContact`](viscoelastic::SlidingContact) |
+//! | wear the surface while it slides                             | [`wear`]      | [`WearContact`](wear::WearContact) |
 //! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
 //! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
 //! | let a fluid flow through the gap                             | [`flow`]      | [`flow`](flow::flow), [`Flow`](flow::Flow) |
@@ -125,6 +126,8 @@ pub use gfmd_response as response;
 pub use gfmd_surface as surface;
 #[doc(inline)]
 pub use gfmd_viscoelastic as viscoelastic;
+#[doc(inline)]
+pub use gfmd_wear as wear;
 /// The arrays of all fields, in the version that this crate takes and returns.
 #[doc(no_inline)]
 pub use ndarray;

@@ -12,4 +12,5 @@ pub use gfmd_measure::Summary;
 pub use gfmd_mixed::{MixedProblem, Prescribed};
 pub use gfmd_surface::{Discretisation, SelfAffine, Statistics};
 pub use gfmd_viscoelastic::{Prony, Relaxes, ViscoelasticContact};
+pub use gfmd_wear::WearContact;
 pub use ndarray::{Array2, ArrayView2};

@@ -56,6 +56,8 @@ pub struct Reading {
     pub lateral: [f64; 2],
     /// Time, if the state has one.
     pub time: f64,
+    /// Sliding distance, if the state has one, length.
+    pub distance: f64,
     /// The way to find the energy lost in the step to this state.
     pub loss: Loss,
 }
@@ -635,6 +637,7 @@ impl Reading {
         mean_shear: [0.0; 2],
         lateral: [0.0; 2],
         time: 0.0,
+        distance: 0.0,
         loss: Loss::Known(0.0),
     };
 
@@ -661,6 +664,7 @@ impl Reading {
             },
             lateral: std::array::from_fn(|c| at(self.lateral[c], drive.lateral[c])),
             time: at(self.time, drive.time),
+            distance: at(self.distance, drive.distance),
         }
     }
 }
@@ -673,6 +677,7 @@ impl Quasistatic for Interface {
             mean_shear: state.mean_shear,
             lateral: state.lateral,
             time: 0.0,
+            distance: 0.0,
             loss: if self.has_energy() {
                 Loss::Balance(state.elastic_energy + state.interface_energy)
             } else {
@@ -690,6 +695,7 @@ impl Quasistatic for FrictionalContact {
             mean_shear: state.mean_shear,
             lateral: state.lateral,
             time: 0.0,
+            distance: 0.0,
             loss: Loss::Known(state.dissipated),
         }
     }

@@ -202,6 +202,7 @@ impl Quasistatic for PlasticContact {
             mean_shear: [0.0; 2],
             lateral: [0.0; 2],
             time: 0.0,
+            distance: 0.0,
             loss: Loss::Known(state.dissipated),
         }
     }

@@ -96,6 +96,8 @@ pub struct Facts {
     pub second: Option<Support>,
     /// The moduli that relax, of a viscoelastic body.
     pub relaxes: Option<Relaxes>,
+    /// True if the surfaces wear.
+    pub wears: bool,
     /// The motion of the base, if it moves.
     pub moved_base: Option<MovedBase>,
     /// True for a profile, in plane strain.
@@ -135,6 +137,7 @@ impl Default for Facts {
             layers: false,
             second: None,
             relaxes: None,
+            wears: false,
             moved_base: None,
             line: false,
             approach: false,
@@ -177,12 +180,12 @@ impl Facts {
     }
 
     /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, on a
-    /// patch, or on a viscoelastic body.
+    /// patch, on a viscoelastic body, or with surfaces that wear.
     pub fn is_wall_on_path(&self) -> bool {
         self.task == Task::Path
             && !self.has_law()
             && self.friction.is_none()
             && !self.lateral
-            && (self.hardness || self.boundary == Boundary::Free || self.relaxes.is_some())
+            && (self.hardness || self.boundary == Boundary::Free || self.relaxes.is_some() || self.wears)
     }
 }

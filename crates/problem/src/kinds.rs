@@ -9,6 +9,7 @@ use gfmd_interface::{
     Trapping,
 };
 use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
+use gfmd_wear::{WearContact, WearState};
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
@@ -237,6 +238,38 @@ impl Kind for ViscoelasticContact {
             mean_shear: [0.0; 2],
             lateral: [0.0; 2],
             time: state.time,
+            distance: 0.0,
+            loss: Loss::Certified { lost: state.dissipated, error: state.dissipated_error },
+        }
+    }
+}
+
+impl Kind for WearContact {
+    fn surface(&self) -> &RigidSurface {
+        self.contact().surface()
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        &["pressure", "wear_depth"]
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<WearState, Refusal> {
+        let [pressure, depth] = all(fields)?;
+        WearContact::certify(self, pressure, depth, drive)
+    }
+
+    fn stiffness(&self, _: &WearState, _: f64) -> Result<Stiffness, NoStiffness> {
+        Err(ON_A_PATH)
+    }
+
+    fn reading(&self, state: &WearState) -> Reading {
+        Reading {
+            mean_pressure: state.solution.mean_pressure,
+            approach: state.solution.approach,
+            mean_shear: [0.0; 2],
+            lateral: [0.0; 2],
+            time: 0.0,
+            distance: state.distance,
             loss: Loss::Certified { lost: state.dissipated, error: state.dissipated_error },
         }
     }

@@ -53,6 +53,6 @@ pub use memory::Held;
 pub use moduli::Moduli;
 pub use pose::{Given, pose};
 pub use posed::{Kind, NoStiffness, Posed, Rest, State};
-pub use rules::{Clash, Part, RULES, Rule, rules_of, table};
+pub use rules::{Clash, Part, RULES, Rule, rules_of, rules_of_wear, table};
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};

@@ -26,6 +26,10 @@ impl Held {
     pub const LAW_FREE: Self = Self(98);
     /// A path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(41);
+    /// A path with surfaces that wear.
+    pub const WEAR: Self = Self(42);
+    /// The same on a patch.
+    pub const WEAR_FREE: Self = Self(50);
     /// A path with a law, on a patch.
     pub const PATH_FREE: Self = Self(141);
     /// A path that moves all components.
@@ -58,6 +62,8 @@ impl Facts {
             Task::Loads if self.hardness || is_free => Held::FREE,
             Task::Loads if only => Held::HARD_WALL_ONCE,
             Task::Loads => Held::HARD_WALL,
+            Task::Path if self.wears && is_free => Held::WEAR_FREE,
+            Task::Path if self.wears => Held::WEAR,
             Task::Path if self.is_wall_on_path() => Held::FREE,
             Task::Path if self.moves_sideways() && is_free => Held::ALL_COMPONENTS_FREE,
             Task::Path if self.moves_sideways() => Held::ALL_COMPONENTS,

@@ -3,6 +3,7 @@
 use gfmd_contact::{FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
 use gfmd_interface::{FrictionState, PlasticState, State};
 use gfmd_viscoelastic::ViscoelasticState;
+use gfmd_wear::WearState;
 use ndarray::{Array2, Array3};
 
 use crate::Rest;
@@ -20,6 +21,7 @@ impl Rest {
             .or_else(squeezed)
             .or_else(on_path)
             .or_else(relaxing)
+            .or_else(|| self.worn().map(|state| &state.solution))
     }
 
     /// The plastic points of a load with a hardness.
@@ -66,6 +68,11 @@ impl Rest {
 
     /// The state of a viscoelastic body.
     pub fn relaxing(&self) -> Option<&ViscoelasticState> {
+        self.get()
+    }
+
+    /// The state of surfaces that wear.
+    pub fn worn(&self) -> Option<&WearState> {
         self.get()
     }
 

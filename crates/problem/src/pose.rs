@@ -6,6 +6,7 @@ use gfmd_green::Body;
 use gfmd_interface::{FrictionalContact, Interface, PlasticContact};
 use gfmd_law::{HardWall, Law, Limit};
 use gfmd_viscoelastic::{Prony, ViscoelasticContact};
+use gfmd_wear::WearContact;
 use ndarray::ArrayRef2;
 
 use crate::facts::{Facts, Task};
@@ -35,6 +36,8 @@ pub struct Given<'a> {
     pub limit: Option<Limit>,
     /// The relaxation of the body, whose long-term moduli are given.
     pub prony: Option<&'a Prony>,
+    /// The coefficient of wear, 1/stress.
+    pub wear: Option<f64>,
     /// Time step and damping of the solvers by dynamics.
     pub dynamics: Dynamics,
 }
@@ -53,6 +56,7 @@ impl<'a> Given<'a> {
             hardness: None,
             limit: None,
             prony: None,
+            wear: None,
             dynamics: Dynamics::default(),
         }
     }
@@ -78,7 +82,7 @@ impl<'a> Given<'a> {
 /// # Errors
 /// Heights, a body, a hardness or a law that cannot be in contact.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, heights, lower, law, limit, prony, dynamics, .. } = given;
+    let Given { facts, body, grid, heights, lower, law, limit, prony, wear, dynamics, .. } = given;
     if let Some(lower) = lower {
         return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
     }
@@ -90,6 +94,9 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     }
     if let (Some(prony), Some(relaxes)) = (prony, facts.relaxes) {
         return Ok(Posed::new(ViscoelasticContact::new(given.wall()?, body, prony, relaxes)?));
+    }
+    if let Some(coefficient) = wear {
+        return Ok(Posed::new(WearContact::new(given.wall()?, *coefficient)?));
     }
     if facts.lateral {
         return Ok(Posed::new(Interface::in_all_components(body, grid, heights, Arc::clone(law))?));

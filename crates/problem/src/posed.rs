@@ -79,7 +79,15 @@ pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static 
 /// The reading of a state that is pressed without a shear, and of whose losses nothing is known.
 fn of_fields(state: &impl Fields) -> Reading {
     let (mean_pressure, approach) = (state.mean_pressure(), state.approach());
-    Reading { mean_pressure, approach, mean_shear: [0.0; 2], lateral: [0.0; 2], time: 0.0, loss: Loss::Unknown }
+    Reading {
+        mean_pressure,
+        approach,
+        mean_shear: [0.0; 2],
+        lateral: [0.0; 2],
+        time: 0.0,
+        distance: 0.0,
+        loss: Loss::Unknown,
+    }
 }
 
 /// The reasons why a contact has no stiffness, or not the one that it should have.

@@ -78,6 +78,8 @@ parts! {
     Prony: |_| ("--prony", "given", "--prony"), |f| f.relaxes.is_some();
     /// A viscoelastic body with a constant bulk modulus.
     Shear: |_| ("--relaxes", "shear", "--relaxes shear"), |f| f.relaxes == Some(Relaxes::Shear);
+    /// Surfaces that wear.
+    Wear: |_| ("--coefficient", "given", "wear"), |f| f.wears;
     /// A patch on a slab.
     FreeSlab: |_| ("--boundary", "free", "a slab with --boundary free"),
         |f| f.boundary == Boundary::Free && f.support != Support::HalfSpace;
@@ -200,6 +202,12 @@ pub const RULES: &[Rule] = {
         rule(Lateral, Prony, "left out", LATER),
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
         rule(NoLevel, Prony, "periodic", "the energy of its displacement is not known"),
+        rule(Law, Wear, "hard-wall", LATER),
+        rule(Hardness, Wear, "left out", LATER),
+        rule(Friction, Wear, "left out", LATER),
+        rule(Lateral, Wear, "left out", LATER),
+        rule(Prony, Wear, "left out", LATER),
+        rule(Wear, NoLevel, "left out", "the energy of its displacement is not known"),
         rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
         rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
         rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
@@ -304,9 +312,16 @@ impl Part {
         match task {
             Task::Loads => !matches!(
                 self,
-                Self::Friction | Self::Lateral | Self::FreeFriction | Self::Path | Self::Prony | Self::Shear
+                Self::Friction
+                    | Self::Lateral
+                    | Self::FreeFriction
+                    | Self::Path
+                    | Self::Prony
+                    | Self::Shear
+                    | Self::Wear
             ),
-            Task::Path if self == Self::FixedApproach => false,
+            // Surfaces wear along a path of their own command.
+            Task::Path if matches!(self, Self::FixedApproach | Self::Wear) => false,
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
     }
@@ -325,6 +340,13 @@ pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
         }
     }
     told
+}
+
+/// The parts of a path that do not go with wear.
+pub fn rules_of_wear() -> Vec<String> {
+    let beside = RULES.iter().filter(|rule| rule.with == Part::Wear).map(|rule| rule.part.given());
+    let without = RULES.iter().filter(|rule| rule.part == Part::Wear);
+    beside.chain(without.map(|rule| rule.with.told(&Facts::default()).2.to_owned())).collect()
 }
 
 /// The rules as a table in Markdown: the part, the other part, the values allowed with it, and the reason.

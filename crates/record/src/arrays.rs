@@ -102,6 +102,13 @@ pub const ARRAYS: &[Array] = &[
         value: |rest, _| rest.plastic_depth().map(|depth| depth.view().into()),
     },
     Array {
+        name: "wear_depth",
+        unit: "length",
+        meanings: &[(any, "depth that both surfaces have lost so far")],
+        present: |facts| facts.wears,
+        value: |rest, _| rest.worn().map(|state| state.depth.view().into()),
+    },
+    Array {
         name: "displacement_x",
         unit: "length",
         meanings: &[(any, "displacement of the elastic surface along x")],

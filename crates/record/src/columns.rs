@@ -52,6 +52,10 @@ fn relaxing(facts: &Facts) -> bool {
     facts.relaxes.is_some()
 }
 
+fn wears(facts: &Facts) -> bool {
+    facts.wears
+}
+
 fn friction(facts: &Facts) -> bool {
     facts.friction.is_some()
 }
@@ -155,6 +159,7 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
         (friction(facts), with!("friction")),
         (facts.lateral, with!("a lateral motion")),
         (relaxing(facts), with!("a body that relaxes")),
+        (wears(facts), with!("surfaces that wear")),
         (facts.unknown != Unknown::Normal, with!("further unknown components")),
         (steep(facts), "the error of the grid was not measured with finite slopes"),
         (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
@@ -592,6 +597,11 @@ const MEASURED: &[Column] = &[
     })
     .with(relaxing)
     .head("time", Form::Size),
+    Column::new("distance", "length", &[(any, "sliding distance since first touch")], |at| {
+        at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.distance).into()
+    })
+    .with(wears)
+    .head("distance", Form::Size),
     Column::new("lateral_x", "length", &[(any, "lateral displacement of the rigid surface along x")], |at| {
         sideways(at, 0)
     })
@@ -701,8 +711,21 @@ const MEASURED: &[Column] = &[
         &[(law, "largest repulsive pressure"), (any, "largest pressure")],
         |at| at.summary.max_pressure.into(),
     )
-    .with(|facts| loads(facts) || relaxing(facts))
+    .with(|facts| loads(facts) || relaxing(facts) || wears(facts))
     .head("peak p", Form::Size),
+    Column::new(
+        "wear_volume",
+        "length",
+        &[(any, "mean over the whole surface of the depth lost so far, the volume over the area")],
+        |at| at.rest.and_then(|rest| rest.worn()).map_or(f64::NAN, |state| state.volume).into(),
+    )
+    .with(wears)
+    .head("wear", Form::Size),
+    Column::new("max_wear", "length", &[(any, "largest depth lost so far")], |at| {
+        at.rest.and_then(|rest| rest.worn()).map_or(f64::NAN, |state| state.deepest).into()
+    })
+    .with(wears)
+    .head("deepest", Form::Size),
     Column::new(
         "mean_pressure_in_contact",
         "stress",
@@ -765,6 +788,7 @@ const MEASURED: &[Column] = &[
         "stress*length",
         &[
             (relaxing, "energy lost in the dashpots in this step, per area"),
+            (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
             (any, "energy lost in this step, per area; NaN if the law has no energy"),
         ],
         |at| lost(at, false),
@@ -776,7 +800,10 @@ const MEASURED: &[Column] = &[
         "dissipated_error",
         "stress*length",
         &[
-            (relaxing, "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude"),
+            (
+                |facts| relaxing(facts) || wears(facts),
+                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude",
+            ),
             (
                 any,
                 "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",

@@ -152,7 +152,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         page.chart(&Chart::new(panels), "the path", &caption);
     }
     // Fields are kept at the waypoints only; the one with the largest contact is shown.
-    let waypoints = waypoints(&table, computed, steps_of_leg);
+    let waypoints = waypoints(&table, "time", computed, steps_of_leg);
     let at_waypoint = waypoints.iter().copied().max_by(|a, b| area[*a].total_cmp(&area[*b]));
     let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
     let shown = at_waypoint.and_then(|step| waypoints.iter().position(|other| *other == step));
@@ -174,18 +174,19 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// The indices of the steps with fields in a file; of a leg in time, the last step.
-fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usize) -> Vec<usize> {
+/// The indices of the steps with fields in a file; of legs that have a `length`, the key of their times or distances, the
+/// last step of each.
+pub(crate) fn waypoints(table: &toml::Table, length: &str, computed: usize, steps_of_leg: usize) -> Vec<usize> {
     let list = |name: &str| table.get(name).and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
-    let times = list("time");
-    if times.is_empty() {
+    let lengths = list(length);
+    if lengths.is_empty() {
         return (0..computed).step_by(steps_of_leg).collect();
     }
     let legs =
-        ["pressure", "p_star", "displacement"].map(|name| list(name).len()).into_iter().fold(times.len(), usize::max);
+        ["pressure", "p_star", "displacement"].map(|name| list(name).len()).into_iter().fold(lengths.len(), usize::max);
     let is_jump = |leg: usize| {
-        let time = &times[leg.min(times.len() - 1)];
-        time.as_float() == Some(0.0) || time.as_integer() == Some(0)
+        let length = &lengths[leg.min(lengths.len() - 1)];
+        length.as_float() == Some(0.0) || length.as_integer() == Some(0)
     };
     let ends = (0..legs).scan(0, |made, leg| {
         *made += if is_jump(leg) { 1 } else { steps_of_leg };
@@ -197,19 +198,25 @@ fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usize) -> Vec<u
 /// Panels of contact area, reduced pressure and approach against time, which is logarithmic if it spans more than two
 /// decades, without the state at time zero. A constant number has no panel.
 pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<Panel> {
-    let times = columns[0].iter().map(|(time, _)| *time).filter(|time| *time > 0.0);
-    let [first, last] = times.fold([f64::INFINITY, 0.0], |[first, last], time| [time.min(first), time.max(last)]);
-    let is_long = last > 100.0 * first;
     let farthest = columns[2].iter().map(|(_, approach)| approach.abs()).filter(|size| size.is_finite());
     let read = length(unit, farthest.fold(0.0, f64::max));
     let [area, pressure, approach] = columns;
     let approach = approach.into_iter().map(|(time, value)| (time, value * read.factor)).collect();
-    let columns = [area, pressure, approach];
     let labels = ["contact area".to_owned(), reduced.to_owned(), format!("approach / {}", read.name)];
+    along("time", [area, pressure, approach].into_iter().zip(labels).collect())
+}
+
+/// Panels of columns, each of which has points and a label, against the length of a path, which is logarithmic if it
+/// has more than two decades; a state at its start is left out of these. A number that is constant has no panel.
+pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<Panel> {
+    let lengths =
+        columns.iter().flat_map(|(points, _)| points).map(|(length, _)| *length).filter(|length| *length > 0.0);
+    let [first, last] = lengths.fold([f64::INFINITY, 0.0], |[first, last], x| [x.min(first), x.max(last)]);
+    let is_long = last > 100.0 * first;
     let panel = |(points, label): (Vec<(f64, f64)>, String)| {
-        let shown = points.into_iter().filter(|(time, _)| !is_long || *time > 0.0).map(|(x, y)| Point::new(x, y));
+        let shown = points.into_iter().filter(|(length, _)| !is_long || *length > 0.0).map(|(x, y)| Point::new(x, y));
         Panel {
-            x: if is_long { Axis::log("time") } else { Axis::linear("time") },
+            x: if is_long { Axis::log(name) } else { Axis::linear(name) },
             y: Axis::linear(&label),
             series: vec![Series { mark: Mark::JoinedPoints, ..Series::points("", 0, shown.collect()) }],
             ..Panel::default()
@@ -220,7 +227,7 @@ pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<
         let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
         high - low > 1e-6 * high.abs().max(low.abs())
     };
-    columns.into_iter().zip(labels).filter(varies).map(panel).collect()
+    columns.into_iter().filter(varies).map(panel).collect()
 }
 
 /// A path of points, leg by leg: joined points where the abscissa rises, hollow ones and a broken line where it falls.

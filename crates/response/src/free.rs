@@ -56,11 +56,16 @@ impl FreeCompliance {
     }
 
     fn tabulated(grid: Grid, compliance: impl Fn([usize; 2]) -> f64 + Sync, has_level: bool) -> Self {
-        let convolution = Convolution::new(grid, &compliance);
+        let quotients = Cosines::<f64>::new(grid).quotients(&compliance);
+        Self::of(Convolution::new(grid, &compliance), &quotients, has_level)
+    }
+
+    /// From the convolution, and the mean compliance of each cosine wave on the patch.
+    fn of(convolution: Convolution, quotients: &[f64], has_level: bool) -> Self {
+        let grid = *convolution.grid();
         let unit = power_of_two(convolution.largest());
         let rounded = convolution.rounded(1.0 / unit);
-        let quotients = Cosines::<f64>::new(grid).quotients(&compliance);
-        let stiffness = quotients.into_iter().map(|quotient| (FACTOR * unit / quotient) as f32).collect();
+        let stiffness = quotients.iter().map(|quotient| (FACTOR * unit / quotient) as f32).collect();
         let cosines = Cosines::new(grid);
         let weights = grid.points().map(|points| (0..points).map(|i| weight(i, points) as f32).collect());
         let weights = if grid.is_line() { swapped(weights) } else { weights };
@@ -70,6 +75,14 @@ impl FreeCompliance {
         let sum = total(&uniform);
         uniform.iter_mut().for_each(|p| *p = (f64::from(*p) / sum) as f32);
         Self { uniform, ..free }
+    }
+
+    /// The compliance of the patch below springs that act point by point, of this compliance, length/stress.
+    #[must_use]
+    pub fn softened(&self, compliance: f64) -> Self {
+        let quotients: Vec<f64> =
+            self.stiffness.iter().map(|stiffness| FACTOR * self.unit / f64::from(*stiffness) + compliance).collect();
+        Self::of(self.convolution.with_own(compliance), &quotients, self.has_level)
     }
 
     /// The grid of the patch.

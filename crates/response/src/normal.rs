@@ -141,19 +141,35 @@ impl NormalResponse {
     pub fn stiffened(&self, factors: &[f64]) -> Self {
         let mut compliance = self.compliance.clone();
         compliance.iter_mut().zip(factors).for_each(|(compliance, factor)| *compliance /= factor);
+        let uniform = self.uniform_compliance / factors.first().copied().unwrap_or(1.0);
+        self.changed(compliance, uniform, false)
+    }
+
+    /// The response of the body below springs that act point by point, of this `compliance` in length/stress: all modes
+    /// are more compliant by it, the uniform one, too. All modes belong to this process.
+    #[must_use]
+    pub fn softened(&self, compliance: f64) -> Self {
+        // The table has no uniform mode, which is recognised by its index, the first.
+        let waves = self.compliance.iter().enumerate();
+        let table = waves.map(|(index, wave)| if index == 0 { 0.0 } else { wave + compliance }).collect();
+        self.changed(table, self.uniform_compliance + compliance, self.is_isotropic)
+    }
+
+    /// The response with other compliances.
+    fn changed(&self, compliance: Vec<f64>, uniform_compliance: f64, is_isotropic: bool) -> Self {
         let stiffness = compliance.iter().map(|compliance| 1.0 / compliance).collect();
         let waves = || compliance[1.min(compliance.len())..].iter().copied();
         Self {
             transform: Arc::clone(&self.transform),
             share: self.share.clone(),
             stiffness_range: [1.0 / waves().fold(0.0, f64::max), 1.0 / waves().fold(f64::INFINITY, f64::min)],
-            uniform_compliance: self.uniform_compliance / factors.first().copied().unwrap_or(1.0),
+            uniform_compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
             stiffness_of: self.stiffness_of,
             body: self.body.clone(),
             contact_modulus: self.contact_modulus,
             rounded: OnceLock::new(),
-            is_isotropic: false,
+            is_isotropic,
             compliance,
         }
     }

@@ -30,6 +30,7 @@ pub enum Kind {
     Contact,
     Path,
     Slide,
+    Wear,
     Punch,
     Body,
     KappaSweep,
@@ -43,6 +44,7 @@ impl Kind {
             ("/loads", Self::Contact),
             ("/path", Self::Path),
             ("/states", Self::Slide),
+            ("/wear", Self::Wear),
             ("/punch", Self::Punch),
             ("/runs", Self::KappaSweep),
         ];
@@ -57,6 +59,7 @@ impl Kind {
             Self::Contact => "contact",
             Self::Path => "path",
             Self::Slide => "slide",
+            Self::Wear => "wear",
             Self::Punch => "punch",
             Self::Body => "body",
             Self::KappaSweep => "kappa-sweep",

@@ -175,7 +175,7 @@ impl Series<'_> {
     ) -> Result<Ended, Failure> {
         let Self { prepared, session, drives, tolerance, .. } = *self;
         let (facts, lift) = (&prepared.facts, prepared.lift());
-        let part = Parts::of(facts.task).name;
+        let part = Parts::of(facts).name;
         let (mut file, mut ended) = (file, Ended::default());
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
             ended.records = self.recall(kept, file, path, progress, outlet)?;

@@ -24,7 +24,7 @@ const BODY: &str = "body";
 
 /// True if the lengths of a command have no unit.
 fn without_units(command: &str) -> bool {
-    !matches!(command, "contact" | "path" | "slide" | "surface" | "theory" | BODY)
+    !matches!(command, "contact" | "path" | "slide" | "wear" | "surface" | "theory" | BODY)
 }
 
 /// The refusal of a quantity with a unit by a command without units.

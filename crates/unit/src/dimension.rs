@@ -58,6 +58,7 @@ impl Dimension {
             (1, 3, 0) => ("an energy", "J"),
             (1, -1, 0) => ("a stress per length", "Pa/m"),
             (-1, 1, 0) => ("a length per stress", "m/Pa"),
+            (-1, 0, 0) => ("an inverse stress", "1/GPa"),
             (0, -1, 0) => ("a wavenumber", "nm^-1"),
             (0, 0, 1) => ("a time", "s"),
             (1, 0, 1) => ("a viscosity", "Pa*s"),

@@ -75,6 +75,8 @@ impl Quantity {
         let Some(end) = ends.rfind(is_number) else { return Ok(None) };
         let (number, rest) = trimmed.split_at(end);
         let name = rest.trim();
+        // An inverse unit, as it is written: `3e-15 1/Pa`.
+        let name = name.strip_prefix('1').filter(|under| under.trim_start().starts_with('/')).unwrap_or(name);
         if name.is_empty() || name.starts_with(begins) {
             return Ok(None);
         }
@@ -209,6 +211,8 @@ mod tests {
             ("3 ms", 3e-3, (0, 0, 1)),
             ("3 m*s", 3.0, (0, 1, 1)),
             ("1/µm", 1e6, (0, -1, 0)),
+            ("3e-15 1/Pa", 3e-15, (-1, 0, 0)),
+            ("2e-6 mm^3/N/m", 2e-15, (-1, 0, 0)),
         ] {
             assert_eq!(in_si(text), (value, powers), "{text}");
         }

@@ -55,7 +55,7 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
     // The symbol that takes the prefix, its power, what stands behind it, and the size of that in SI.
     let (symbol, power, behind, over) = match (dimension.stress, dimension.length, dimension.time) {
         (0, power, 0) if power != 0 => ("m", power, "", 1.0),
-        (power @ 1..=2, 0, 0) => ("Pa", power, "", 1.0),
+        (power @ (1..=2 | -1), 0, 0) => ("Pa", power, "", 1.0),
         (1, 1, 0) => ("J", 1, "/m²", 1.0),
         (1, 2, 0) => ("N", 1, "", 1.0),
         (1, 3, 0) => ("J", 1, "", 1.0),
@@ -68,7 +68,7 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
     let root = value.log10() / f64::from(power) / 3.0;
     let thousands = match value.is_normal() {
         true if power > 0 => (root + 1e-9).floor() as i32,
-        // An inverse length of at least one: 1/µm for 10^6 to 10^9 per metre.
+        // An inverse of at least one: 1/µm for 10^6 to 10^9 per metre.
         true => (root - 1e-9).ceil() as i32,
         false => 0,
     };
@@ -110,6 +110,8 @@ mod tests {
             (si, "stress/length", 3e14, "300.000000", "MPa/µm"),
             (si, "length^2", 4e-11, "40.000000", "µm²"),
             (si, "1/length", 2e6, "2.000000", "1/µm"),
+            (si, "1/stress", 3e-15, "0.003000", "1/TPa"),
+            (si, "1/stress", 2e-10, "200.000000", "1/TPa"),
             (si, "stress^2", 4e14, "400.000000", "MPa²"),
         ] {
             assert_eq!(shown(units, kind, largest), (text.into(), name.into()), "{kind} {largest}");

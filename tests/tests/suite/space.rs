@@ -269,7 +269,7 @@ fn with_friction(case: &Case, random: &mut Random) -> Verdict {
     };
     let load = case.load(random, false);
     let lateral = [random.unit() - 0.5, random.unit() - 0.5].map(|x| case.length * x * 0.1);
-    let drive = Drive { load, lateral, time: 0.0 };
+    let drive = Drive { load, lateral, time: 0.0, distance: 0.0 };
     let state = match contact.press(drive).tolerance(TOLERANCE).max_iterations(5000).solve() {
         Ok(state) => state,
         Err(SolveError::Refused(refusal)) => return refused(&refusal),

@@ -9,7 +9,7 @@ use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTr
 use ndarray::Array2;
 use std::path::Path;
 
-use super::{Args, Way, memory};
+use super::{Args, memory};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
     Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
@@ -28,7 +28,7 @@ pub(crate) fn check(
     compare_heights(reader, comparison)?;
     let args: Args = stored_problem(reader, config)?;
     regenerated(reader, config, args.boundary, comparison, session)?;
-    let mut way = Way::new(&args, session)?;
+    let mut way = super::course(&args, session)?;
     way.prepared.take_units(reader);
     let prepared = &way.prepared;
     layout(ResultKind::Path, reader, comparison, |output| {

@@ -33,3 +33,4 @@ mod sweep;
 mod theory;
 mod trust;
 mod units;
+mod wear;

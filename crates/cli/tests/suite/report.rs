@@ -356,6 +356,14 @@ fn punches_bodies_and_slides_have_pages() {
             2,
         ),
         ("slide --n 32 --eps-f-inv 4 --prony 0.1:0.5 --p-star 0.05 --velocity 1 --out w.h5", "w", &certified, 4, 2),
+        // Wear, area, largest pressure; profile, depth; pressure, gap, section, heights.
+        (
+            "wear --n 32 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1 --steps 4 --out a.h5",
+            "a",
+            &certified,
+            9,
+            3,
+        ),
     ] {
         assert_eq!(make(folder, &format!("{words} -q")), Some(0), "{words}");
         assert_eq!(make(folder, &format!("report {file}.h5 -q")), Some(0), "{words}");
@@ -375,6 +383,9 @@ fn punches_bodies_and_slides_have_pages() {
     let reader = gfmd_files::Reader::open(folder.join("v.h5")).unwrap();
     let friction = reader.values::<f64>("/states/friction").unwrap().into_iter().fold(0.0, f64::max);
     assert!(page(folder, "v.html").contains(&format!("Coefficient of friction {friction:.5}")), "{friction}");
+    let reader = gfmd_files::Reader::open(folder.join("a.h5")).unwrap();
+    let deepest = reader.values::<f64>("/wear/max_wear").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(page(folder, "a.html").contains(&format!("largest depth lost is {deepest:.7}")), "{deepest}");
     let reader = gfmd_files::Reader::open(folder.join("s.h5")).unwrap();
     let stress = reader.values::<f64>("/fields/von_mises").unwrap().into_iter().fold(0.0, f64::max);
     assert!(page(folder, "s.html").contains(&format!("von Mises {stress:.5}")), "{stress}");

@@ -276,7 +276,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
 }
 
 /// Files whose parts are forged, with their kinds.
-const FORGED: [(&str, Kind, &str); 12] = [
+const FORGED: [(&str, Kind, &str); 13] = [
     (
         "wall.h5",
         Kind::Contact,
@@ -302,6 +302,7 @@ const FORGED: [(&str, Kind, &str); 12] = [
     ("slip.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
     ("creep.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --time 0,1 --steps 1"),
     ("slide.h5", Kind::Slide, "slide --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --velocity 0.1,1"),
+    ("wear.h5", Kind::Wear, "wear --n 16 --eps-f-inv 4 --p-star 0.05,0.1 --coefficient 1 --distance 0,0.2 --steps 2"),
     ("punch.h5", Kind::Punch, "punch --n 16"),
     ("body.h5", Kind::Body, "body --surface press.h5 --levels 3"),
     ("sweep.h5", Kind::KappaSweep, "kappa-sweep --config sweep.toml"),
@@ -381,7 +382,7 @@ fn every_part_is_verified_as_the_page_says() {
     make(folder, "press.h5", "punch --n 16");
     let (mut wrong, mut verified, mut unnoticed, mut described) = (Vec::new(), 0, 0, 0);
     // The columns of a series go one way: one of five of each file, others of the next one.
-    let columns = ["/loads/", "/path/", "/lower/"];
+    let columns = ["/loads/", "/path/", "/wear/", "/lower/"];
     let skipped = if long() { 1 } else { 5 };
     for (number, (name, kind, words)) in FORGED.iter().enumerate() {
         let kind = *kind;

@@ -286,7 +286,7 @@ fn bad_input_is_refused_with_what_was_found() {
     assert_eq!(message(Load::MeanPressure(f64::NAN).into(), 1e-8), "the mean pressure is NaN; it must be finite");
     assert_eq!(message(Load::Approach(0.01).into(), 0.0), "the tolerance is 0e0; it must be between 1e-15 and 0.1");
     assert!(message(Load::Approach(1.0).into(), 1e-8).starts_with("the approach is 1; it must be less than the mean"));
-    let lateral = Drive { load: Load::Approach(0.001), lateral: [0.0, f64::INFINITY], time: 0.0 };
+    let lateral = Drive { load: Load::Approach(0.001), lateral: [0.0, f64::INFINITY], time: 0.0, distance: 0.0 };
     assert_eq!(message(lateral, 1e-8), "the lateral displacement is inf; it must be finite");
     let refused = |heights: &Array2<f64>| Interface::new(&half_space(), &grid, heights, HardWall).unwrap_err();
     assert!(matches!(refused(&rough([9, 8])), Refusal::Shape { found: [9, 8], .. }));

@@ -134,7 +134,7 @@ fn paths_continue_bit_for_bit() {
     continues(&interface(), &drives);
 
     let (body, grid, heights) = surface();
-    let slide = |x: f64| Drive { load: Load::MeanPressure(0.02), lateral: [x, 0.0], time: 0.0 };
+    let slide = |x: f64| Drive { load: Load::MeanPressure(0.02), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
     let friction = FrictionalContact::new(&body, &grid, &heights, Limit::Coulomb(0.3)).unwrap();
     continues(&friction, &[0.0, 0.0005, 0.002, 0.001, -0.001].map(slide));
     let law = Exponential::new(1e-4, 3e-3).unwrap();

@@ -54,7 +54,7 @@ fn newton_and_dynamics_find_the_same_states() {
                 (Load::Approach(-0.01), [0.0, 0.002]),
                 (Load::MeanPressure(0.01), [-0.002, 0.001]),
             ] {
-                let drive = Drive { load, lateral, time: 0.0 };
+                let drive = Drive { load, lateral, time: 0.0, distance: 0.0 };
                 let a = solve(&interface, drive, Solver::Newton, None).unwrap();
                 let dynamics = [Solver::Fire, Solver::Fire2].map(|version| {
                     let b = solve(&interface, drive, version, None).unwrap();
@@ -101,7 +101,7 @@ fn laws_without_energy_come_to_rest_by_dynamics() {
     let laws = [CoupledExponential::new(unequal).unwrap().into_shared(), Npb::new(unequal).unwrap().into_shared()];
     for law in laws {
         let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
-        let drive = Drive { load: Load::Approach(0.005), lateral: [0.004, 0.002], time: 0.0 };
+        let drive = Drive { load: Load::Approach(0.005), lateral: [0.004, 0.002], time: 0.0, distance: 0.0 };
         assert!(matches!(solve(&interface, drive, Solver::Newton, None), Err(SolveError::Refused(Refusal::NoEnergy))));
         let state = solve(&interface, drive, Solver::Auto, None).unwrap();
         assert!(state.residual.worst() <= 1e-8 && state.mean_shear[0] > state.mean_shear[1]);
@@ -116,7 +116,7 @@ fn a_bonded_flat_opens_and_slides_as_one_point() {
     let heights = Array2::zeros((8, 8));
     let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
     let interface = Interface::on(response.clone(), &heights, law).unwrap();
-    let drive = Drive { load: Load::Approach(-0.004), lateral: [0.005, -0.003], time: 0.0 };
+    let drive = Drive { load: Load::Approach(-0.004), lateral: [0.005, -0.003], time: 0.0, distance: 0.0 };
     let state = solve(&interface, drive, Solver::Auto, None).unwrap();
     let [gx, gy, gz] = response.uniform_compliance();
     let u = state.displacement.index_axis(ndarray::Axis(1), 3).index_axis(ndarray::Axis(1), 5).to_vec();
@@ -137,7 +137,12 @@ fn the_energy_grows_by_the_work_of_the_rigid_surface() {
     for response in [slab, half_space.into()] {
         let interface = Interface::on(response.clone(), &heights, law).unwrap();
         let at = |d: [f64; 3]| {
-            let drive = Drive { load: Load::Approach(0.002 + d[2]), lateral: [0.003 + d[0], -0.001 + d[1]], time: 0.0 };
+            let drive = Drive {
+                load: Load::Approach(0.002 + d[2]),
+                lateral: [0.003 + d[0], -0.001 + d[1]],
+                time: 0.0,
+                distance: 0.0,
+            };
             interface.press(drive).tolerance(1e-12).solve().unwrap()
         };
         let energy = |d: [f64; 3]| {

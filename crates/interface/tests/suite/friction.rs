@@ -26,7 +26,7 @@ fn wave(n: usize) -> Array2<f64> {
 }
 
 fn pressed(pressure: f64, x: f64) -> Drive {
-    Drive { load: Load::MeanPressure(pressure), lateral: [x, 0.0], time: 0.0 }
+    Drive { load: Load::MeanPressure(pressure), lateral: [x, 0.0], time: 0.0, distance: 0.0 }
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn every_condition_holds_under_a_path_of_shear_up_to_sliding() {
             let mut last = None;
             let mut work = 0.0;
             for lateral in [[0.0, 0.0], [2e-3, -1e-3], [4e-3, 1e-3], [0.2, 0.1]] {
-                let state = solve(&contact, Drive { load, lateral, time: 0.0 }, last.as_ref());
+                let state = solve(&contact, Drive { load, lateral, time: 0.0, distance: 0.0 }, last.as_ref());
                 assert!(state.residual.worst() <= 1e-10 && state.dissipated >= -1e-16);
                 work += state.dissipated;
                 last = Some(state);

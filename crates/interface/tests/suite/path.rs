@@ -205,7 +205,7 @@ fn sideways_work_is_accounted_for() {
     let law = XuNeedleman::new(equal, 0.5).unwrap();
     let heights = asperities(16);
     let sideways = |turns: &[f64], steps: usize| -> Vec<Drive> {
-        let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0], time: 0.0 };
+        let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
         legs(turns, steps).into_iter().map(drive).collect()
     };
     // A half-space is too stiff to jump, a thick slab jumps to and fro.
@@ -227,7 +227,7 @@ fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
         Separation { normal_work: 1e-4, tangential_work: 5e-5, normal_length: 0.01, tangential_length: 0.01 };
     let law = CoupledExponential::new(different).unwrap();
     let heights = asperities(16);
-    let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0], time: 0.0 };
+    let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
     let interface = Interface::on(Arc::clone(&response), &heights, law).unwrap();
     for step in follow(&interface, &[drive(0.0), drive(0.002)], Refinement::default()) {
         assert_eq!((step.dissipated, step.dissipated_error, step.extra_solves), (None, None, 0));

@@ -56,7 +56,7 @@ fn friction_under_a_small_load_is_that_under_a_large_one() {
     let contact = FrictionalContact::new(&half_space(0.2), &grid, &heights, Limit::Coulomb(0.3)).unwrap();
     let tractions = |mean: f64| {
         let pressed = contact.press(Load::MeanPressure(mean)).solve().unwrap();
-        let drive = Drive { load: Load::MeanPressure(mean), lateral: [0.3 * mean, 0.0], time: 0.0 };
+        let drive = Drive { load: Load::MeanPressure(mean), lateral: [0.3 * mean, 0.0], time: 0.0, distance: 0.0 };
         [contact.press(drive).starting_from(Some(&pressed)).solve().unwrap().traction / mean, pressed.traction / mean]
     };
     let expected = tractions(1e-3);

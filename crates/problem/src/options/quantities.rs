@@ -21,6 +21,8 @@ const KINDS: &[(&str, &[&str])] = &[
     ("pressure", &["stress"]),
     ("displacement", &["length"]),
     ("lateral", &["length"]),
+    ("distance", &["length"]),
+    ("coefficient", &["1/stress"]),
     ("shear_strength", &["stress"]),
     ("hardness", &["stress"]),
     ("param", &["1"]),

@@ -79,6 +79,7 @@ impl Parts {
             hardness: self.facts.hardness.then_some(0.15.into()),
             limit,
             prony: self.prony.as_ref(),
+            wear: self.facts.wears.then_some(0.5),
             ..Given::new(self.facts, &self.body, &self.grid, &self.heights)
         }
     }
@@ -92,7 +93,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     let limits = [(false, None), (true, None), (false, Some(Friction::Coulomb))];
     let relaxing = [None, Some(Relaxes::Both), Some(Relaxes::Shear)];
     let count =
-        relaxing.len() * 2 * 2 * limits.len() * 2 * Unknown::ALL.len() * 2 * 2 * supports.len() * seconds.len() * 8;
+        relaxing.len() * 2 * 2 * limits.len() * 2 * Unknown::ALL.len() * 2 * 2 * supports.len() * seconds.len() * 16;
     let facts = (0..count).map(move |mut index| {
         let mut digit = |base: usize| {
             let digit = index % base;
@@ -115,10 +116,12 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             approach: digit(2) == 1,
             lateral: digit(2) == 1,
             relaxes: relaxing[digit(relaxing.len())],
+            wears: digit(2) == 1,
             ..Facts::default()
         }
     });
-    // Loads have no lateral motion, no friction and no time: there is no flag for them.
-    let is_of_loads = |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none();
+    // Loads have no lateral motion, no friction, no time and no distance: there is no flag for them.
+    let is_of_loads =
+        |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none() && !facts.wears;
     facts.filter(move |facts| facts.task == Task::Path || is_of_loads(facts))
 }

@@ -10,8 +10,9 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{FrictionalContact, Interface, Kept, Path, PlasticContact, Refinement};
 use gfmd_law::Kind;
-use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, table};
+use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
 use gfmd_relax::Budget;
+use gfmd_wear::{WearContact, WearState};
 
 fn same(a: &impl Fields, b: &impl Fields) {
     let bits = |state: &dyn Fn() -> Vec<f64>| state().into_iter().map(f64::to_bits).collect::<Vec<_>>();
@@ -90,21 +91,38 @@ impl Visit for Reading<'_> {
 
 #[test]
 fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_kept() {
-    let drive = |pressure| Drive { load: Load::MeanPressure(pressure), lateral: [0.0; 2], time: 0.0 };
-    let drives = [0.004, 0.02, 0.01].map(drive);
+    let drive = |pressure: f64| Drive {
+        load: Load::MeanPressure(pressure),
+        lateral: [0.0; 2],
+        time: 0.0,
+        distance: (100.0 * pressure).powi(2),
+    };
+    let drives = [0.004, 0.01, 0.02].map(drive);
     let on_path = Facts { task: Task::Path, ..Facts::default() };
     for facts in [
         Facts { hardness: true, ..on_path },
         Facts { friction: Some(Friction::Coulomb), ..on_path },
         Facts { law: Kind::Exponential, ..on_path },
+        Facts { wears: true, ..on_path },
     ] {
         let parts = Parts::of(facts);
         let given = parts.given();
         let posed = pose(&given).unwrap();
-        let mut path = Path::new(&posed, Budget::default(), Refinement::default());
+        // Each step of surfaces that wear in one solve, as below.
+        let solves_per_step = if facts.wears { 0 } else { Refinement::default().solves_per_step };
+        let refinement = Refinement { solves_per_step, ..Refinement::default() };
+        let mut path = Path::new(&posed, Budget::default(), refinement);
         let lost: Vec<_> = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap().dissipated).collect();
         let Parts { body, grid, heights, .. } = &parts;
         let direct: Vec<_> = match (facts.hardness, given.limit) {
+            _ if facts.wears => {
+                let contact = WearContact::new(Contact::new(body, grid, heights).unwrap(), 0.5).unwrap();
+                let mut states: Vec<WearState> = Vec::new();
+                for drive in drives {
+                    states.push(contact.press(drive).starting_from(states.last()).solve().unwrap());
+                }
+                states.iter().map(|state| Some(state.dissipated)).collect()
+            }
             (true, _) => {
                 let contact = Contact::new(body, grid, heights).unwrap().with_hardness(0.15).unwrap();
                 let contact = PlasticContact::new(contact);
@@ -125,7 +143,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         assert_eq!(lost, direct, "{facts:?}");
         let mut tape = Tape::default();
         path.keep(&mut Writing(&mut tape));
-        let mut again = Path::new(&posed, Budget::default(), Refinement::default());
+        let mut again = Path::new(&posed, Budget::default(), refinement);
         again.resume(drives[2], &mut Reading(&mut tape)).unwrap();
         path.step(drive(0.03), &mut ()).unwrap();
         again.step(drive(0.03), &mut ()).unwrap();
@@ -191,7 +209,7 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
         let lateral = [if facts.lateral { 1e-4 } else { 0.0 }, 0.0];
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
-            let state = problem.press(Drive { load, lateral, time: 0.0 }).tolerance(1e-6).solve();
+            let state = problem.press(Drive { load, lateral, time: 0.0, distance: 1.0 }).tolerance(1e-6).solve();
             let state = state.map_err(|error| format!("solved: {error}"))?;
             if state.worst() <= 1e-6 { Ok(()) } else { Err(format!("residual {:e}", state.worst())) }
         });
@@ -234,9 +252,11 @@ fn the_page_has_the_rules() {
          tests use one table of refused combinations. All other combinations are solved, and a test tries each on a \
          small grid.\n\
          `gfmd contact --help` and `gfmd path --help` print the same lists.\n\n\
-         ## `contact`\n\n{}\n## `path`\n\n{}\n## Reasons\n\n{}",
+         ## `contact`\n\n{}\n## `path`\n\n{}\n## `wear`\n\n\
+         - as `path`, without {}\n\n## Reasons\n\n{}",
         lines(Task::Loads),
         lines(Task::Path),
+        rules_of_wear().join(", "),
         table()
     );
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/together.md");

@@ -26,6 +26,7 @@ from ._record import Record, Residual
 from ._slide import Slide, slide
 from ._solve import contact, contacts
 from ._surface import Statistics, Surface, read, self_affine
+from ._wear import Wear, wear
 
 __all__ = [
     "Body",
@@ -47,6 +48,7 @@ __all__ = [
     "Slide",
     "Statistics",
     "Surface",
+    "Wear",
     "__version__",
     "cite",
     "contact",
@@ -64,4 +66,5 @@ __all__ = [
     "read",
     "self_affine",
     "slide",
+    "wear",
 ]

@@ -91,10 +91,7 @@ class Path(Record):
         """
         from . import _show
 
-        for name in (x, y):
-            if name not in self.steps:
-                raise InputError(f"the scalar is {name!r}; it must be one of {', '.join(self.steps)}")
-        return _show.loop((x, self.steps[x]), (y, self.steps[y]), (self.surface.unit, None), ax)
+        return _show.steps(self, (x, y), ax)
 
     def to_xarray(self) -> Any:
         """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
@@ -108,12 +105,7 @@ class Path(Record):
         """
         from . import _show
 
-        units = (self.unit, self.get("stress_unit"))
-        variables = {name: (("step", "axis")[: values.ndim], values, _show.attributes(name, units)) for name, values in self.steps.items()}
-        for name in ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"):
-            if name in self:
-                variables[name] = (("waypoint", "y", "x"), np.swapaxes(self[name], 1, 2), _show.attributes(name, units))
-        return _show.needed("xarray", "to_xarray").Dataset(variables, _show.coordinates(self.surface))
+        return _show.steps_dataset(self, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
 
     def _repr_html_(self) -> str:
         from . import _show
@@ -126,6 +118,28 @@ def _column(values: list[Any]) -> Array:
     """Returns the numbers of the steps as an array; NaN for those without a value, also of a component."""
     made = np.array([np.nan if value is None else value for value in values])
     return made.astype(float) if made.dtype == object else made
+
+
+def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
+    """The keys of waypoints that are given in one of three ways, of what is `said` to be given."""
+    kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
+    found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
+    if len(found) != 1:
+        given = ", ".join(found) or "none"
+        raise InputError(f"{said} given by {given}; it must be given by one of mean_pressure, p_star, approach")
+    keys = {"pressure": "mean_pressure", "p_star": "p_star", "displacement": "approach"}
+    return {key: found.get(name) for key, name in keys.items()}
+
+
+def gathered(values: dict[str, Any]) -> dict[str, Any]:
+    """The report of a path with the numbers of its steps as arrays."""
+    parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
+    undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
+    rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = {name: _column([row.get(name) for row in rows]) for name in names}
+    told = {name: _command.records(value) for name, value in values.items()}
+    return {**told, "steps": Record(columns), "undefined": undefined}
 
 
 def path(
@@ -191,19 +205,13 @@ def path(
         True
     """
     made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
-    drive = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
-    kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
-    found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
-    if len(found) != 1:
-        raise InputError(f"the path is given by {', '.join(found) or 'none'}; it must be given by one of mean_pressure, p_star, approach")
+    drive = drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
     if sum(value is not None for value in (law, friction, shear_strength)) > 1:
         raise InputError("law, friction and shear_strength are given together; give one of the three")
     problem: dict[str, Any] = dict(
         unit=made.unit,
         stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
-        pressure=found.get("mean_pressure"),
-        p_star=found.get("p_star"),
-        displacement=found.get("approach"),
+        **drive,
         lateral=None if lateral is None else quantities("lateral", lateral, "length"),
         time=None if time is None else numbers("time", time),
         direction=number("direction", direction),
@@ -225,15 +233,10 @@ def path(
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields = _command.solve("path", problem, arrays, threads)
-    parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
-    undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
-    rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
-    names = dict.fromkeys(name for row in rows for name in row)
-    columns = {name: _column([row.get(name) for row in rows]) for name in names}
-    told = {name: _command.records(value) for name, value in values.items()}
+    told = gathered(values)
     if isinstance(bound, np.ndarray):
         told["hardness"] = bound
-    result = Path({**told, "unit": made.unit, "surface": made, "steps": Record(columns), "undefined": undefined, **fields})
+    result = Path({**told, "unit": made.unit, "surface": made, **fields})
     return _command.ended(result, failure)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _gfmd
 from ._check import Array
-from ._errors import Error
+from ._errors import Error, InputError
 from ._record import Record
 
 if TYPE_CHECKING:
@@ -89,6 +89,27 @@ def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[U
         ax.set_ylabel(f"y ({unit})")
     ax.set_xlabel(f"x ({unit})")
     return ax
+
+
+def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
+    """One scalar of the steps of a result against another."""
+    for name in names:
+        if name not in result.steps:
+            raise InputError(f"the scalar is {name!r}; it must be one of {', '.join(result.steps)}")
+    x, y = ((name, result.steps[name]) for name in names)
+    return loop(x, y, (result.surface.unit, None), ax)
+
+
+def steps_dataset(result: Any, fields: Sequence[str]) -> Any:
+    """An xarray.Dataset of the scalars of the steps of a result, and of those of the `fields` that it has."""
+    units = (result.unit, result.get("stress_unit"))
+    axes = ("step", "axis")
+    columns = result.steps.items()
+    variables = {name: (axes[: values.ndim], values, attributes(name, units)) for name, values in columns}
+    for name in fields:
+        if name in result:
+            variables[name] = (("waypoint", "y", "x"), np.swapaxes(result[name], 1, 2), attributes(name, units))
+    return needed("xarray", "to_xarray").Dataset(variables, coordinates(result.surface))
 
 
 def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:

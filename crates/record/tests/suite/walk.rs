@@ -10,7 +10,7 @@ use gfmd_relax::Budget;
 /// Checks the state of a problem under one load, or after one step of a path.
 fn solved(problem: &Posed, facts: &Facts, check: impl FnOnce(&Rest, Option<&Step>)) {
     let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
-    let drive = Drive { load, lateral: [if facts.lateral { 1e-4 } else { 0.0 }, 0.0], time: 0.0 };
+    let drive = Drive { load, lateral: [if facts.lateral { 1e-4 } else { 0.0 }, 0.0], time: 0.0, distance: 0.0 };
     if facts.task == Task::Loads {
         return check(&problem.press(drive).tolerance(1e-6).solve().unwrap(), None);
     }

@@ -3,4 +3,5 @@
 mod free_full;
 mod operators;
 mod scattered;
+mod softened;
 mod units;

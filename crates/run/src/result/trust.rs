@@ -174,6 +174,21 @@ const SLIDE: &[Row] = &[
     row(&["/fields/*"], Verified, Verified, "the pressure, on surface and body"),
 ];
 
+const WEAR: &[Row] = &[
+    row(&["/wear/seconds"], Checksum, Checksum, ""),
+    row(
+        &["/wear/converged", "/wear/p_star", "/wear/distance", "/wear/wear_volume"],
+        Verified,
+        Verified,
+        "the residual and the tolerance; the mean pressure; the distances of the configuration",
+    ),
+    row(&["/wear/iterations", "/wear/transform_pairs", "/wear/extra_solves"], Checksum, Verified, "the second run"),
+    row(&["/wear/dissipated_error"], Verified, Verified, "the balance of work and energy"),
+    row(&["/wear/step"], Verified, Verified, "the layout that the configuration gives"),
+    row(&["/wear/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
+    row(&["/fields/*"], Verified, Verified, "the pressure on surface and body, as they are worn"),
+];
+
 const PUNCH: &[Row] = &[
     row(&["/punch/seconds"], Checksum, Checksum, ""),
     row(&["/punch/iterations", "/punch/transform_pairs"], Checksum, Verified, "the second run"),
@@ -233,6 +248,7 @@ pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
         Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
         Kind::Path => &[PATH, SEARCH, ALL, SURFACE],
         Kind::Slide => &[SLIDE, ALL, SURFACE],
+        Kind::Wear => &[WEAR, SEARCH, ALL, SURFACE],
         Kind::Punch => &[SEARCH, ALL, PUNCH],
         Kind::Body => &[ALL, BODY],
         Kind::KappaSweep => &[ALL, SWEEP],
@@ -272,12 +288,13 @@ pub fn page() -> String {
         }
     };
     table(&mut page, "Every result", ALL);
-    table(&mut page, "Surface of `contact`, `path` and `slide`", SURFACE);
-    table(&mut page, "Search of `contact`, `path` and `punch`", SEARCH);
+    table(&mut page, "Surface of `contact`, `path`, `slide` and `wear`", SURFACE);
+    table(&mut page, "Search of `contact`, `path`, `wear` and `punch`", SEARCH);
     for (title, rows) in [
         ("`contact`", CONTACT),
         ("`path`", PATH),
         ("`slide`", SLIDE),
+        ("`wear`", WEAR),
         ("`punch`", PUNCH),
         ("`body`", BODY),
         ("`kappa-sweep`", SWEEP),
@@ -299,7 +316,8 @@ mod tests {
         let clocks = COLUMNS.iter().filter(|column| column.origin == Origin::Clock);
         let parts: Vec<(Kind, String)> = clocks
             .flat_map(|column| {
-                [(Kind::Contact, "loads"), (Kind::Path, "path")].map(|(kind, group)| (kind, group, column))
+                [(Kind::Contact, "loads"), (Kind::Path, "path"), (Kind::Wear, "wear")]
+                    .map(|(kind, group)| (kind, group, column))
             })
             .map(|(kind, group, column)| (kind, format!("/{group}/{}", column.name)))
             .collect();

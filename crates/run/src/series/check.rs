@@ -54,7 +54,7 @@ impl<'a> Stored<'a> {
 
     /// The path of a column.
     pub fn path(&self, name: &str) -> String {
-        format!("{}/{name}", Parts::of(self.prepared.facts.task).group)
+        format!("{}/{name}", Parts::of(&self.prepared.facts).group)
     }
 
     /// The unit of length, the rms height.
@@ -166,7 +166,7 @@ impl<'a> Stored<'a> {
         }
         comparison.accurate_to(0.0);
         if has_converged {
-            let name = Parts::of(self.prepared.facts.task).name;
+            let name = Parts::of(&self.prepared.facts).name;
             comparison.at_most(&format!("residual of {name} {index}"), state.worst(), self.allowed());
         }
     }

@@ -55,7 +55,7 @@ pub struct ChosenError;
 
 /// The names of the fields that loads may have.
 fn names() -> impl Iterator<Item = &'static str> {
-    ARRAYS.iter().map(|array| array.name).filter(|name| !name.starts_with("shear"))
+    ARRAYS.iter().map(|array| array.name).filter(|name| !name.starts_with("shear") && *name != "wear_depth")
 }
 
 impl Chosen {
@@ -169,7 +169,7 @@ impl<'a> StateFile<'a> {
             Ok(archive) => (archive, Ok(())),
             Err(error) => (None, Err(error)),
         };
-        let (name, meaning) = Parts::of(facts.task).stored;
+        let (name, meaning) = Parts::of(&facts).stored;
         let state = Dimension::index(name, states, meaning);
         let units = surface.units();
         let [x, y] = axes(&surface.grid, surface.unit());
@@ -290,7 +290,7 @@ impl<'a> StateFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<Option<PathBuf>, Failure> {
         let Some(mut archive) = self.archive else { return Ok(None) };
-        let parts = Parts::of(self.facts.task);
+        let parts = Parts::of(&self.facts);
         let rows = Dimension::index(parts.name, count, parts.meaning);
         let names = [parts.name, parts.plural];
         write_columns(&mut archive, (parts.group, &rows, names), (&self.facts, &self.units), records, count)?;

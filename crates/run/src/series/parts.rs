@@ -1,6 +1,6 @@
 //! The parts of a series: their words, and their places in a file.
 
-use gfmd_problem::Task;
+use gfmd_problem::{Facts, Task};
 
 /// The words for the parts of a series, and their places in a file.
 pub struct Parts {
@@ -17,10 +17,11 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Those of a task.
-    pub fn of(task: Task) -> &'static Self {
-        match task {
+    /// Those of a problem.
+    pub fn of(facts: &Facts) -> &'static Self {
+        match facts.task {
             Task::Loads => &LOADS,
+            Task::Path if facts.wears => &DISTANCES,
             Task::Path => &STEPS,
         }
     }
@@ -36,3 +37,5 @@ const STEPS: Parts = Parts {
     meaning: "step of the path",
     stored: ("waypoint", "waypoint of the path"),
 };
+
+const DISTANCES: Parts = Parts { group: "/wear", ..STEPS };

@@ -45,6 +45,8 @@ pub struct Asked<'a> {
     pub limit: Option<(Limit, &'static str)>,
     /// Relaxation of the body, whose long-term moduli are given.
     pub prony: Option<&'a Prony>,
+    /// Coefficient of wear, 1/stress.
+    pub wear: Option<f64>,
     /// Boundary of the cell.
     pub boundary: Boundary,
     /// Choices of the damped dynamics.
@@ -77,6 +79,8 @@ pub struct Prepared {
     pub limit: Option<Limit>,
     /// Relaxation of the body, if it is viscoelastic.
     pub prony: Option<Prony>,
+    /// Coefficient of wear, if the surfaces wear, 1/stress.
+    pub wear: Option<f64>,
     dynamics: Dynamics,
     /// Height of the surface's top above the highest point of the grid, if this process has all of it.
     rise: Option<f64>,
@@ -133,10 +137,25 @@ impl Prepared {
             }
             _ => surface.statistics.moments,
         };
-        let (prony, dynamics) = (asked.prony.cloned(), asked.dynamics);
+        let (prony, wear, dynamics) = (asked.prony.cloned(), asked.wear, asked.dynamics);
         let adhesion =
             Adhesion::of(asked.law, &law, &surface.grid, &surface.statistics.moments, body.contact_modulus());
-        Ok(Self { facts, surface, body, base, lower, law, hardness, limit, prony, dynamics, rise, adhesion, moments })
+        Ok(Self {
+            facts,
+            surface,
+            body,
+            base,
+            lower,
+            law,
+            hardness,
+            limit,
+            prony,
+            wear,
+            dynamics,
+            rise,
+            adhesion,
+            moments,
+        })
     }
 
     /// Takes the units of lengths as a file spells them.
@@ -200,6 +219,7 @@ impl Prepared {
             hardness: self.hardness.clone(),
             limit: self.limit,
             prony: self.prony.as_ref(),
+            wear: self.wear,
             dynamics: self.dynamics,
             ..Given::new(self.facts, &self.body, &self.surface.grid, &heights)
         };
@@ -275,7 +295,7 @@ impl Prepared {
     /// # Errors
     /// The first one that cannot be.
     pub fn check_drives(&self, contact: &Posed, drives: &[Drive], flag: &str, tolerance: f64) -> Result<(), Failure> {
-        let part = Parts::of(self.facts.task).name;
+        let part = Parts::of(&self.facts).name;
         for (index, drive) in drives.iter().enumerate() {
             check_drive(contact, *drive, &format!("{flag}, {part} {index}"), tolerance)?;
         }

@@ -148,6 +148,7 @@ impl ContactArgs {
             hardness: self.hardness.as_ref(),
             limit: None,
             prony: None,
+            wear: None,
             boundary: self.boundary,
             dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
             solver: self.solver.solver,

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 /// A file that is no result of a problem with these facts.
 pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
-    let Parts { group, plural, .. } = Parts::of(facts.task);
+    let Parts { group, plural, .. } = Parts::of(facts);
     let shape = reader.shape(&format!("{group}/mean_pressure")).map_err(refuse)?;
     let &[count] = &shape[..] else {
         let path = reader.path().display();

@@ -1,0 +1,211 @@
+//! A path of drives, followed step by step and kept: the work that `path` and `wear` have in common.
+
+mod waypoints;
+
+use gfmd_contact::{Budget, Drive, Load, SolveError, Visit};
+use gfmd_files::Output;
+use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
+use gfmd_problem::Posed;
+use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record};
+use std::path::PathBuf;
+
+use crate::progress::Progress;
+use gfmd_report::figures::Shown;
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::resume::{Kept, ResumeArgs};
+use gfmd_run::series::{
+    Asked, Chosen, Ended, Outlet, Places, Prepared, Reached, Series, StateFile, beside, keeping, on_finer_grids,
+    resolved,
+};
+use gfmd_run::session::Session;
+
+pub(crate) use self::waypoints::{LoadArgs, counted, legs, lengths};
+
+/// The input of a path, checked before the first solve.
+pub(crate) struct Course {
+    pub(crate) prepared: Prepared,
+    pub(crate) drives: Vec<Drive>,
+    pub(crate) places: Places,
+    pub(crate) output: Option<Output>,
+}
+
+/// The way in which a path is followed.
+pub(crate) struct Way<'a> {
+    pub(crate) asked: &'a Asked<'a>,
+    /// The flag of its loads or approaches.
+    pub(crate) flag: &'static str,
+    pub(crate) resume: ResumeArgs,
+    pub(crate) refinement: Refinement,
+    /// The configuration that a file keeps.
+    pub(crate) config: String,
+}
+
+/// A path that was followed as far as it goes.
+pub(crate) struct Followed<'a> {
+    pub(crate) contact: &'a Posed,
+    /// The path, at its last state.
+    pub(crate) path: Path<'a, Posed>,
+    pub(crate) ended: Ended,
+    /// The file, without its scalars. An interrupted run whose state is kept has none.
+    pub(crate) file: Option<StateFile<'a>>,
+    /// The fields of the step with the largest contact.
+    pub(crate) widest: Option<Shown>,
+    /// The steps that further increments would change.
+    pub(crate) unsettled: Vec<(usize, Step)>,
+}
+
+impl Course {
+    /// Follows the path, and hands it to `end`, which makes a report; `out` tells the file that is in it.
+    pub(crate) fn run<R>(
+        &self,
+        way: &Way,
+        session: &Session,
+        end: impl FnOnce(Followed) -> Result<Outcome<R>, Failure>,
+        out: impl FnOnce(&R) -> Option<&PathBuf>,
+    ) -> Result<Outcome<R>, Failure> {
+        let Self { prepared, drives, output, .. } = self;
+        let (budget, flag) = (way.asked.budget, way.flag);
+        let contact = prepared.pose_and_tell(way.asked, session)?;
+        prepared.check_drives(&contact, drives, flag, budget.tolerance)?;
+        prepared.warn_of_drives(drives, flag, session);
+        let kept = match output {
+            Some(output) if !session.is_in_memory() => {
+                Some(Kept::open(output, prepared.identity(&way.config, session), drives.len(), way.resume, None)?)
+            }
+            _ => None,
+        };
+        keeping(kept, |kept| end(self.follow(&contact, way, kept, session)?), out)
+    }
+
+    /// Makes the steps that are not kept.
+    fn follow<'a>(
+        &'a self,
+        contact: &'a Posed,
+        Way { asked, refinement, config, .. }: &Way,
+        mut kept: Option<&mut Kept>,
+        session: &'a Session,
+    ) -> Result<Followed<'a>, Failure> {
+        let Self { prepared, drives, places, output } = self;
+        let budget = asked.budget;
+        let Budget { tolerance, .. } = budget;
+        let mut path = Path::new(contact, budget, *refinement);
+        let series = Series {
+            prepared,
+            session,
+            drives,
+            tolerance,
+            places: places.clone(),
+            chosen: Chosen::All,
+            ends_with_file: true,
+        };
+        let mut file = series.file(output.as_ref(), config.clone(), output.is_some())?;
+        let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
+        let finer = on_finer_grids(asked, prepared)?;
+        let finer = finer.iter().map(|(finer, contact)| Beside {
+            prepared: finer,
+            contact,
+            path: Path::new(contact, budget, *refinement),
+            rise: finer.surface.highest() - prepared.surface.highest(),
+            ended: None,
+        });
+        let mut log = Log {
+            contact,
+            drives,
+            finer: finer.collect(),
+            tolerance,
+            session,
+            points: prepared.surface.grid.len(),
+            widest: None,
+            unsettled: Vec::new(),
+        };
+        let kept_files = (file.as_mut(), kept.as_deref_mut());
+        let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
+        progress.finish();
+        let Log { widest, unsettled, .. } = log;
+        let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !ended.is_kept(kept.as_deref())));
+        Ok(Followed { contact, path, ended, file, widest, unsettled })
+    }
+}
+
+/// A path on a finer grid, beside the one that is asked for.
+struct Beside<'a> {
+    prepared: &'a Prepared,
+    contact: &'a Posed,
+    path: Path<'a, Posed>,
+    /// Height of its highest point above that of the other grid, from which an approach counts there.
+    rise: f64,
+    /// The reason why the path ended, once it has.
+    ended: Option<String>,
+}
+
+impl Beside<'_> {
+    /// The record of the step under a drive of the other grid.
+    fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<OnFinerGrid, Failure> {
+        if let Some(reason) = &self.ended {
+            return Err(Failure::Computation(reason.clone()));
+        }
+        let load = match drive.load {
+            Load::Approach(approach) => Load::Approach(approach + self.rise),
+            pressure => pressure,
+        };
+        let step = self.path.step(Drive { load, ..drive }, &mut session.stop()).map_err(|error| match error {
+            SolveError::Interrupted { .. } => Failure::Interrupted("interrupted".into()),
+            error => {
+                let [nx, ny] = self.prepared.surface.grid.points();
+                let reason = format!("the grid of {nx} x {ny} points: {error}");
+                Failure::Computation(self.ended.insert(reason).clone())
+            }
+        })?;
+        let state = self.path.state().ok_or_else(|| Failure::Computation(NOT_SOLVED.into()))?;
+        let reading = self.contact.reading(state);
+        let at = resolved(self.prepared, state, tolerance);
+        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at }))
+    }
+}
+
+/// What a path makes of its states.
+struct Log<'a> {
+    contact: &'a Posed,
+    drives: &'a [Drive],
+    /// Paths on finer grids, beside the one that is asked for.
+    finer: Vec<Beside<'a>>,
+    tolerance: f64,
+    session: &'a Session,
+    points: usize,
+    /// The largest contact area, and its fields.
+    widest: Option<(f64, Shown)>,
+    /// The steps that further increments would change.
+    unsettled: Vec<(usize, Step)>,
+}
+
+impl Outlet for Log<'_> {
+    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
+        let Reached { index, state, step, at, started, is_cut } = reached;
+        let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
+        let finer = self.finer.iter_mut().map(|finer| match is_cut {
+            true => Ok(Err(NOT_SOLVED.to_owned())),
+            false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
+        });
+        let finer = finer.collect::<Result<_, Failure>>()?;
+        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, reading)), finer, ..at });
+        if step.is_unsettled {
+            self.unsettled.push((index, *step));
+        }
+        let area = record.number("area_fraction");
+        if self.widest.as_ref().is_none_or(|(most, _)| area > *most) {
+            self.widest = Some((area, Shown::of(state, None, state.plastic_depth())));
+        }
+        Ok(record)
+    }
+
+    /// Visits the largest contact area and its fields; there are none before the first step.
+    fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
+        if is_new {
+            self.widest = Some((f64::NAN, Shown::zeros(self.points)));
+        }
+        if let Some((area, shown)) = &mut self.widest {
+            visitor.number(area);
+            shown.fields_mut().into_iter().for_each(|field| visitor.field(field));
+        }
+    }
+}

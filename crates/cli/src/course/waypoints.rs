@@ -1,0 +1,135 @@
+//! Loads or approaches at the waypoints of a path, and the steps of the legs between them.
+
+use clap::Args as ClapArgs;
+use gfmd_contact::{Drive, Load};
+use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_run::failure::Failure;
+use gfmd_run::memory;
+use gfmd_run::series::Places;
+use serde::{Deserialize, Serialize};
+
+/// The largest number of steps of a path.
+const MOST_STEPS: u64 = 1_000_000;
+
+/// The bytes of a step: its drive, its record, and its text.
+const STEP_BYTES: u64 = 4096;
+
+/// The flags of the loads, or of the approaches. A single value holds for all waypoints.
+#[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+#[command(next_help_heading = "Waypoints")]
+pub(crate) struct LoadArgs {
+    /// Mean pressures, stress; a negative one pulls; A:B:N is N values from A to B in geometric steps
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    pressure: Vec<Entry>,
+    /// Reduced pressures p/(E* g); a negative one pulls
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    p_star: Vec<Entry>,
+    /// Rigid approaches beyond first touch, length; a negative one is a separation
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "D1|A:B:N,..",
+        group = "drive",
+        required_unless_present_any = ["pressure", "p_star"],
+        allow_negative_numbers = true
+    )]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    displacement: Vec<Entry>,
+}
+
+/// The load, or the approach, of a number.
+type LoadOf = fn(f64) -> Load;
+
+impl LoadArgs {
+    /// The loads or approaches, of which none may pull if the surfaces are `hard`, and the load of one.
+    ///
+    /// # Errors
+    /// A value that cannot be used; several flags.
+    pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, LoadOf), Failure> {
+        let flag = self.flag();
+        let given = [&self.pressure, &self.p_star, &self.displacement];
+        if given.into_iter().filter(|values| !values.is_empty()).count() > 1 {
+            return Err(Failure::Input(format!(
+                "{flag} is given beside another of --pressure, --p-star, --displacement"
+            )));
+        }
+        let (given, unit, load): (_, f64, LoadOf) = match flag {
+            "--pressure" => (&self.pressure, 1.0, Load::MeanPressure),
+            "--p-star" => (&self.p_star, unit_pressure, Load::MeanPressure),
+            _ => (&self.displacement, 1.0, Load::Approach),
+        };
+        let allowed = if hard { "positive and finite" } else { "finite" };
+        match numbers(given).find(|value| !(value.is_finite() && (!hard || *value > 0.0))) {
+            Some(bad) => Err(Failure::value(flag, bad, allowed)),
+            None => Ok((numbers(given).map(|value| value * unit).collect(), load)),
+        }
+    }
+
+    /// The flag of the loads or approaches.
+    pub(crate) fn flag(&self) -> &'static str {
+        match (self.pressure.is_empty(), self.p_star.is_empty()) {
+            (false, _) => "--pressure",
+            (_, false) => "--p-star",
+            _ => "--displacement",
+        }
+    }
+}
+
+/// The lengths of legs, in time or in distance, which `flag` gives.
+///
+/// # Errors
+/// A length that is negative or not finite.
+pub(crate) fn lengths(flag: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure> {
+    let lengths: Vec<f64> = numbers(entries).collect();
+    match lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
+        Some(bad) => Err(Failure::value(flag, bad, "finite and not negative")),
+        None => Ok(lengths),
+    }
+}
+
+/// The number of waypoints of lists, each with its flag and its length, between which there are `legs` of so many
+/// `steps`.
+///
+/// # Errors
+/// A list of another length; more steps than there may be.
+pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
+    let count = lists.iter().map(|(_, length)| *length).max().unwrap_or(0);
+    if let Some((flag, length)) = lists.iter().find(|(_, length)| *length != 1 && *length != count) {
+        return Err(Failure::Input(format!("{flag} has {length} waypoints; it must have 1 or {count}")));
+    }
+    let made = (legs(count) as u64).saturating_mul(u64::from(steps));
+    if made > MOST_STEPS {
+        let found = format!("{steps}, in all {made} for {count} waypoints");
+        return Err(Failure::value("--steps", found, format!("at most {MOST_STEPS} in all")));
+    }
+    memory::check_count("--steps", "steps", made + 1, STEP_BYTES)?;
+    Ok(count)
+}
+
+/// The steps of `count` legs, each of which has a length and ends at its value, or at the only one: the first begins
+/// with nothing. A leg of no length is one step. `drive` is that of a value, and of the length of the path so far.
+pub(crate) fn legs(
+    (values, lengths, count): (&[f64], &[f64], usize),
+    steps: u32,
+    drive: impl Fn(f64, f64) -> Drive,
+) -> (Vec<Drive>, Places) {
+    let (mut drives, mut ends) = (Vec::new(), Vec::new());
+    let (mut before, mut start) = (0.0, 0.0);
+    for leg in 0..count {
+        let of = |list: &[f64]| list[leg.min(list.len() - 1)];
+        let length = of(lengths);
+        let (value, end) = (of(values), start + length);
+        let count = if length == 0.0 { 1 } else { steps };
+        for step in 1..=count {
+            let share = f64::from(step) / f64::from(count);
+            let at = |from: f64, to: f64| if step == count { to } else { from + share * (to - from) };
+            drives.push(drive(at(before, value), at(start, end)));
+        }
+        ends.push(drives.len() - 1);
+        (before, start) = (value, end);
+    }
+    (drives, Places::At(ends))
+}

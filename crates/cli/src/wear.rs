@@ -1,0 +1,212 @@
+//! `wear`: a rough surface that slides on an elastic body, while both lose depth by Archard's law.
+
+mod check;
+mod figures;
+mod report;
+
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Solver};
+use gfmd_interface::Refinement;
+use gfmd_problem::options::flags::without_flags;
+use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, within};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, named, parse_choice};
+use gfmd_problem::{Facts, GridError, Rest, Task};
+use gfmd_report::figures::{Scene, Shown, parse_prefix};
+use gfmd_run::base::BaseArgs;
+use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::lower::LowerArgs;
+use gfmd_run::resume::ResumeArgs;
+use gfmd_run::series::{Asked, Ended, Head, Prepared};
+use gfmd_run::session::Session;
+use gfmd_run::source::SourceArgs;
+use serde::{Deserialize, Serialize};
+
+use crate::course::{Course, Followed, LoadArgs, Way, counted, legs, lengths};
+
+pub(crate) use self::check::{again, check};
+pub use self::report::Report;
+
+/// Flags of `wear`.
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+#[command(after_help = "Examples:
+  gfmd wear --n 128 --eps-f-inv 16 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out w.h5 --plots w
+  gfmd wear --surface scan.sur --young 2GPa --pressure 1MPa --coefficient 1e-15/Pa --distance 0,1m --steps 50 --json")]
+pub struct Args {
+    #[command(flatten)]
+    #[serde(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    body: BodyArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    compliance: ComplianceArgs,
+    /// The surroundings of the surface; free: a patch that does not repeat
+    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[serde(with = "named")]
+    boundary: Boundary,
+    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
+    /// too
+    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
+    #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
+    grid_error: GridError,
+    #[command(flatten)]
+    #[serde(flatten)]
+    loads: LoadArgs,
+    /// Sliding distances of the legs, each of which ends at a waypoint: the first one begins at first touch; a leg of
+    /// no distance is one step
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "S1|A:B:N,..",
+        required = true,
+        allow_negative_numbers = true,
+        help_heading = "Waypoints"
+    )]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    distance: Vec<Entry>,
+    /// Wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over the
+    /// pressure
+    #[arg(long, value_name = "K", required = true, allow_negative_numbers = true, help_heading = "Wear")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coefficient: Option<f64>,
+    /// Steps of a leg
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
+    steps: u32,
+    /// Largest residual of a converged state
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    tol: f64,
+    /// Largest number of iterations for one step
+    #[arg(long, default_value_t = 100_000, value_name = "N")]
+    max_iter: u64,
+    #[command(flatten)]
+    #[serde(skip)]
+    resume: ResumeArgs,
+    /// Write the path, and the fields at its waypoints, to this HDF5 file
+    #[arg(long, value_name = "FILE.h5")]
+    #[serde(skip)]
+    out: Option<PathBuf>,
+    /// Draw wear, area and largest pressure against the distance: PREFIX-wear.svg, .png; of the last step the worn
+    /// profile beside the unworn: PREFIX-profile, the depth lost: PREFIX-depth, and PREFIX-map (pressure), PREFIX-gap,
+    /// PREFIX-section
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[serde(skip)]
+    plots: Option<PathBuf>,
+}
+
+impl Default for Args {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
+impl Args {
+    fn facts(&self, line: bool) -> Facts {
+        Facts {
+            task: Task::Path,
+            wears: true,
+            boundary: self.boundary,
+            line,
+            approach: self.loads.flag() == "--displacement",
+            resume: self.resume.resume,
+            grid_error: self.grid_error,
+            ..self.compliance.of(self.body.facts())
+        }
+    }
+
+    /// Gives the problem that the flags ask for to `take`.
+    fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
+        take(&Asked {
+            source: &self.source,
+            body: &self.body,
+            compliance: &self.compliance,
+            base: &BaseArgs::default(),
+            lower: &LowerArgs::default(),
+            law: &LawArgs::default(),
+            hardness: None,
+            limit: None,
+            prony: None,
+            wear: self.coefficient,
+            boundary: self.boundary,
+            dynamics: Dynamics::default(),
+            solver: Solver::Auto,
+            budget: Budget { tolerance: self.tol, max_iterations: self.max_iter },
+            once: false,
+        })
+    }
+
+    fn coefficient(&self) -> Result<f64, Failure> {
+        match self.coefficient {
+            None => Err(Failure::Input("--coefficient is missing; it must be positive and finite".into())),
+            Some(found) if !(found > 0.0 && found.is_finite()) => {
+                Err(Failure::value("--coefficient", found, "positive and finite"))
+            }
+            Some(coefficient) => Ok(coefficient),
+        }
+    }
+
+    /// The resolved configuration as TOML.
+    fn config(&self) -> Result<String, Failure> {
+        let resolved = Self { source: self.source.resolved()?, ..self.clone() };
+        toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+    }
+}
+
+/// The input of the command, checked before the first solve.
+fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
+    args.coefficient()?;
+    let distances = lengths("--distance", &args.distance)?;
+    if distances.is_empty() {
+        return Err(Failure::Input("--distance is missing; it must have at least one value".into()));
+    }
+    let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
+    args.body.check_modulus(prepared.surface.unit.as_deref())?;
+    let (values, load) = args.loads.values(prepared.unit_pressure(), true)?;
+    let lists = [(args.loads.flag(), values.len()), ("--distance", distances.len())];
+    let count = counted(&lists, args.steps, |count| count)?;
+    let (drives, places) =
+        legs((&values, &distances, count), args.steps, |value, distance| Drive::from(load(value)).after(distance));
+    let output = session.output(args.out.as_ref())?;
+    Ok(Course { prepared, drives, places, output })
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Unusable input; a file that could not be written.
+pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
+    let course = course(args, session)?;
+    let (config, flag, resume) = (args.config()?, args.loads.flag(), args.resume);
+    // A step is as long as it is asked to be.
+    let refinement = Refinement { solves_per_step: 0, ..Refinement::default() };
+    let followed = |followed: Followed| ended(&course, args, followed, session);
+    args.asked(|asked| {
+        let way = Way { asked, flag, resume, refinement, config };
+        course.run(&way, session, followed, |report| report.out.as_ref())
+    })
+}
+
+/// Writes the file of a path, draws it, and tells of it.
+fn ended(
+    Course { prepared, drives, .. }: &Course,
+    args: &Args,
+    Followed { contact, path, ended, file, .. }: Followed,
+    session: &Session,
+) -> Result<Outcome<Report>, Failure> {
+    let Ended { records, failure, not_converged, .. } = ended;
+    let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
+    let out = session.written(out);
+    let head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+    let report = Report::new(head, args.coefficient()?, records);
+    let mut report = Report { not_converged, out, ..report };
+    if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(Rest::worn)) {
+        let shown = Shown::of(state, None, None);
+        let scene = Scene::upper(&prepared.surface, &shown, report.head.e_star, None);
+        report.plots = figures::draw(prefix, &report, &scene, (&prepared.surface, &state.depth))?;
+    }
+    Ok(Outcome { report, failure })
+}

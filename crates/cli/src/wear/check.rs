@@ -1,0 +1,96 @@
+//! The check of the file of wear.
+
+use std::path::Path;
+
+use gfmd_contact::Load;
+use gfmd_files::Reader;
+use gfmd_interface::{Quasistatic as _, Step};
+use gfmd_record::{At, Record};
+use gfmd_run::failure::Failure;
+use gfmd_run::result::{
+    Comparison, Configuration, Kind, compare_heights, layout, regenerated, repeated_problem, stored_problem,
+};
+use gfmd_run::series::{Chosen, StateFile, Stored};
+use gfmd_run::session::Session;
+
+use super::Args;
+
+/// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the
+/// balance of work and energy.
+pub(crate) fn check(
+    reader: &Reader,
+    config: &Configuration,
+    comparison: &mut Comparison,
+    session: &Session,
+) -> Result<(), Failure> {
+    compare_heights(reader, comparison)?;
+    let args: Args = stored_problem(reader, config)?;
+    regenerated(reader, config, args.boundary, comparison, session)?;
+    let coefficient = args.coefficient()?;
+    let mut course = super::course(&args, session)?;
+    course.prepared.take_units(reader);
+    let prepared = &course.prepared;
+    layout(Kind::Wear, reader, comparison, |output| {
+        let (waypoints, provenance) = (course.places.count(course.drives.len()), session.provenance(args.config()?));
+        let file = StateFile::of(Some(output), &provenance, prepared, waypoints, (Chosen::All, session))?;
+        let path = file.finish(&[], course.drives.len(), None)?;
+        path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
+    })?;
+    let contact = prepared.pose(&args.source, &prepared.law)?;
+    let stored = Stored::new(reader, prepared, &contact, args.tol)?;
+    let (mut volume, mut before) = (0.0, [0.0; 4]);
+    for (index, drive) in course.drives.iter().enumerate() {
+        let number = |name: &str| stored.number(name, index);
+        let [pressure, approach, energy, residual] =
+            ["mean_pressure", "displacement", "elastic_energy", "residual"].map(number);
+        // A step that was not made has no numbers.
+        if pressure.is_nan() && residual.is_nan() && number("converged").is_nan() {
+            continue;
+        }
+        let converged = f64::from(u8::from(residual <= args.tol));
+        comparison.number("/wear/converged", number("converged"), converged, 0.0);
+        comparison.number("/wear/p_star", number("p_star"), pressure / prepared.unit_pressure(), 0.0);
+        if number("converged") != 1.0 {
+            continue;
+        }
+        comparison.at_most(&format!("residual of step {index}"), residual, args.tol);
+        match drive.load {
+            // The load is met to the tolerance.
+            Load::MeanPressure(asked) => comparison.at_most(
+                &format!("load of step {index}"),
+                (pressure - asked).abs() / asked.max(prepared.unit_pressure()),
+                10.0 * args.tol,
+            ),
+            Load::Approach(asked) => comparison.number("/wear/displacement", approach, asked, 0.0),
+        }
+        comparison.number("/wear/distance", number("distance"), drive.distance, 0.0);
+        let [pressure_before, approach_before, energy_before, distance_before] = before;
+        let moved = drive.distance - distance_before;
+        volume += coefficient * pressure * moved;
+        comparison.number("/wear/wear_volume", number("wear_volume"), volume, 0.0);
+        let lost = number("dissipated");
+        let work = 0.5 * (pressure + pressure_before) * (approach - approach_before);
+        let missing = if moved == 0.0 { 0.0 } else { (work - (energy - energy_before) - lost).abs() };
+        let scale = (pressure * approach).abs().max(pressure_before * approach_before).max(energy).max(lost);
+        comparison.number("/wear/dissipated_error", number("dissipated_error"), missing, scale);
+        before = [pressure, approach, energy, drive.distance];
+        let Some(waypoint) = course.places.of(index) else { continue };
+        if let Some(state) = stored.state(waypoint, *drive)? {
+            stored.compare_fields(waypoint, &state, comparison)?;
+            let field = stored.field("pressure", waypoint)?;
+            let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
+            comparison.number("/wear/dissipated", lost, coefficient * moved * squares, 0.0);
+            let (reading, step) = (contact.reading(&state), Step::default());
+            let at = At { approach: reading.approach, step: Some((&step, reading)), ..stored.at(index, &state) };
+            stored.compare_record(index, (&Record::of(&at), &state), comparison);
+        }
+    }
+    Ok(())
+}
+
+/// Runs the configuration of a file again, with the output `out`.
+pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
+    let args: Args = repeated_problem(reader, config)?;
+    super::run(&Args { out: Some(out.into()), ..args }, session)?;
+    Ok(true)
+}

@@ -1,0 +1,85 @@
+//! The printed report of wear.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use gfmd_record::{Record, Table, lines, table_of};
+use serde::Serialize;
+
+use crate::session::list_files;
+use gfmd_run::convergence::NotConverged;
+use gfmd_run::memory::peak_bytes;
+use gfmd_run::series::Head;
+
+/// The result, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Report {
+    #[serde(flatten)]
+    pub head: Head,
+    /// Depth lost per distance, over the pressure, 1/stress.
+    pub coefficient: f64,
+    pub steps: Vec<Record>,
+    /// Work of the pressure on the depth lost along the path, per area.
+    pub dissipated: Option<f64>,
+    /// Sum of the errors of the steps.
+    pub dissipated_error: Option<f64>,
+    /// Mean depth lost at the end.
+    pub wear_volume: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_converged: Option<NotConverged>,
+    pub peak_bytes: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out: Option<PathBuf>,
+    pub plots: Vec<PathBuf>,
+}
+
+impl Report {
+    /// Collects the results of the steps.
+    pub(super) fn new(head: Head, coefficient: f64, steps: Vec<Record>) -> Self {
+        let sum = |name: &str| steps.iter().filter_map(|step| step.value(name)).reduce(|a, b| a + b);
+        Self {
+            head,
+            coefficient,
+            dissipated: sum("dissipated"),
+            dissipated_error: sum("dissipated_error"),
+            wear_volume: steps.last().and_then(|step| step.value("wear_volume")),
+            not_converged: None,
+            peak_bytes: peak_bytes(),
+            out: None,
+            plots: Vec::new(),
+            steps,
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.head)?;
+        let read = |value: f64, kind: &str| self.head.read(value, kind, "");
+        writeln!(f, "wear coefficient {}; wear: mean depth lost so far\n", read(self.coefficient, "1/stress"))?;
+        let table = table_of(&self.steps, &[Table::State, Table::Energy], &self.head.units());
+        for (index, line) in table.iter().enumerate() {
+            match index.checked_sub(1) {
+                None => writeln!(f, "{:>5}{line}", "")?,
+                Some(step) => {
+                    let remark = if self.steps[step].is("converged") { "" } else { "  NOT CONVERGED" };
+                    writeln!(f, "{step:>5}{line}{remark}")?;
+                }
+            }
+        }
+        if let (Some(lost), Some(error), Some(volume)) = (self.dissipated, self.dissipated_error, self.wear_volume) {
+            writeln!(
+                f,
+                "\nwear volume {} per area, dissipated {} +- {} per area",
+                read(volume, "length"),
+                read(lost, "stress*length"),
+                read(error, "stress*length")
+            )?;
+        }
+        for line in lines(&self.steps, ["step", "steps"], |_| false) {
+            writeln!(f, "{line}")?;
+        }
+        list_files(f, self.out.as_deref(), &self.plots)
+    }
+}

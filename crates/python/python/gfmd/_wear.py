@@ -1,0 +1,161 @@
+"""Surfaces that wear as they slide."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Optional
+
+import numpy.typing as npt
+
+from . import _command
+from ._body import Body, as_body
+from ._check import Array, Quantity, integer, number, quantities, quantity, word
+from ._path import drive_keys, gathered
+from ._record import Record
+from ._surface import Surface, as_surface
+
+
+class Wear(Record):
+    """A surface that slides on an elastic body, while both lose depth by Archard's law.
+
+    Attributes:
+        steps: a Record of arrays over the steps: `distance`, `displacement` (the approach, beyond first touch of the unworn
+            surfaces), `mean_gap`, `wear_volume` (the mean depth lost so far), `max_wear` (length), `mean_pressure`,
+            `max_pressure` (stress), `p_star`, `area_fraction`, `elastic_energy`, `dissipated` (the work of the pressure on
+            the depth lost in the step), `dissipated_error` (stress * length), `iterations`, `transform_pairs`, `converged`,
+            `residual_...`, `seconds`.
+        pressure, gap, displacement_z: fields at the ends of the legs [waypoint, x, y], stress and length; NaN at those that
+            were not reached.
+        wear_depth: depth that both surfaces have lost so far [waypoint, x, y], length.
+        coefficient: depth lost per distance, over the pressure, 1/stress.
+        dissipated, dissipated_error: work of the pressure on the depth lost along the path, per area, stress * length.
+        wear_volume: mean depth lost at the end, length.
+        grid_error: the way in which the error of the grid was found: `mode`, `n`, `assumes`, `orders`.
+        undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
+        warnings: a Record for each warning of the computation: `code`, `text`.
+        surface, n, length, unit, rms_gradient, rms_height, e_star, law: the problem.
+
+    Example:
+        >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+        >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=[0, 0.1, 1.0], p_star=0.05, steps=2)
+        >>> worn.steps.distance.shape, worn.wear_depth.shape
+        ((5,), (3, 32, 32))
+    """
+
+    steps: Record
+    pressure: Array
+    gap: Array
+    displacement_z: Array
+    wear_depth: Array
+    coefficient: float
+    dissipated: Optional[float]
+    dissipated_error: Optional[float]
+    wear_volume: Optional[float]
+    grid_error: Record
+    surface: Surface
+    n: list[int]
+    length: list[float]
+    unit: Optional[str]
+    rms_gradient: float
+    rms_height: float
+    e_star: float
+    law: str
+    undefined: dict[str, str]
+    warnings: list[Record]
+
+    def plot(self, x: str = "distance", y: str = "area_fraction", ax: Any = None) -> Any:
+        """Draws one scalar of the steps against another, with matplotlib. Returns the axes.
+
+        Args:
+            x, y: names of arrays in `steps`.
+            ax: the axes to draw into; new ones by default.
+
+        Raises:
+            InputError: another name. Error: no matplotlib.
+
+        Example:
+            >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+            >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
+            >>> ax = worn.plot("distance", "wear_volume")
+        """
+        from . import _show
+
+        return _show.steps(self, (x, y), ax)
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
+
+        Raises:
+            Error: no xarray.
+
+        Example:
+            >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+            >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
+            >>> worn.to_xarray().wear_depth.dims
+            ('waypoint', 'y', 'x')
+        """
+        from . import _show
+
+        return _show.steps_dataset(self, ("pressure", "gap", "displacement_z", "wear_depth"))
+
+
+def wear(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    coefficient: Quantity,
+    distance: Any,
+    mean_pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    boundary: Literal["periodic", "free"] | str = "periodic",
+    stress_unit: Optional[str] = None,
+    grid_error: str = "estimate",
+    steps: int = 20,
+    tolerance: float = 1e-8,
+    max_iterations: int = 100_000,
+    threads: Optional[int] = None,
+) -> Wear:
+    """Wears a surface that slides on an elastic body, by Archard's law in implicit steps: running-in, worn shape, volume.
+
+    Args:
+        surface, body: as of `contact`.
+        coefficient: wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over
+            the pressure. It may be a text with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if the surface has one.
+        distance: sliding distances of the legs, each of which ends at a waypoint, length: a number or a sequence. The first
+            leg begins at first touch; a leg of no distance is one step.
+        mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence,
+            positive; as of `path`.
+        boundary: "periodic", or "free" as of `contact`.
+        stress_unit: unit of stresses given without one, as of `contact`.
+        grid_error: as of `path`.
+        steps: steps of a leg.
+        tolerance, max_iterations: of each step, as of `contact`.
+        threads: number of threads; all cores by default.
+
+    Raises:
+        InputError: unusable arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Wear so far.
+
+    Example:
+        >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+        >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=[0, 100.0], p_star=0.05, steps=20)
+        >>> float(worn.steps.area_fraction[0]) < 0.2, float(worn.steps.area_fraction[-1])
+        (True, 1.0)
+    """
+    made, elastic = as_surface(surface), as_body(body)
+    problem: dict[str, Any] = dict(
+        unit=made.unit,
+        stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
+        coefficient=quantity("coefficient", coefficient, "1/stress"),
+        distance=quantities("distance", distance, "length"),
+        boundary=word("boundary", boundary),
+        grid_error=word("grid_error", grid_error),
+        steps=integer("steps", steps, 1, 2**32 - 1),
+        tol=number("tolerance", tolerance),
+        max_iter=integer("max_iterations", max_iterations),
+        length=list(made.size),
+        **drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
+        **_command.body_keys(elastic),
+    )
+    values, failure, fields = _command.solve("wear", problem, {"surface": made.heights}, threads)
+    return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}), failure)

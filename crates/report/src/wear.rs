@@ -1,0 +1,180 @@
+//! The page about wear, and its figures.
+
+use gfmd_field::Grid;
+use gfmd_files::Reader;
+use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
+use maud::html;
+
+use crate::figures::{Drawn, field, largest, length, short, sides};
+use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
+use crate::path::{along, waypoints};
+use gfmd_run::failure::Failure;
+
+const CITED: [&str; 2] = [
+    "J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24, 981–988 (1953).",
+    "L. A. Galin, Contact problems of the theory of elasticity in the presence of wear, Prikladnaya Matematika i \
+     Mekhanika 40, 981–986 (1976).",
+];
+
+/// The most values along a profile; longer ones are thinned.
+const MOST_POINTS: usize = 2000;
+
+/// Panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from columns
+/// by name.
+pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
+    let [distance, volume, area, peak] = ["distance", "wear_volume", "area_fraction", "max_pressure"].map(column);
+    let [far, deep] = [&distance, &volume].map(|values| length(unit, largest(values)));
+    let against = |values: &[f64], factor: f64| -> Vec<(f64, f64)> {
+        distance.iter().zip(values).map(|(x, y)| (x * far.factor, y * factor)).collect()
+    };
+    let columns = vec![
+        (against(&volume, deep.factor), format!("mean depth lost / {}", deep.name)),
+        (against(&area, 1.0), "contact area".to_owned()),
+        (against(&peak, 1.0 / modulus), "largest pressure / *E*\\*".to_owned()),
+    ];
+    along(&format!("distance / {}", far.name), columns)
+}
+
+/// The heights along the row of the largest depth lost, and what is left of them, as if the rough surface alone wore;
+/// `None` if nothing is lost.
+pub fn profile(grid: &Grid, [heights, depth]: [&[f64]; 2], unit: &str) -> Option<Chart> {
+    let [nx, ny] = grid.points();
+    let deepest =
+        (0..depth.len()).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).filter(|place| depth[*place] > 0.0)?;
+    let row = deepest % ny;
+    let places: Vec<usize> = (0..nx).step_by(nx.div_ceil(MOST_POINTS)).map(|i| i * ny + row).collect();
+    let side = sides(grid, unit);
+    let extent = |values: &dyn Fn(usize) -> f64| {
+        let [low, high] = places.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+            [low.min(values(*place)), high.max(values(*place))]
+        });
+        high - low
+    };
+    let height = length(unit, extent(&|place| heights[place]).max(extent(&|place| heights[place] - depth[place])));
+    let [dx, dy] = grid.spacing();
+    let line = |values: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        let point = |place: &usize| ((place / ny) as f64 * dx * side.factor, values(*place) * height.factor);
+        places.iter().map(point).collect()
+    };
+    let known = if unit == "length" { String::new() } else { format!(" {}", side.name) };
+    let place = short(row as f64 * dy * side.factor);
+    let title = format!("row *y* = {place}{known}, that of the largest wear");
+    let panel = Panel {
+        title: if grid.is_line() { String::new() } else { title },
+        x: Axis::linear(&format!("*x* / {}", side.name)),
+        y: Axis::linear(&format!("height *h* / {}", height.name)),
+        series: vec![
+            Series { mark: Mark::Dashes, ..Series::line("unworn", 6, line(&|place| heights[place])) },
+            Series::line("worn", 0, line(&|place| heights[place] - depth[place])),
+        ],
+        ..Panel::default()
+    };
+    Some(Chart::new(vec![panel]))
+}
+
+/// The map of the depth lost, or its profile for a line contact.
+pub fn depth_of<R>(grid: &Grid, depth: &[f64], unit: &str, take: impl FnOnce(&Drawn) -> R) -> R {
+    let read = length(unit, largest(depth));
+    let scaled: Vec<f64> = depth.iter().map(|w| w * read.factor).collect();
+    take(&field(grid, &scaled, &format!("depth lost *w* / {}", read.name), unit))
+}
+
+/// The page about the wear in a file.
+///
+/// # Errors
+/// A file without steps.
+pub fn page(reader: &Reader) -> Result<Page, Failure> {
+    let stored = Stored::new(reader, "/wear", "mean_pressure")?;
+    let table = config(reader);
+    let mut page = Page { title: "Wear of a rough contact".into(), cited: CITED.to_vec(), ..Page::default() };
+    let column = |name: &str| stored.column(name);
+    let [mean, converged, distance, p_star] = ["mean_pressure", "converged", "distance", "p_star"].map(column);
+    let [volume, deepest, area, peak] = ["wear_volume", "max_wear", "area_fraction", "max_pressure"].map(column);
+    let computed =
+        mean.iter().zip(&converged).take_while(|(mean, converged)| mean.is_finite() && **converged != 0.0).count();
+    let Some(last) = computed.checked_sub(1) else {
+        page.answer.push(html! { p.headline { "No step converged: there is no result" } });
+        page.failure(reader, "step");
+        return Ok(page);
+    };
+    let units = stored.units();
+    let read = |name: &str, kind: &str, value: f64| {
+        let shown = units.shown(kind, value);
+        let (factor, unit) = shown.map_or_else(|| (1.0, stored.unit(name)), |shown| (shown.factor, shown.name));
+        html! { (number(value * factor)) " " (unit) }
+    };
+    page.answer.push(html! {
+        p.headline {
+            (read("wear_volume", "length", volume[last])) " "
+            span { "lost on average over the distance " (read("distance", "length", distance[last])) }
+        }
+    });
+    page.answer.push(html! {
+        p {
+            (computed) " of " (stored.len()) " steps. The largest depth lost is "
+            (read("max_wear", "length", deepest[last]))
+            "; the contact area went from " (number(100.0 * area[0])) " % to " (number(100.0 * area[last]))
+            " % of the surface, the largest pressure over the mean from " (number(peak[0] / mean[0])) " to "
+            (number(peak[last] / mean[last])) ". "
+        }
+    });
+    if computed < stored.len() {
+        page.remarks.push(format!("the path ends after step {last} of {}", stored.len() - 1));
+    }
+    let surface = StoredSurface::read(reader);
+    page.asked(&surface, &table, "hard wall, wear");
+    let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
+    for (term, key) in [
+        ("wear coefficient (1/stress)", "coefficient"),
+        ("distances of the legs", "distance"),
+        ("waypoints, pressure", "pressure"),
+        ("waypoints, p*", "p_star"),
+        ("waypoints, displacement", "displacement"),
+        ("steps of a leg", "steps"),
+    ] {
+        if table.contains_key(key) {
+            page.asked.push(Fact::new(term, &word(key)));
+        }
+    }
+    let tolerance = of(&table, "tol");
+    page.asked.push(Fact(html! { "tolerance" }, given(tolerance)));
+    let (mut shown, mut modulus) = (None, f64::NAN);
+    if let Ok(surface) = &surface {
+        let loudest = (0..computed).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
+        let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
+        modulus = scale / surface.rms_gradient;
+        let steps = |name: &str| column(name)[..computed].to_vec();
+        let panels = against_distance(steps, modulus, &surface.unit);
+        if computed > 1 && !panels.is_empty() {
+            let caption = html! { "Mean depth lost, contact area and largest pressure against the sliding distance." };
+            page.chart(&Chart::new(panels), "wear against distance", &caption);
+        }
+        let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
+        shown = waypoints(&table, "distance", computed, steps_of_leg).len().checked_sub(1);
+        if let Some(depth) = shown.and_then(|index| surface.field(reader, "wear_depth", index).ok()) {
+            let caption = html! {
+                "Heights before and after, along the row of the largest wear, as if the rough surface alone wore."
+            };
+            if let Some(chart) = profile(&surface.grid, [&surface.heights, &depth], &surface.unit) {
+                page.chart(&chart, "the worn profile beside the unworn", &caption);
+            }
+            depth_of(&surface.grid, &depth, &surface.unit, |drawn| {
+                page.field(drawn, "depth lost", &html! { "Depth that both surfaces have lost." });
+            });
+        }
+    }
+    page.fields(reader, &surface, (shown, modulus), None);
+    page.failure(reader, "step");
+    page.certificates.push(Certificate {
+        name: "largest of all conditions".into(),
+        largest: stored.worst("residual"),
+        allowed: tolerance,
+    });
+    page.numbers(&stored, computed, "step");
+    page.cost.extend([
+        Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
+        Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
+        Fact(html! { "time" }, html! { (number(stored.sum("seconds"))) " s" }),
+    ]);
+    Ok(page)
+}

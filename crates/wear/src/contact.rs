@@ -1,0 +1,232 @@
+use gfmd_contact::{
+    Boundary, Budget, Contact, Drive, Effort, Equilibrium, Fields as _, Load, Refusal, Resumable, SolveError, Solver,
+    Variables as _, Visit, Watch, judge,
+};
+use gfmd_relax::Ending;
+use gfmd_vector::{contiguous, lower, reduce, total, with_contiguous};
+use ndarray::{Array2, ArrayRef2};
+
+use crate::WearState;
+
+/// A rigid rough surface that slides on an elastic one, with a hard wall, while either or both wear (theory.md, section
+/// 7.10).
+///
+/// The depth w lost so far is added to the clearance. Over a sliding distance s it grows by ∂w/∂s = k p, with a
+/// coefficient k in 1/stress: Archard's, over the hardness. The pressure is that at the end of a step of the length Δs,
+/// so that the step is an ordinary contact: its compliance is G(q) + k Δs for every wave and for the uniform mode, its
+/// clearance has the depth before. The error of a step falls with the square of its length, and none is unstable.
+#[derive(Clone, Debug)]
+pub struct WearContact {
+    contact: Contact,
+    coefficient: f64,
+}
+
+/// Surfaces of which a depth is lost.
+struct Worn {
+    /// Their contact, whose approach counts from `touch`.
+    contact: Contact,
+    /// Their first touch.
+    touch: f64,
+}
+
+/// The approach below which nothing touches, over the largest of the lengths of which it is a difference.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// The approach beyond a touch; `None` of surfaces that are apart.
+fn beyond(approach: f64, touch: f64) -> Option<f64> {
+    let beyond = approach - touch;
+    (beyond > ROUNDING * approach.max(touch)).then_some(beyond)
+}
+
+impl WearContact {
+    /// A `contact` whose surfaces, unworn at first, lose the depth `coefficient` × pressure × distance. The
+    /// coefficient, in 1/stress, is that of both surfaces together.
+    ///
+    /// # Errors
+    /// A coefficient that is not positive and finite; a hardness.
+    pub fn new(contact: Contact, coefficient: f64) -> Result<Self, Refusal> {
+        if contact.hardness().is_some() {
+            return Err(Refusal::WearHardness);
+        }
+        if !(coefficient > 0.0 && coefficient.is_finite()) {
+            return Err(Refusal::WearCoefficient { found: coefficient });
+        }
+        Ok(Self { contact, coefficient })
+    }
+
+    /// The contact of the unworn surfaces.
+    pub fn contact(&self) -> &Contact {
+        &self.contact
+    }
+
+    /// The coefficient of wear, in 1/stress.
+    pub fn coefficient(&self) -> f64 {
+        self.coefficient
+    }
+
+    /// The state of `pressure` under `drive` on surfaces that have lost the `depth`, with its residuals from fresh
+    /// transforms. The numbers of the step to it are not known: they are NaN.
+    ///
+    /// # Errors
+    /// Fields of another shape than the grid; a depth that is not finite.
+    pub fn certify(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        depth: &ArrayRef2<f64>,
+        drive: Drive,
+    ) -> Result<WearState, Refusal> {
+        let Worn { contact, touch } = self.worn(depth)?;
+        let load = match drive.load {
+            Load::Approach(approach) => {
+                Load::Approach(beyond(approach, touch).unwrap_or_else(|| (approach - touch).min(0.0)))
+            }
+            pressure => pressure,
+        };
+        let mut solution = contact.certify(pressure, load)?;
+        solution.approach = match drive.load {
+            Load::Approach(approach) => approach,
+            Load::MeanPressure(_) => solution.approach + touch,
+        };
+        let values = &*contiguous(depth);
+        let largest = |range: std::ops::Range<usize>| values[range].iter().fold(0.0, |most: f64, w| most.max(*w));
+        Ok(WearState {
+            distance: drive.distance,
+            volume: total(values) / values.len() as f64,
+            deepest: reduce(values.len(), &largest, &f64::max),
+            depth: depth.to_owned(),
+            elastic_energy: solution.summary_in(&solution.scales()).elastic_energy,
+            dissipated: f64::NAN,
+            dissipated_error: f64::NAN,
+            solution,
+        })
+    }
+
+    /// The contact after a depth is lost.
+    fn worn(&self, depth: &ArrayRef2<f64>) -> Result<Worn, Refusal> {
+        let (clearance, values) = (self.contact.surface().clearance(), &*contiguous(depth));
+        if clearance.len() != values.len() {
+            return Err(Refusal::Start { found: values.len(), expected: clearance.len() });
+        }
+        let lowest = |range: std::ops::Range<usize>| {
+            range.fold(f64::INFINITY, |least, i| lower(least, clearance[i] + values[i]))
+        };
+        let touch = reduce(values.len(), &lowest, &lower);
+        // Wear without end would leave no digits of the roughness.
+        Ok(Worn { contact: self.contact.worn(&depth.mapv(|w| w - touch))?, touch })
+    }
+
+    fn check_distance(distance: f64, start: Option<&WearState>) -> Result<f64, Refusal> {
+        let least = start.map_or(0.0, |start| start.distance);
+        if distance >= least { Ok(distance - least) } else { Err(Refusal::Distance { found: distance, least }) }
+    }
+
+    fn zeros(&self) -> Array2<f64> {
+        Array2::zeros(self.contact.surface().grid().points())
+    }
+
+    /// The state after a step of the length `moved` from the depth `before`, at whose end there is this `pressure`.
+    fn end(
+        &self,
+        pressure: &Array2<f64>,
+        before: Array2<f64>,
+        (start, moved): (Option<&WearState>, f64),
+        drive: Drive,
+    ) -> Result<WearState, Refusal> {
+        let growth = self.coefficient * moved;
+        let mut depth = before;
+        depth.zip_mut_with(pressure, |w, p| *w += growth * p);
+        let mut state = self.certify(pressure, &depth, drive)?;
+        let values = &*contiguous(pressure);
+        state.dissipated = growth * (gfmd_vector::dot(values, values) / values.len() as f64);
+        let [pressed, approach, stored] = start
+            .map_or([0.0; 3], |start| [start.solution.mean_pressure, start.solution.approach, start.elastic_energy]);
+        let work = 0.5 * (pressed + state.solution.mean_pressure) * (state.solution.approach - approach);
+        let missing = work - (state.elastic_energy - stored) - state.dissipated;
+        state.dissipated_error = if moved == 0.0 { 0.0 } else { missing.abs() };
+        Ok(state)
+    }
+}
+
+impl Equilibrium for WearContact {
+    type State = WearState;
+
+    fn solvers(&self) -> &'static [Solver] {
+        self.contact.solvers()
+    }
+
+    /// Worn surfaces may approach each other by more than the mean clearance.
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        drive.check()?;
+        Self::check_distance(drive.distance, None)?;
+        match drive.load {
+            Load::Approach(approach) if approach > 0.0 && self.contact.boundary() == Boundary::Periodic => Ok(()),
+            _ => self.contact.check(drive),
+        }
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        self.contact.check_resolution(drive, tolerance)
+    }
+
+    /// Makes the step from `start`, or from first touch at the distance 0, by one solve.
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&WearState>,
+        watch: &mut dyn Watch,
+    ) -> Result<WearState, SolveError<WearState>> {
+        budget.check().map_err(Refusal::from)?;
+        self.check(drive)?;
+        let moved = Self::check_distance(drive.distance, start)?;
+        let before = start.map_or_else(|| self.zeros(), |start| start.depth.clone());
+        let Worn { contact, touch } = self.worn(&before)?;
+        let load = match drive.load {
+            Load::Approach(approach) => match beyond(approach, touch) {
+                Some(beyond) => Load::Approach(beyond),
+                None => return Ok(self.end(&self.zeros(), before, (start, moved), drive)?),
+            },
+            pressure => pressure,
+        };
+        let contact = if moved == 0.0 { contact } else { contact.softened(self.coefficient * moved) };
+        let warm = start.filter(|start| start.solution.mean_pressure > 0.0).map(|start| &start.solution);
+        let (solution, ending) = match contact.equilibrate(load.into(), solver, budget, warm, watch) {
+            Ok(solution) => (solution, Ending::Converged),
+            Err(SolveError::NotConverged { state, why, .. }) => (*state, Ending::GaveUp(why)),
+            Err(SolveError::Interrupted { state }) => (*state, Ending::Interrupted),
+            Err(SolveError::Refused(refusal)) => return Err(refusal.into()),
+            Err(SolveError::Detached { .. }) => return Err(Refusal::OtherKind.into()),
+        };
+        let mut state = self.end(&solution.pressure, before, (start, moved), drive)?;
+        let Effort { iterations, transform_pairs } = solution.effort;
+        state.solution.effort.iterations += iterations;
+        state.solution.effort.transform_pairs += transform_pairs;
+        judge(state, ending, budget.tolerance)
+    }
+}
+
+impl Resumable for WearContact {
+    fn keep(&self, state: &mut WearState, visitor: &mut dyn Visit) {
+        let WearState { solution, distance, depth, dissipated, dissipated_error, .. } = state;
+        for field in [&mut solution.pressure, depth] {
+            with_contiguous(field, |field| visitor.field(field));
+        }
+        visitor.numbers(&mut [distance, dissipated, dissipated_error]);
+        solution.effort.visit(visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<WearState, Refusal> {
+        self.check(drive)?;
+        let [mut pressure, mut depth] = [self.zeros(), self.zeros()];
+        for field in [&mut pressure, &mut depth] {
+            with_contiguous(field, |field| visitor.field(field));
+        }
+        let (mut distance, mut dissipated, mut dissipated_error) = (0.0, 0.0, 0.0);
+        visitor.numbers(&mut [&mut distance, &mut dissipated, &mut dissipated_error]);
+        let mut state = self.certify(&pressure, &depth, Drive { distance, ..drive })?;
+        (state.dissipated, state.dissipated_error) = (dissipated, dissipated_error);
+        state.solution.effort.visit(visitor);
+        Ok(state)
+    }
+}

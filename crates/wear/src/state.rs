@@ -1,0 +1,65 @@
+use gfmd_contact::{Effort, Fields, Solution};
+use gfmd_measure::{Scales, Summary};
+use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+
+/// A state of surfaces that wear, after one sliding distance.
+#[derive(Clone, Debug)]
+pub struct WearState {
+    /// Fields and residuals of the contact of the surfaces as they are worn. The displacement is that of the elastic
+    /// body, and the approach counts from first touch of the unworn surfaces.
+    pub solution: Solution,
+    /// Sliding distance since the first touch, in length.
+    pub distance: f64,
+    /// The depth lost so far, `[x, y]`, in length.
+    pub depth: Array2<f64>,
+    /// Mean of `depth` over the whole surface, in length.
+    pub volume: f64,
+    /// The largest depth, in length.
+    pub deepest: f64,
+    /// Elastic energy per area, in stress × length.
+    pub elastic_energy: f64,
+    /// Work of the pressure on the depth lost in the step to this state, per area, in stress × length. The work of
+    /// friction is no part of it.
+    pub dissipated: f64,
+    /// The difference between the work of the load in the step, by the trapezoidal rule, and the energy gained and
+    /// lost. It falls with the square of the length of the step; 0 in a step over no distance.
+    pub dissipated_error: f64,
+}
+
+impl Fields for WearState {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.solution.pressure()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.solution.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.solution.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.solution.mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.solution.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.solution.effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.solution.residuals()
+    }
+
+    fn scales(&self) -> Scales {
+        self.solution.scales()
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        self.solution.summary_in(scales)
+    }
+}

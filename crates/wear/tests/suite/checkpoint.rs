@@ -1,0 +1,38 @@
+//! States that are kept and restored go on bit for bit; states made of their fields are the same.
+
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load, Resumable as _, Tape};
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_wear::WearContact;
+
+use crate::{material, rough};
+
+#[test]
+fn a_restored_state_goes_on_bit_for_bit() {
+    let grid = Grid::new([12, 10], [1.0, 0.9]).unwrap();
+    for (boundary, load) in [
+        (Boundary::Periodic, Load::MeanPressure(0.02)),
+        (Boundary::Free, Load::MeanPressure(0.02)),
+        (Boundary::Periodic, Load::Approach(0.02)),
+    ] {
+        let contact = Contact::bounded(boundary, &Body::half_space(material(0.3)), &grid, &rough(&grid, 8)).unwrap();
+        let contact = WearContact::new(contact, 0.2).unwrap();
+        let drives = [0.2, 0.5, 3.0].map(|distance| Drive::from(load).after(distance));
+        let first = contact.press(drives[0]).solve().unwrap();
+        let mut second = contact.press(drives[1]).starting_from(Some(&first)).solve().unwrap();
+        let third = contact.press(drives[2]).starting_from(Some(&second)).solve().unwrap();
+        let mut tape = Tape::default();
+        contact.keep(&mut second, &mut tape);
+        tape.rewind();
+        let again = contact.restore(drives[1], &mut tape).unwrap();
+        let numbers = |state: &gfmd_wear::WearState| {
+            [state.elastic_energy, state.dissipated, state.dissipated_error, state.volume, state.worst()]
+        };
+        assert_eq!((&again.solution.gap, numbers(&again)), (&second.solution.gap, numbers(&second)));
+        let other = contact.press(drives[2]).starting_from(Some(&again)).solve().unwrap();
+        assert_eq!((&other.solution.pressure, &other.depth), (&third.solution.pressure, &third.depth));
+        assert_eq!(numbers(&other), numbers(&third));
+        let made = contact.certify(&third.solution.pressure, &third.depth, drives[2]).unwrap();
+        assert_eq!((made.solution.gap, made.volume), (third.solution.gap, third.volume));
+    }
+}
