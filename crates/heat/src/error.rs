@@ -29,7 +29,9 @@ pub enum HeatError {
     #[error(transparent)]
     Tolerance(#[from] gfmd_relax::ToleranceError),
     /// Temperatures of the two bodies that differ by more than the tolerance.
-    #[error("the temperatures differ by {residual:e} of the largest rise, more than the tolerance {tolerance:e}: {why}")]
+    #[error(
+        "the temperatures differ by {residual:e} of the largest rise, more than the tolerance {tolerance:e}: {why}"
+    )]
     NotConverged {
         /// The difference.
         residual: f64,

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::search::Search;
 use crate::{HeatError, Thermal};
 
-/// A heat source that slides steadily over a body (theory.md, section 7.10).
+/// A heat source that slides steadily over a body (theory.md, section 7.11).
 ///
 /// With a second body, the indenter, in which the source rests, the heat is shared: the surfaces have one temperature at
 /// every point that is heated, and one mean temperature.
@@ -116,13 +116,13 @@ impl Flash {
         let (mut target, mut best) = (budget.tolerance * search.largest(), None::<Heated>);
         loop {
             let ending = search.run(target, budget.max_iterations, watch);
-            let state = self.certified(&flux, search.into_body(), search.iterations, search.transform_pairs);
+            let state = self.certified(&flux, search.at_all_points(), search.iterations, search.transform_pairs);
             let is_better = best.as_ref().is_none_or(|best| state.residual <= 0.5 * best.residual);
             if ending != Ending::Converged || state.residual <= budget.tolerance || !is_better {
                 let ending = if is_better { ending } else { Ending::GaveUp(Why::Rounding) };
                 return judged(state, ending, budget.tolerance);
             }
-            target *= 0.5 * budget.tolerance / state.residual;
+            target = 0.5 * budget.tolerance * state.max_rise;
             search.restart();
             best = Some(state);
         }
@@ -165,9 +165,7 @@ impl Flash {
         let heated = |i: usize| flux[i] > 0.0;
         let [count, sum] = reduce(
             flux.len(),
-            &|range| {
-                range.filter(|i| heated(*i)).fold([0.0; 2], |[count, sum], i| [count + 1.0, sum + temperature[i]])
-            },
+            &|range| range.filter(|i| heated(*i)).fold([0.0; 2], |[count, sum], i| [count + 1.0, sum + temperature[i]]),
             &add,
         );
         let most = |of: &(dyn Fn(usize) -> Option<f64> + Sync)| {

@@ -6,7 +6,7 @@
 //! - [`Heated`]: the heat that flows into the body, the temperature, and numbers of them.
 //!
 //! In the frame of the source a wave q of the heat flux Q, per area and time, makes the temperature
-//! Q/(k √(q² − i q·v/α)), with the root whose real part is positive (theory.md, section 7.10). The uniform flux has no
+//! Q/(k √(q² − i q·v/α)), with the root whose real part is positive (theory.md, section 7.11). The uniform flux has no
 //! steady state: temperatures are above the mean of the surface.
 //!
 //! ```

@@ -55,9 +55,8 @@ impl<'a> Search<'a> {
     pub(crate) fn new(transform: &'a Transform, body: &'a [Complex64], indenter: &'a [f64], flux: &[f64]) -> Self {
         let points: Vec<usize> = (0..flux.len()).filter(|i| flux[*i] > 0.0).collect();
         let grid = transform.grid();
-        let longest = (1..grid.spectrum_len()).min_by(|a, b| {
-            grid.mode_at(*a).wavenumber().total_cmp(&grid.mode_at(*b).wavenumber())
-        });
+        let longest = (1..grid.spectrum_len())
+            .min_by(|a, b| grid.mode_at(*a).wavenumber().total_cmp(&grid.mode_at(*b).wavenumber()));
         let mut search = Self {
             memory: Memory::new(transform),
             taken: vec![0.0; points.len()],
@@ -84,7 +83,7 @@ impl<'a> Search<'a> {
     }
 
     /// The flux into the body at all points.
-    pub(crate) fn into_body(&self) -> Vec<f64> {
+    pub(crate) fn at_all_points(&self) -> Vec<f64> {
         let mut field = vec![0.0; self.memory.field.len()];
         self.points.iter().zip(&self.taken).for_each(|(place, taken)| field[*place] = *taken);
         field

@@ -276,7 +276,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
 }
 
 /// Files whose parts are forged, with their kinds.
-const FORGED: [(&str, Kind, &str); 12] = [
+const FORGED: [(&str, Kind, &str); 13] = [
     (
         "wall.h5",
         Kind::Contact,
@@ -302,6 +302,11 @@ const FORGED: [(&str, Kind, &str); 12] = [
     ("slip.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
     ("creep.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --time 0,1 --steps 1"),
     ("slide.h5", Kind::Slide, "slide --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --velocity 0.1,1"),
+    (
+        "warm.h5",
+        Kind::Slide,
+        "slide --n 16 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 1,10",
+    ),
     ("punch.h5", Kind::Punch, "punch --n 16"),
     ("body.h5", Kind::Body, "body --surface press.h5 --levels 3"),
     ("sweep.h5", Kind::KappaSweep, "kappa-sweep --config sweep.toml"),

@@ -34,7 +34,8 @@ fn before(z: f64) -> f64 {
 fn zeta(s: f64, a: f64) -> f64 {
     let n = 40;
     let end = f64::from(n) + a;
-    (0..n).map(|k| (f64::from(k) + a).powf(-s)).sum::<f64>() + end.powf(1.0 - s) / (s - 1.0)
+    (0..n).map(|k| (f64::from(k) + a).powf(-s)).sum::<f64>()
+        + end.powf(1.0 - s) / (s - 1.0)
         + 0.5 * end.powf(-s)
         + s / 12.0 * end.powf(-s - 1.0)
 }
@@ -68,9 +69,9 @@ fn a_moving_strip_has_jaegers_temperature() {
             let highest = strip(-1.0, peclet).max(strip(-0.5, peclet));
             // The steps of the flux at the ends of the strip are those of the grid.
             let is_inside = |x: &f64| (x.abs() - 1.0).abs() > 0.25;
-            let worst = (0..n).filter(|i| is_inside(&place(*i))).map(|i| {
-                (state.temperature[[i, 0]] - strip_in_cell(place(i), peclet, length)).abs()
-            });
+            let worst = (0..n)
+                .filter(|i| is_inside(&place(*i)))
+                .map(|i| (state.temperature[[i, 0]] - strip_in_cell(place(i), peclet, length)).abs());
             worst.fold(0.0, f64::max) / highest
         });
         let order = 0.5 * (errors[0] / errors[2]).log2();

@@ -22,7 +22,8 @@ fn both_bodies_have_one_temperature_where_they_touch() {
     let grid = Grid::new([48, 40], [1.0, 0.8]).unwrap();
     let flux = patches(&grid, 1);
     for (speed, conductivity) in [(0.01, 0.6), (3.0, 0.6), (300.0, 1e-3), (300.0, 1e3), (1e5, 0.6)] {
-        let flash = Flash::new(grid, [speed, 0.4 * speed], thermal(1.5, 0.08), Some(thermal(conductivity, 0.3))).unwrap();
+        let flash =
+            Flash::new(grid, [speed, 0.4 * speed], thermal(1.5, 0.08), Some(thermal(conductivity, 0.3))).unwrap();
         let state = heat(&flash, &flux, 1e-10);
         assert!(state.residual <= 1e-10 && (&flux * &state.temperature).sum() > 0.0);
         assert!(state.iterations < 80, "{} iterations at {speed}, {conductivity}", state.iterations);
@@ -51,6 +52,19 @@ fn the_number_of_iterations_hardly_grows_with_the_grid() {
         heat(&flash, &patches(&grid, 3), 1e-8).iterations
     });
     assert!(counts[1] < 2 * counts[0], "{counts:?}");
+}
+
+#[test]
+fn every_tolerance_is_met() {
+    // The rise is not known when the search begins, and the first estimate of it may be far too large.
+    for case in 0..60 {
+        let grid = Grid::square(16, 1.0).unwrap();
+        let flash =
+            Flash::new(grid, [f64::from(case), 1.0], thermal(1.0, 0.1), Some(thermal(0.1 * f64::from(case + 1), 0.2)));
+        for tolerance in [1e-3, 1e-8, 1e-12] {
+            assert!(heat(flash.as_ref().unwrap(), &patches(&grid, case as u64), tolerance).residual <= tolerance);
+        }
+    }
 }
 
 #[test]

@@ -164,8 +164,14 @@ const PATH: &[Row] = &[
 const SLIDE: &[Row] = &[
     row(&["/states/seconds"], Checksum, Checksum, ""),
     row(&["/states/iterations", "/states/transform_pairs"], Checksum, Verified, "the second run"),
-    row(&["/states/residual"], InPart, Verified, "the pressure, to 1e-3; its bound"),
+    row(
+        &["/states/residual", "/states/heat_residual"],
+        InPart,
+        Verified,
+        "the pressure and the flux of heat, to 1e-3; their bound",
+    ),
     row(&["/states/*"], Verified, Verified, "the pressure of the state; the configuration"),
+    row(&["/fields/temperature", "/fields/heat_flux"], Verified, Verified, "each other, and the pressure"),
     row(&["/fields/*"], Verified, Verified, "the pressure, on surface and body"),
 ];
 
