@@ -85,8 +85,8 @@ def test_what_does_not_go_together_is_refused():
     for heat, words in [((1,), "heat has 1 numbers"), (1, "heat is 1;"), ((1, 0), "diffusivity is 0"), ("1,1", "heat is '1,1'")]:
         with pytest.raises(gfmd.InputError, match=words):
             gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05, heat=heat, friction=0.3)
-    table = gfmd.Body(compliance=[(1.0, 2.0), (100.0, 0.02)], uniform_compliance=0.0)
+    table = gfmd.Body(young=1.0, compliance=([1.0, 10.0, 100.0, 1e3, 1e4], [2.0, 0.2, 0.02, 2e-3, 2e-4]))
     with pytest.raises(gfmd.InputError, match="body has a table of compliances; it must have moduli to slide"):
-        gfmd.slide(surface, table, velocity=1.0, p_star=0.05, heat=(1, 1), friction=0.3)
+        gfmd.slide(surface, table, velocity=1.0, mean_pressure=0.01, heat=(1, 1), friction=0.3)
     with pytest.raises(gfmd.InputError, match="velocity is 0; it must be positive and finite"):
         gfmd.slide(surface, rubber, velocity=0.0, p_star=0.05)

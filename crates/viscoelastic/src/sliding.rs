@@ -13,7 +13,7 @@ use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, stiffness};
 use crate::{Prony, Relaxes, Velocity};
 
 /// A rigid rough surface that slides steadily over a viscoelastic body, with a hard wall and without friction of the
@@ -113,12 +113,7 @@ impl SlidingContact {
             return Err(SlidingError::Hardness);
         }
         let grid = *contact.surface().grid();
-        let [_, level] = body.level_compliance();
-        let of = |index: usize| {
-            let mode = grid.mode_at(index);
-            if mode.is_uniform() { 1.0 / level } else { body.normal_stiffness(mode.wavenumber()) }
-        };
-        let stiffness: Vec<f64> = (0..grid.spectrum_len()).into_par_iter().map(of).collect();
+        let stiffness = stiffness(body, &grid);
         let transform = Transform::new(grid);
         let mut heights = vec![Complex64::ZERO; grid.spectrum_len()];
         let below: Vec<f64> = contact.surface().clearance().iter().map(|clearance| -clearance).collect();

@@ -154,10 +154,16 @@ const PATH: &[Row] = &[
         &["/path/dissipated", "/path/dissipated_error", "/path/extra_solves"],
         InPart,
         Verified,
-        "the balance of work and energy, in steps of laws with an energy that were not divided",
+        "the balance of work and energy, in steps of viscoelastic bodies, and of laws with an energy, that were not divided",
     ),
     row(&["/path/step"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/path/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
+    row(
+        &["/path/*"],
+        InPart,
+        Verified,
+        "what the path prescribes; at the waypoints the fields; elastic_energy of a viscoelastic body at the last step the \
+         history, unless boundaries are free",
+    ),
     row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
 ];
 
