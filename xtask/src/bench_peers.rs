@@ -5,6 +5,7 @@
 
 mod any_load;
 mod contestant;
+mod creep;
 mod figure;
 mod judge;
 mod kept;
@@ -34,6 +35,7 @@ use serde::{Serialize, Serializer};
 
 pub use any_load::{AnyLoad, Block, Cell, Kind, Row};
 use contestant::{Contestant, Problem};
+pub use creep::{Creep, Row as CreepRow};
 use measure::Bench;
 use python::Environment;
 use report::Interrupted;
@@ -46,10 +48,11 @@ pub use solve::{Args as SolveArgs, Solve, run as solve};
   gfmd bench-peers --quick
   gfmd bench-peers --write-docs
   gfmd bench-peers --any-load --write-docs
+  gfmd bench-peers --creep --sizes 256,1024 --write-docs
   gfmd bench-peers --boundary free --sizes 512 --peers tamaas,aspher,hertzian
   gfmd bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
 pub struct Args {
-    /// Grid points along a side [default: 512,1024,2048; with --any-load 256]
+    /// Grid points along a side [default: 512,1024,2048; with --any-load or --creep 256]
     #[arg(long, value_delimiter = ',', value_name = "N,..")]
     pub sizes: Vec<usize>,
     /// Hurst exponents
@@ -69,6 +72,9 @@ pub struct Args {
     /// With --any-load: leave times out, as on a machine that is not idle
     #[arg(long, requires = "any_load")]
     pub without_times: bool,
+    /// Creep tests of viscoelastic bodies, of this program and of Tamaas, in the same steps
+    #[arg(long, conflicts_with_all = ["any_load", "quick", "solvers", "resume", "boundary"])]
+    pub creep: bool,
     /// Numbers of threads
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_name = "N,..")]
     pub thread_counts: Vec<usize>,
@@ -108,7 +114,8 @@ pub struct Args {
     /// peers and machine
     #[arg(long)]
     pub resume: bool,
-    /// Write the documentation page [default: docs/benchmarks.md; with --any-load docs/any-load.md]
+    /// Write the documentation page [default: docs/benchmarks.md; with --any-load docs/any-load.md; with --creep
+    /// docs/creep-peers.md]
     #[arg(long, value_name = "FILE.md")]
     pub write_docs: Option<Option<PathBuf>>,
 }
@@ -176,9 +183,13 @@ impl Args {
                 values.extend(defaults);
             }
         };
-        fill(&mut args.sizes, if self.any_load { &[256] } else { &[512, 1024, 2048] });
+        fill(&mut args.sizes, if self.any_load || self.creep { &[256] } else { &[512, 1024, 2048] });
         if args.p_star.is_empty() {
-            args.p_star = if self.any_load { any_load::LOADS.to_vec() } else { vec![1e-4, 0.01, 0.05, 0.2, 1.0] };
+            args.p_star = match () {
+                () if self.any_load => any_load::LOADS.to_vec(),
+                () if self.creep => vec![0.05],
+                () => vec![1e-4, 0.01, 0.05, 0.2, 1.0],
+            };
         }
         if args.peers.is_empty() {
             args.peers = match self.boundary {
@@ -200,7 +211,11 @@ impl Args {
 
     /// The page to write, if one is asked for.
     fn page(&self) -> Option<&Path> {
-        let default = if self.any_load { "docs/any-load.md" } else { "docs/benchmarks.md" };
+        let default = match () {
+            () if self.any_load => "docs/any-load.md",
+            () if self.creep => "docs/creep-peers.md",
+            () => "docs/benchmarks.md",
+        };
         self.write_docs.as_ref().map(|file| file.as_deref().unwrap_or(Path::new(default)))
     }
 
@@ -283,6 +298,8 @@ pub enum Made {
     Timed(Report),
     /// The table of all loads.
     AnyLoad(AnyLoad),
+    /// Creep tests.
+    Creep(Creep),
 }
 
 impl fmt::Display for Made {
@@ -290,6 +307,7 @@ impl fmt::Display for Made {
         match self {
             Self::Timed(report) => report.fmt(f),
             Self::AnyLoad(table) => table.fmt(f),
+            Self::Creep(table) => table.fmt(f),
         }
     }
 }
@@ -304,6 +322,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Made, Failure> {
     args.check()?;
     let folder = work_folder()?;
     let mut environment = Environment::prepare(&args, &folder, session)?;
+    if args.creep {
+        return creep::run(&args, &environment, session).map(Made::Creep);
+    }
     let left_out = args.leave_out(&environment);
     environment.notes.extend(left_out);
     if args.any_load {

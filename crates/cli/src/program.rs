@@ -55,7 +55,7 @@ pub enum Command {
     Green(Box<green::Args>),
     /// Follow a contact along a path: loading and unloading, adhesion, friction
     Path(Box<path::Args>),
-    /// Slide a rough surface steadily over a viscoelastic body: friction by hysteresis against velocity
+    /// Slide a rough surface steadily over a body: friction by hysteresis, and flash temperature, against velocity
     Slide(Box<slide::Args>),
     /// Wear a rough surface that slides on an elastic body: running-in by Archard's law
     Wear(Box<wear::Args>),
@@ -186,6 +186,7 @@ const GROUPS: &[(&str, &[&str], &[&str])] = &[
     ("Load", &["theory"], &["p_star", "wavelength"]),
     ("Dynamics", &["damping"], &["factors", "dt", "steps"]),
     ("Body", &["punch", "body", "green", "damping"], &["height", "young", "poisson", "e_star"]),
+    ("Flash temperature", &["slide"], &["heat", "friction"]),
     ("Contact", &[], &["boundary", "components", "hardness", "finite_slope", "friction", "shear_strength"]),
     ("Accuracy", &[], &["grid_error", "accuracy", "energy_tol", "energy_solves"]),
     ("Solver", &[], &["tol", "max_iter", "range_continuation"]),

@@ -1,15 +1,17 @@
-//! `slide`: a rough surface that slides steadily over a viscoelastic body.
+//! `slide`: a rough surface that slides steadily over a body, with hysteresis, flash temperature, or both.
 
 mod check;
 mod file;
+mod heat;
 mod report;
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Contact, Dynamics, Load, SolveError, Solver};
+use gfmd_contact::{Boundary, Budget, Contact, Dynamics, Load, Refusal, SolveError, Solver};
+use gfmd_files::Output;
+use gfmd_heat::HeatError;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
@@ -19,17 +21,21 @@ use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::lower::LowerArgs;
 use gfmd_run::memory::peak_bytes;
-use gfmd_run::series::{Asked, Head, Prepared};
+use gfmd_run::resume::{Kept, Part, ResumeArgs};
+use gfmd_run::series::{Asked, Head, Prepared, keeping};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
-use gfmd_viscoelastic::{SlidingContact, SlidingState, Velocity, VelocityError};
+use gfmd_viscoelastic::{SlidingContact, Velocity, VelocityError};
+use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::ControlArgs;
 use crate::progress::Progress;
 
 pub(crate) use self::check::{again, check};
-use self::file::StatesFile;
+use self::file::{Reached, StatesFile, fields};
+pub use self::heat::Heat;
+use self::heat::{HeatArgs, Source};
 pub use self::report::{Report, State};
 
 /// Flags of `slide`.
@@ -37,7 +43,8 @@ pub use self::report::{Report, State};
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd slide --n 256 --prony 1e-3:0.3,1e-1:0.3,10:0.3 --p-star 0.05 --velocity 1e-3:1e4:15 --plots rubber
-  gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 --direction 30 --json")]
+  gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 --direction 30 --json
+  gfmd slide --n 256 --p-star 0.02 --heat 1,0.01,0.2,0.1 --friction 0.3 --velocity 0.01:100:9 --plots warm")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
@@ -51,8 +58,11 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
-    /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times; A:B:N is N
-    /// values from A to B in geometric steps. Each load is solved at each of them
+    #[command(flatten)]
+    #[serde(flatten)]
+    heat: HeatArgs,
+    /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times and of the
+    /// diffusivity; A:B:N is N values from A to B in geometric steps. Each load is solved at each of them
     #[arg(long, value_delimiter = ',', value_name = "V1|A:B:N,..", required = true, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     velocity: Vec<Entry>,
@@ -65,11 +75,15 @@ pub struct Args {
     /// Largest number of iterations for one state
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     max_iter: u64,
+    #[command(flatten)]
+    #[serde(skip)]
+    resume: ResumeArgs,
     /// Write the states and their fields to this HDF5 file
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the friction against the velocity, with Persson's theory: PREFIX-friction.svg, .png
+    /// Draw the friction against the velocity, with Persson's theory, PREFIX-friction.svg, .png, of heat PREFIX-rise and
+    /// PREFIX-temperature; of the last state PREFIX-map (pressure), PREFIX-gap, PREFIX-section
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -133,6 +147,7 @@ impl Args {
 struct Way {
     prepared: Prepared,
     sliding: SlidingContact,
+    heat: Option<Source>,
     loads: Vec<Load>,
     velocities: Vec<Velocity>,
 }
@@ -140,10 +155,9 @@ struct Way {
 impl Way {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(false)?;
-        let velocities = args.velocities()?;
-        let missing = || Failure::Input("--prony is missing; it is needed to slide".into());
-        if args.prony.relaxing().is_none() {
-            return Err(missing());
+        let (velocities, heat) = (args.velocities()?, args.heat.source()?);
+        if args.prony.series()?.is_none() && heat.is_none() {
+            return Err(Failure::Input("--prony and --heat are missing; one of them is needed to slide".into()));
         }
         let facts = |line: bool| Facts {
             line,
@@ -157,15 +171,159 @@ impl Way {
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
         let contact = contact.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
-        let sliding = SlidingContact::new(contact, body, prony.as_ref().ok_or_else(missing)?, args.prony.relaxes);
+        let sliding = match prony {
+            Some(prony) => SlidingContact::new(contact, body, prony, args.prony.relaxes),
+            None => SlidingContact::elastic(contact, body),
+        };
         let sliding = sliding.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
         let loads = args.control.loads(prepared.unit_pressure()).collect();
-        Ok(Self { prepared, sliding, loads, velocities })
+        Ok(Self { prepared, sliding, heat, loads, velocities })
     }
 
     /// Every load at every velocity, loads outer.
     fn states(&self) -> impl Iterator<Item = (Load, &Velocity)> {
         self.loads.iter().flat_map(|load| self.velocities.iter().map(|velocity| (*load, velocity)))
+    }
+
+    /// The state of a pressure, recomputed, of which so much heat flows into the body; all of it if this is not known.
+    fn certify(
+        &self,
+        (load, velocity): (Load, &Velocity),
+        pressure: Vec<f64>,
+        into_body: Option<Vec<f64>>,
+    ) -> Result<Reached, Failure> {
+        let grid = &self.prepared.surface.grid;
+        let field = |name: &str, values: Vec<f64>| {
+            Array2::from_shape_vec(grid.points(), values).map_err(|error| Failure::input(name, error))
+        };
+        let pressure = field("/fields/pressure", pressure)?;
+        let into_body = into_body.map(|values| field("/fields/heat_flux", values)).transpose()?;
+        let state = self.sliding.certify(velocity, &pressure, load);
+        let state = state.map_err(|refusal| Failure::input("/fields/pressure", refusal))?;
+        let heated = self.heat.map(|heat| heat.certify(grid, velocity, &pressure, into_body.as_ref())).transpose();
+        let heated = heated.map_err(|error| Failure::input("/fields/heat_flux", error))?;
+        Ok(Reached { state, heated })
+    }
+
+    /// A state from the one before, and the reason why it is not one, if it is none.
+    fn reach(
+        &self,
+        (load, velocity): (Load, &Velocity),
+        start: Option<&Reached>,
+        args: &Args,
+        session: &Session,
+    ) -> Result<(Reached, Option<Failure>), Refusal> {
+        let start = start.map(|reached| &reached.state);
+        let solved = self.sliding.slide(velocity, load, &args.budget(), start, &mut session.stop());
+        let failed = |text: String, is_cut: bool| match is_cut {
+            true => Failure::Interrupted(text),
+            false => Failure::Computation(text),
+        };
+        let (state, mut failure) = match solved {
+            Ok(state) => (state, None),
+            Err(SolveError::Refused(refusal)) => return Err(refusal),
+            Err(error) => {
+                let failure = failed(error.to_string(), matches!(error, SolveError::Interrupted { .. }));
+                (error.into_state().ok_or(Refusal::OtherKind)?, Some(failure))
+            }
+        };
+        let grid = &self.prepared.surface.grid;
+        let pressure = &state.solution.pressure;
+        let heated = self.heat.and_then(|heat| match &failure {
+            // The temperature of a state that is no result, with the residual that all of its heat leaves.
+            Some(_) => heat.certify(grid, velocity, pressure, None).ok(),
+            None => heat.heat(grid, velocity, pressure, &args.budget(), &mut session.stop()).map_or_else(
+                |error| {
+                    failure = Some(failed(error.to_string(), matches!(error, HeatError::Interrupted { .. })));
+                    error.into_state()
+                },
+                Some,
+            ),
+        });
+        Ok((Reached { state, heated }, failure))
+    }
+
+    /// Solves the states that are not kept, and writes the file. An interrupted run whose states are kept has no file.
+    fn run(
+        &self,
+        args: &Args,
+        output: Option<&Output>,
+        mut kept: Option<&mut Kept>,
+        session: &Session,
+    ) -> Result<Outcome<Report>, Failure> {
+        let Self { prepared, sliding, velocities, .. } = self;
+        let heat = self.heat.as_ref();
+        let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, sliding.contact().surface())))?;
+        head.relaxation = args.prony.told(&args.body)?;
+        let direction = velocities[0].direction();
+        let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
+        let count = self.states().count();
+        let provenance = session.provenance(args.config()?);
+        let file = output.map(|output| StatesFile::new(output, &provenance, prepared, heat, count));
+        let mut file = file.transpose()?;
+        let progress = Progress::new(session.quiet, "states", count as f64);
+        let (mut failure, mut last): (Option<Failure>, Option<Reached>) = (None, None);
+        let finished = kept.as_ref().map_or(0, |kept| kept.finished());
+        let names = fields(heat);
+        for (index, at) in self.states().enumerate() {
+            let (started, place) = (Instant::now(), format!("state {index}"));
+            if let Some(kept) = kept.as_ref().filter(|_| index < finished) {
+                let Part { text, mut fields } = kept.part(index)?;
+                report.states.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error))?);
+                if let Some(file) = &mut file {
+                    file.write(index, &fields)?;
+                }
+                if index + 1 == finished {
+                    let of = |name: &str| names.iter().position(|(other, ..)| *other == name);
+                    let into_body = of("heat_flux").map(|place| std::mem::take(&mut fields[place]).into_owned());
+                    last = Some(self.certify(at, std::mem::take(&mut fields[0]).into_owned(), into_body)?);
+                }
+                progress.advance(1.0, "kept");
+                continue;
+            }
+            // The first velocity of a load starts anew.
+            let start = last.as_ref().filter(|_| !index.is_multiple_of(velocities.len()));
+            let (reached, failed) = match self.reach(at, start, args, session) {
+                Ok(reached) => reached,
+                Err(refusal) if index == 0 => return Err(Failure::input(args.control.flag(), refusal)),
+                Err(refusal) => {
+                    failure = Some(Failure::Computation(refusal.to_string()).at(&place));
+                    break;
+                }
+            };
+            let persson = sliding.persson(at.1, reached.state.solution.mean_pressure);
+            let seconds = started.elapsed().as_secs_f64();
+            let record = State::new(at.1, &reached, persson, (&prepared.scales(), args.tol), seconds);
+            let number = record.heat.map_or(format!("friction {:.4}", record.friction), |heat| {
+                format!("largest rise {:.4e}", heat.max_rise)
+            });
+            progress.advance(1.0, &format!("velocity {:.3e}, {number}", record.velocity));
+            let fields: Vec<_> = names.iter().map(|(name, ..)| reached.field(name)).collect();
+            if let Some(file) = &mut file {
+                file.write(index, &fields)?;
+            }
+            if let (None, Some(kept)) = (&failed, &mut kept) {
+                let text = toml::to_string(&record).map_err(|error| Failure::Computation(error.to_string()))?;
+                kept.add(&Part { text, fields });
+                kept.keep_state(|_| ())?;
+            }
+            report.states.push(record);
+            failure = failed.map(|failed| failed.at(&place));
+            last = Some(reached);
+            if failure.is_some() {
+                break;
+            }
+        }
+        progress.finish();
+        let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
+        let out = file.filter(|_| !is_kept).map(|file| file.finish(&report.states, count)).transpose()?;
+        report.out = session.written(out);
+        report.peak_bytes = peak_bytes();
+        if let (None, Some(prefix), Some(last)) = (&failure, &args.plots, &last) {
+            let is_viscoelastic = prepared.prony.is_some();
+            report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), (&prepared.surface, last))?;
+        }
+        Ok(Outcome { report, failure })
     }
 }
 
@@ -175,62 +333,13 @@ impl Way {
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let way = Way::new(args, session)?;
-    let Way { prepared, sliding, velocities, .. } = &way;
     let output = session.output(args.out.as_ref())?;
-    let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, sliding.contact().surface())))?;
-    head.relaxation = args.prony.told(&args.body)?;
-    let direction = velocities[0].direction();
-    let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
-    let count = way.states().count();
-    let config = args.config()?;
-    let file = output.as_ref().map(|output| StatesFile::new(output, &session.provenance(config), prepared, count));
-    let mut file = file.transpose()?;
-    let progress = Progress::new(session.quiet, "states", count as f64);
-    let (mut failure, mut last): (Option<Failure>, Option<SlidingState>) = (None, None);
-    for (index, (load, velocity)) in way.states().enumerate() {
-        let (started, place) = (Instant::now(), format!("state {index}"));
-        let mut watch = |_: &gfmd_contact::Progress| match session.is_interrupted() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        };
-        // The first velocity of a load starts anew.
-        let start = last.as_ref().filter(|_| !index.is_multiple_of(velocities.len()));
-        let state = match sliding.slide(velocity, load, &args.budget(), start, &mut watch) {
-            Ok(state) => state,
-            Err(SolveError::Refused(refusal)) if index == 0 => {
-                return Err(Failure::input(args.control.flag(), refusal));
-            }
-            Err(SolveError::Refused(refusal)) => {
-                failure = Some(Failure::Computation(refusal.to_string()).at(&place));
-                break;
-            }
-            Err(error) => {
-                let text = error.to_string();
-                let is_cut = matches!(error, SolveError::Interrupted { .. });
-                failure = Some(if is_cut { Failure::Interrupted(text) } else { Failure::Computation(text) }.at(&place));
-                let Some(state) = error.into_state() else { break };
-                state
-            }
-        };
-        let persson = sliding.persson(velocity, state.solution.mean_pressure);
-        let seconds = started.elapsed().as_secs_f64();
-        let record = State::new(velocity, &state, persson, (&prepared.scales(), args.tol), seconds);
-        progress.advance(1.0, &format!("velocity {:.3e}, friction {:.4}", record.velocity, record.friction));
-        if let Some(file) = &mut file {
-            file.write(index, &state)?;
+    let kept = match &output {
+        Some(output) if !session.is_in_memory() => {
+            let identity = way.prepared.identity(&args.config()?, session);
+            Some(Kept::open(output, identity, way.states().count(), args.resume, None)?)
         }
-        report.states.push(record);
-        if failure.is_some() {
-            break;
-        }
-        last = Some(state);
-    }
-    progress.finish();
-    let out = file.map(|file| file.finish(&report.states, count)).transpose()?;
-    report.out = session.written(out);
-    report.peak_bytes = peak_bytes();
-    if let (None, Some(prefix)) = (&failure, &args.plots) {
-        report.plots = report.draw(prefix, velocities.len())?;
-    }
-    Ok(Outcome { report, failure })
+        _ => None,
+    };
+    keeping(kept, |kept| way.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
 }

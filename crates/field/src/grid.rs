@@ -37,6 +37,13 @@ impl Mode {
         self.number == [0, 0]
     }
 
+    /// The wave vectors of the waves that the grid does not tell apart from this one: of a component at Nyquist both signs.
+    pub fn aliases(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let ([x, y], [nyquist_x, nyquist_y]) = (self.wavevector, self.nyquist);
+        let signs = |nyquist: bool| if nyquist { &[1.0, -1.0][..] } else { &[1.0][..] };
+        signs(nyquist_x).iter().flat_map(move |a| signs(nyquist_y).iter().map(move |b| [a * x, b * y]))
+    }
+
     /// Returns true if −q is the same mode as q, so that its amplitude is real: all components are zero or Nyquist.
     pub fn is_self_conjugate(&self) -> bool {
         (0..2).all(|axis| self.number[axis] == 0 || self.nyquist[axis])

@@ -87,6 +87,7 @@
 //! | wear the surface while it slides                             | [`wear`]      | [`WearContact`](wear::WearContact) |
 //! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
 //! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
+//! | find the temperature of a surface under friction            | [`heat`]      | [`Flash`](heat::Flash), [`Thermal`](heat::Thermal) |
 //! | let a fluid flow through the gap                             | [`flow`]      | [`flow`](flow::flow), [`Flow`](flow::Flow) |
 //! | see displacement, strain and stress below the surface         | [`body`]      | [`Interior`](body::Interior) |
 //! | move dislocations below a punch                               | [`dislocation`] | [`Domain`](dislocation::Domain), [`Crystal`](dislocation::Crystal) |
@@ -110,6 +111,7 @@ pub use gfmd_field as field;
 pub use gfmd_flow as flow;
 #[doc(inline)]
 pub use gfmd_green as green;
+pub use gfmd_heat as heat;
 #[doc(inline)]
 pub use gfmd_interface as interface;
 #[doc(inline)]

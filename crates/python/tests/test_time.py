@@ -37,6 +37,21 @@ def test_sliding_has_friction_at_every_load_and_velocity():
     assert sliding.direction == [1.0, 0.0]
 
 
+def test_heat_warms_the_contact_and_is_shared():
+    surface = gfmd.self_affine(n=32, eps_f_inv=4)
+    given = dict(velocity=[0.1, 10.0], p_star=0.05, friction=0.3)
+    alone = gfmd.slide(surface, gfmd.Body(), heat=(1.0, 0.01), **given)
+    assert alone.temperature.shape == (2, 32, 32) and "heat_flux" not in alone and "prony" not in alone
+    assert (alone.states.heat_fraction == 1).all() and (alone.states.friction == 0).all()
+    flux = 0.3 * alone.states.velocity * alone.states.mean_pressure
+    assert alone.states.heat_mean_flux == pytest.approx(flux)
+    rise = np.where(alone.pressure > 0, alone.temperature, -np.inf).max(axis=(1, 2))
+    assert alone.states.heat_max_rise == pytest.approx(rise)
+    shared = gfmd.slide(surface, gfmd.Body(**RUBBER), heat=(1.0, 0.01, 0.2, 0.1), **given)
+    fraction = shared.heat_flux.mean(axis=(1, 2)) / shared.states.heat_mean_flux
+    assert shared.states.heat_fraction == pytest.approx(fraction) and (shared.states.heat_residual <= 1e-8).all()
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -61,7 +76,17 @@ def test_what_does_not_go_together_is_refused():
         gfmd.contact(surface, rubber, p_star=0.05)
     with pytest.raises(gfmd.InputError, match="time is missing"):
         gfmd.path(surface, rubber, p_star=0.05)
-    with pytest.raises(gfmd.InputError, match="body is elastic; it must be viscoelastic to slide"):
+    with pytest.raises(gfmd.InputError, match="body is elastic; it must be viscoelastic to slide without heat"):
         gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05)
+    with pytest.raises(gfmd.InputError, match="friction is missing; it is needed with heat"):
+        gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, heat=(1, 1))
+    with pytest.raises(gfmd.InputError, match="friction is given; it must be left out without heat"):
+        gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, friction=0.3)
+    for heat, words in [((1,), "heat has 1 numbers"), (1, "heat is 1;"), ((1, 0), "diffusivity is 0"), ("1,1", "heat is '1,1'")]:
+        with pytest.raises(gfmd.InputError, match=words):
+            gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05, heat=heat, friction=0.3)
+    table = gfmd.Body(young=1.0, compliance=([1.0, 10.0, 100.0, 1e3, 1e4], [2.0, 0.2, 0.02, 2e-3, 2e-4]))
+    with pytest.raises(gfmd.InputError, match="body has a table of compliances; it must have moduli to slide"):
+        gfmd.slide(surface, table, velocity=1.0, mean_pressure=0.01, heat=(1, 1), friction=0.3)
     with pytest.raises(gfmd.InputError, match="velocity is 0; it must be positive and finite"):
         gfmd.slide(surface, rubber, velocity=0.0, p_star=0.05)

@@ -1,14 +1,19 @@
-//! The page about steady sliding, and its figure.
+//! The page about steady sliding, and its figures.
 
+use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use gfmd_unit::Units;
 use maud::html;
 
+use crate::figures::{Drawn, field};
 use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
 use gfmd_run::failure::Failure;
 
-const CITED: [&str; 1] = ["B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
-     Physics 115, 3840–3861 (2001)."];
+const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
+     Physics 115, 3840–3861 (2001).";
+const OF_HEAT: &str = "J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and Proceedings \
+     of the Royal Society of New South Wales 76, 203–224 (1942).";
 
 /// The columns of the table: names in a file, and their heads.
 const COLUMNS: [(&str, &str); 9] = [
@@ -23,8 +28,19 @@ const COLUMNS: [(&str, &str); 9] = [
     ("mean_gap", "mean gap"),
 ];
 
-/// The label of the velocity, whose unit of time is that of the relaxation times.
-const VELOCITY: &str = "velocity / (length/time)";
+/// Those of the flash temperature.
+const COLUMNS_OF_HEAT: [(&str, &str); 4] = [
+    ("heat_mean_flux", "heat"),
+    ("heat_max_rise", "largest rise"),
+    ("heat_mean_rise", "mean rise"),
+    ("heat_fraction", "into the body"),
+];
+
+/// The axis of so many velocities, whose unit of time is that of the relaxation times and of the diffusivity.
+fn axis(velocities: usize, units: &Units) -> Axis {
+    let label = format!("velocity / ({})", units.name("length/time"));
+    if velocities > 1 { Axis::log(&label) } else { Axis::linear(&label) }
+}
 
 /// A state of steady sliding for its figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,10 +53,12 @@ pub struct Sliding {
     pub friction: [f64; 2],
     /// Contact area fraction, and its value in Persson's theory.
     pub area: [f64; 2],
+    /// Largest and mean temperature in contact above the mean of the surface; NaN if they are not known.
+    pub rise: [f64; 2],
 }
 
 /// Friction and contact area against the velocity, a curve for each load, with `velocities` points each.
-pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
+pub fn chart(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
     let curves = |of: fn(&Sliding) -> [f64; 2]| -> Vec<Series> {
         let curve = |(hue, states): (usize, &[Sliding])| {
             let points = |which: usize| states.iter().map(|s| Point::new(s.velocity, of(s)[which])).collect();
@@ -54,7 +72,7 @@ pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
         states.chunks(velocities.max(1)).enumerate().flat_map(curve).collect()
     };
     let panel = |label: &str, series: Vec<Series>| Panel {
-        x: if velocities > 1 { Axis::log(VELOCITY) } else { Axis::linear(VELOCITY) },
+        x: axis(velocities, units),
         y: Axis::linear(label),
         series,
         ..Panel::default()
@@ -64,6 +82,32 @@ pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
     Chart { share_y: false, ..Chart::new(panels) }
 }
 
+/// Largest and mean temperature in contact against the velocity, a curve for each load, of so many `velocities` each.
+pub fn rises(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
+    let curve = |(hue, states): (usize, &[Sliding])| {
+        let points = |which: usize| states.iter().map(|s| Point::new(s.velocity, s.rise[which])).collect();
+        let label = format!("largest, *p*\\* = {:.3}", states[0].p_star);
+        let mean = Series::points(if hue == 0 { "mean in contact" } else { "" }, hue, points(1));
+        [
+            Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points(0)) },
+            Series { mark: Mark::Line, ..mean },
+        ]
+    };
+    let label = format!("rise of the temperature / {}", units.name("temperature"));
+    let panel = Panel {
+        x: axis(velocities, units),
+        y: if velocities > 1 { Axis::log(&label) } else { Axis::linear(&label) },
+        series: states.chunks(velocities.max(1)).enumerate().flat_map(curve).collect(),
+        ..Panel::default()
+    };
+    Chart::new(vec![panel])
+}
+
+/// The figure of a temperature above the mean of the surface, whose lengths have this unit.
+pub fn temperature<'a>(grid: &Grid, values: &'a [f64], length: &str, units: &Units) -> Drawn<'a> {
+    field(grid, values, &format!("temperature *T* / {}", units.name("temperature")), length)
+}
+
 /// The page about the sliding in a file.
 ///
 /// # Errors
@@ -71,27 +115,43 @@ pub fn chart(states: &[Sliding], velocities: usize) -> Chart {
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/states", "mean_pressure")?;
     let table = config(reader);
-    let mut page =
-        Page { title: "Steady sliding on a viscoelastic body".into(), cited: CITED.to_vec(), ..Page::default() };
+    let mut page = Page { title: "Steady sliding".into(), ..Page::default() };
     let column = |name: &str| stored.column(name);
     let [velocity, p_star, mean, friction, converged] =
         ["velocity", "p_star", "mean_pressure", "friction", "converged"].map(column);
     let [theory, area, theory_area] = ["persson_friction", "area_fraction", "persson_area_fraction"].map(column);
     let solved: Vec<usize> =
         (0..stored.len()).filter(|&state| mean[state].is_finite() && converged[state] != 0.0).collect();
-    let largest = solved.iter().copied().max_by(|a, b| friction[*a].total_cmp(&friction[*b]));
-    match largest {
-        Some(state) => page.answer.push(html! {
-            p.headline {
-                "Coefficient of friction " (number(friction[state])) " "
-                span { "at the velocity " (given(velocity[state])) ", " i { "p" } "* = " (given(p_star[state])) }
-            }
+    let (is_viscoelastic, has_heat) = (table.contains_key("prony"), stored.has("heat_max_rise"));
+    let [max_rise, mean_rise, fraction] = ["heat_max_rise", "heat_mean_rise", "heat_fraction"].map(column);
+    let of_largest = |values: &[f64]| solved.iter().copied().max_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let largest = of_largest(if is_viscoelastic { &friction } else { &max_rise });
+    let place = |state: usize| {
+        html! { "at the velocity " (given(velocity[state])) ", " i { "p" } "* = " (given(p_star[state])) }
+    };
+    if largest.is_none() {
+        page.answer.push(html! { p.headline { "No state converged: there is no result" } });
+    }
+    if let (Some(state), true) = (largest, is_viscoelastic) {
+        page.cited.push(OF_FRICTION);
+        page.answer.push(html! {
+            p.headline { "Coefficient of friction " (number(friction[state])) " " span { (place(state)) } }
             p {
                 "The largest of " (solved.len()) " states. Persson's theory has " (number(theory[state]))
                 "; the contact area is " (number(100.0 * area[state])) " % of the surface. "
             }
-        }),
-        None => page.answer.push(html! { p.headline { "No state converged: there is no result" } }),
+        });
+    }
+    let unit = stored.unit("heat_max_rise");
+    if let (Some(state), true) = (of_largest(&max_rise), has_heat) {
+        page.cited.push(OF_HEAT);
+        page.answer.push(html! {
+            p.headline { "Largest rise of the temperature " (number(max_rise[state])) " " (unit) " " span { (place(state)) } }
+            p {
+                "Above the mean of the surface; the mean in contact is " (number(mean_rise[state])) " " (unit) ". "
+                @if fraction[state] != 1.0 { "The body takes " (number(100.0 * fraction[state])) " % of the heat. " }
+            }
+        });
     }
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, "hard wall");
@@ -104,6 +164,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("pressures", "pressure"),
         ("reduced pressures", "p_star"),
         ("direction of sliding, degrees", "direction"),
+        ("conductivity and diffusivity", "heat"),
+        ("friction of the interface", "friction"),
     ] {
         if table.contains_key(key) {
             page.asked.push(Fact::new(term, &word(key)));
@@ -120,28 +182,41 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             p_star: p_star[k],
             friction: [friction[k], theory[k]],
             area: [area[k], theory_area[k]],
+            rise: [max_rise[k], mean_rise[k]],
         })
         .collect();
     if solved.len() == stored.len() && velocities > 1 {
-        let caption = html! { "Friction and contact area against the velocity, and Persson's theory (lines)." };
-        page.chart(&chart(&states, velocities), "friction against velocity", &caption);
+        if is_viscoelastic {
+            let caption = html! { "Friction and contact area against the velocity, and Persson's theory (lines)." };
+            page.chart(&chart(&states, velocities, &stored.units()), "friction against velocity", &caption);
+        }
+        if has_heat {
+            let caption = html! { "Largest temperature in contact, and the mean (lines), against the velocity." };
+            page.chart(&rises(&states, velocities, &stored.units()), "temperature against velocity", &caption);
+        }
     }
-    if let (Some(state), Ok(of)) = (largest, &surface) {
+    if let (Some(state), Ok(of)) = (solved.last().copied(), &surface) {
         let modulus = mean[state] / (p_star[state] * of.rms_gradient);
+        if let (true, Ok(values)) = (has_heat, reader.slab("/fields/temperature", state)) {
+            let caption = html! { "Temperature above the mean of the surface, state " (state + 1) "." };
+            page.field(&temperature(&of.grid, &values, &of.unit, &of.units), "temperature", &caption);
+        }
         page.fields(reader, &surface, (Some(state), modulus), None);
     }
     let units = |name: &str| stored.unit(name);
+    let columns: Vec<(&str, &str)> =
+        COLUMNS.into_iter().chain(COLUMNS_OF_HEAT.into_iter().filter(|_| has_heat)).collect();
     page.tables.push(Table {
         caption: html! { "The states." },
         head: [html! { "state" }]
             .into_iter()
-            .chain(COLUMNS.map(|(name, head)| {
+            .chain(columns.iter().map(|(name, head)| {
                 html! { span title=(stored.definition(name)) { (head) } br; small { (units(name)) } }
             }))
             .collect(),
         rows: (0..stored.len())
             .map(|row| {
-                let cells = COLUMNS.map(|(name, _)| number(stored.column(name)[row]));
+                let cells = columns.iter().map(|(name, _)| number(stored.column(name)[row]));
                 [whole(row as f64)].into_iter().chain(cells).collect()
             })
             .collect(),
@@ -151,6 +226,13 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         largest: stored.worst("residual"),
         allowed: tolerance,
     });
+    if has_heat {
+        page.certificates.push(Certificate {
+            name: "temperatures of both bodies".into(),
+            largest: stored.worst("heat_residual"),
+            allowed: tolerance,
+        });
+    }
     page.failure(reader, "state");
     page.cost.extend([
         Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),

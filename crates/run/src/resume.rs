@@ -202,7 +202,7 @@ impl<'a> Kept<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(crate) fn keep_state(&mut self, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
+    pub fn keep_state(&mut self, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
         let mut writer = Writer::new(Vec::new(), &self.head, self.done);
         state(&mut writer);
         self.latest = writer.finish().map_err(|error| Failure::Computation(error.to_string()))?;

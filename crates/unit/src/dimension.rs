@@ -1,8 +1,8 @@
-//! Powers of stress, length and time.
+//! Powers of stress, length, time and temperature.
 
 use std::fmt;
 
-/// The dimension of a number: its powers of stress, length and time.
+/// The dimension of a number: its powers of stress, length, time and temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dimension {
     /// The power of stress.
@@ -11,18 +11,23 @@ pub struct Dimension {
     pub length: i32,
     /// The power of time.
     pub time: i32,
+    /// The power of temperature.
+    pub temperature: i32,
 }
 
 impl Dimension {
     /// Dimensionless.
-    pub const NONE: Self = Self { stress: 0, length: 0, time: 0 };
+    pub const NONE: Self = Self { stress: 0, length: 0, time: 0, temperature: 0 };
 
-    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`; `None`
-    /// for other words.
+    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`, in which a
+    /// slash divides by all that follows; `None` for other words.
     pub fn of(kind: &str) -> Option<Self> {
         let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));
         let mut found = Self::NONE;
-        let factors = over.split('*').map(|factor| (factor, 1)).chain(under.into_iter().map(|factor| (factor, -1)));
+        let factors = over
+            .split('*')
+            .map(|factor| (factor, 1))
+            .chain(under.into_iter().flat_map(|under| under.split('*')).map(|factor| (factor, -1)));
         for (factor, sign) in factors {
             let (name, power) = factor.split_once('^').map_or((factor, "1"), |parts| parts);
             let power = sign * power.parse::<i32>().ok()?;
@@ -31,6 +36,7 @@ impl Dimension {
                 "stress" => found.stress += power,
                 "length" => found.length += power,
                 "time" => found.time += power,
+                "temperature" => found.temperature += power,
                 _ => return None,
             }
         }
@@ -43,25 +49,30 @@ impl Dimension {
             stress: self.stress + power * other.stress,
             length: self.length + power * other.length,
             time: self.time + power * other.time,
+            temperature: self.temperature + power * other.temperature,
         }
     }
 
     /// The kind in words, and a unit of it as an example.
     fn words(self) -> (&'static str, &'static str) {
-        match (self.stress, self.length, self.time) {
-            (0, 0, 0) => ("a number without a unit", "1"),
-            (1, 0, 0) => ("a stress", "MPa"),
-            (0, 1, 0) => ("a length", "µm"),
-            (0, 2, 0) => ("an area", "µm^2"),
-            (1, 1, 0) => ("an energy per area", "J/m^2"),
-            (1, 2, 0) => ("a force", "N"),
-            (1, 3, 0) => ("an energy", "J"),
-            (1, -1, 0) => ("a stress per length", "Pa/m"),
-            (-1, 1, 0) => ("a length per stress", "m/Pa"),
-            (-1, 0, 0) => ("an inverse stress", "1/GPa"),
-            (0, -1, 0) => ("a wavenumber", "nm^-1"),
-            (0, 0, 1) => ("a time", "s"),
-            (1, 0, 1) => ("a viscosity", "Pa*s"),
+        match (self.stress, self.length, self.time, self.temperature) {
+            (0, 0, 0, 0) => ("a number without a unit", "1"),
+            (1, 0, 0, 0) => ("a stress", "MPa"),
+            (0, 1, 0, 0) => ("a length", "µm"),
+            (0, 2, 0, 0) => ("an area", "µm^2"),
+            (1, 1, 0, 0) => ("an energy per area", "J/m^2"),
+            (1, 2, 0, 0) => ("a force", "N"),
+            (1, 3, 0, 0) => ("an energy", "J"),
+            (1, -1, 0, 0) => ("a stress per length", "Pa/m"),
+            (-1, 1, 0, 0) => ("a length per stress", "m/Pa"),
+            (-1, 0, 0, 0) => ("an inverse stress", "1/GPa"),
+            (0, -1, 0, 0) => ("a wavenumber", "nm^-1"),
+            (0, 0, 1, 0) => ("a time", "s"),
+            (1, 0, 1, 0) => ("a viscosity", "Pa*s"),
+            (0, 1, -1, 0) => ("a velocity", "mm/s"),
+            (0, 2, -1, 0) => ("a diffusivity", "m^2/s"),
+            (0, 0, 0, 1) => ("a temperature", "K"),
+            (1, 2, -1, -1) => ("a thermal conductivity", "W/(m K)"),
             _ => ("another quantity", ""),
         }
     }
@@ -82,17 +93,20 @@ mod tests {
 
     #[test]
     fn kinds_of_results_have_dimensions() {
-        let of = |kind: &str| Dimension::of(kind).map(|found| (found.stress, found.length, found.time));
+        let of =
+            |kind: &str| Dimension::of(kind).map(|found| (found.stress, found.length, found.time, found.temperature));
         for (kind, powers) in [
-            ("1", (0, 0, 0)),
-            ("stress", (1, 0, 0)),
-            ("stress*length", (1, 1, 0)),
-            ("stress*length^2", (1, 2, 0)),
-            ("stress/length", (1, -1, 0)),
-            ("1/length", (0, -1, 0)),
-            ("1/length^2", (0, -2, 0)),
-            ("stress^2*length^2", (2, 2, 0)),
-            ("1/time^2", (0, 0, -2)),
+            ("1", (0, 0, 0, 0)),
+            ("stress", (1, 0, 0, 0)),
+            ("stress*length", (1, 1, 0, 0)),
+            ("stress*length^2", (1, 2, 0, 0)),
+            ("stress/length", (1, -1, 0, 0)),
+            ("1/length", (0, -1, 0, 0)),
+            ("1/length^2", (0, -2, 0, 0)),
+            ("stress^2*length^2", (2, 2, 0, 0)),
+            ("1/time^2", (0, 0, -2, 0)),
+            ("stress*length^2/time*temperature", (1, 2, -1, -1)),
+            ("temperature", (0, 0, 0, 1)),
         ] {
             assert_eq!(of(kind), Some(powers), "{kind}");
         }

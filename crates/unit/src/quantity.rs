@@ -14,7 +14,7 @@ pub struct Quantity {
     unit: Unit,
 }
 
-/// A unit: a product of powers of units, count·10^power in Pa, m and s.
+/// A unit: a product of powers of units, count·10^power in Pa, m, s and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unit {
     pub(crate) dimension: Dimension,
@@ -25,18 +25,20 @@ pub(crate) struct Unit {
 /// Error: text that is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, s, with prefixes, as in GPa, \
-         J/m^2, N/mm^2, Pa*s"
+    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, W, s, K, with prefixes, as in GPa, \
+         J/m^2, N/mm^2, Pa*s, W/(m K)"
 )]
 pub struct UnknownUnit(String);
 
-/// Units with a prefix of SI, and their sizes.
-const PREFIXED: [(&str, Dimension, i32); 5] = [
-    ("Pa", Dimension { stress: 1, length: 0, time: 0 }, 0),
-    ("bar", Dimension { stress: 1, length: 0, time: 0 }, 5),
-    ("N", Dimension { stress: 1, length: 2, time: 0 }, 0),
-    ("J", Dimension { stress: 1, length: 3, time: 0 }, 0),
-    ("s", Dimension { stress: 0, length: 0, time: 1 }, 0),
+/// Units with a prefix of SI, their powers of stress, length, time and temperature, and their sizes.
+const PREFIXED: [(&str, [i32; 4], i32); 7] = [
+    ("Pa", [1, 0, 0, 0], 0),
+    ("bar", [1, 0, 0, 0], 5),
+    ("N", [1, 2, 0, 0], 0),
+    ("J", [1, 3, 0, 0], 0),
+    ("W", [1, 3, -1, 0], 0),
+    ("s", [0, 0, 1, 0], 0),
+    ("K", [0, 0, 0, 1], 0),
 ];
 
 /// The prefixes of SI that are in use, `u` and both letters mu for micro.
@@ -97,7 +99,7 @@ impl Quantity {
         self.unit.dimension
     }
 
-    /// The number in a unit of the same dimension, correctly rounded if both are powers of ten of Pa, m and s.
+    /// The number in a unit of the same dimension, correctly rounded if both are powers of ten of Pa, m, s and K.
     pub(crate) fn over(&self, unit: &Unit) -> f64 {
         let power = self.unit.power.saturating_sub(unit.power);
         let times_ten = |digits: &str| format!("{digits}e{power}").parse().unwrap_or(f64::NAN);
@@ -113,7 +115,7 @@ impl Quantity {
 impl Unit {
     pub(crate) const ONE: Self = Self { dimension: Dimension::NONE, power: 0, count: 1.0 };
 
-    /// Parses a product of powers of units; a slash divides by the next factor only.
+    /// Parses a product of powers of units; a slash divides by the next unit only, or by all of those in parentheses.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let mut found = Self::ONE;
         let mut rest = text.trim();
@@ -123,9 +125,18 @@ impl Unit {
             (sign, rest) = (-1, under.trim_start());
         }
         loop {
-            let end = rest.find(|c: char| matches!(c, '*' | '·' | '/') || c.is_whitespace()).unwrap_or(rest.len());
-            let (factor, behind) = rest.split_at(end);
-            found = found.times(Self::factor(factor)?, sign)?;
+            let (factor, behind) = match rest.strip_prefix('(') {
+                Some(rest) => {
+                    let (inside, behind) = rest.split_once(')')?;
+                    (Self::parse(inside)?, behind)
+                }
+                None => {
+                    let ends = |c: char| matches!(c, '*' | '·' | '/') || c.is_whitespace();
+                    let (factor, behind) = rest.split_at(rest.find(ends).unwrap_or(rest.len()));
+                    (Self::factor(factor)?, behind)
+                }
+            };
+            found = found.times(factor, sign)?;
             let behind = behind.trim_start();
             let Some(next) = behind.chars().next() else { return Some(found) };
             (sign, rest) = match next {
@@ -153,10 +164,11 @@ impl Unit {
             let dimension = Dimension { length: 1, ..Dimension::NONE };
             return Some(Self { dimension, power: unit.power, count: f64::from(unit.count) });
         }
-        PREFIXED.iter().find_map(|(symbol, dimension, power)| {
+        PREFIXED.iter().find_map(|(symbol, [stress, length, time, temperature], power)| {
             let prefix = name.strip_suffix(symbol)?;
             let (_, tens) = PREFIXES.iter().find(|(known, _)| *known == prefix)?;
-            Some(Self { dimension: *dimension, power: power + tens, count: 1.0 })
+            let dimension = Dimension { stress: *stress, length: *length, time: *time, temperature: *temperature };
+            Some(Self { dimension, power: power + tens, count: 1.0 })
         })
     }
 
@@ -169,7 +181,7 @@ impl Unit {
         })
     }
 
-    /// The size in Pa, m and s.
+    /// The size in Pa, m, s and K.
     pub(crate) fn size(&self) -> f64 {
         self.count * 10_f64.powi(self.power)
     }
@@ -179,40 +191,45 @@ impl Unit {
 mod tests {
     use super::*;
 
-    fn in_si(text: &str) -> (f64, (i32, i32, i32)) {
+    fn in_si(text: &str) -> (f64, (i32, i32, i32, i32)) {
         let found = Quantity::parse(text).unwrap().unwrap_or_else(|| panic!("{text}"));
-        let Dimension { stress, length, time } = found.dimension();
-        (found.over(&Unit { dimension: found.dimension(), ..Unit::ONE }), (stress, length, time))
+        let Dimension { stress, length, time, temperature } = found.dimension();
+        (found.over(&Unit { dimension: found.dimension(), ..Unit::ONE }), (stress, length, time, temperature))
     }
 
     #[test]
     fn quantities_are_rounded_once() {
         for (text, value, powers) in [
-            ("70GPa", 70e9, (1, 0, 0)),
-            (" 70 GPa ", 70e9, (1, 0, 0)),
-            ("-2.1 nm", -2.1e-9, (0, 1, 0)),
-            ("2.3um", 2.3e-6, (0, 1, 0)),
-            ("2.3 μm", 2.3e-6, (0, 1, 0)),
-            ("0.05 J/m^2", 0.05, (1, 1, 0)),
-            ("50mJ/m²", 0.05, (1, 1, 0)),
-            ("50 mN/m", 0.05, (1, 1, 0)),
-            ("1e3 N/mm^2", 1e9, (1, 0, 0)),
-            ("1E3N mm^-2", 1e9, (1, 0, 0)),
-            ("0.1 J m-2", 0.1, (1, 1, 0)),
-            ("2 mbar", 200.0, (1, 0, 0)),
-            ("1.5 hPa", 150.0, (1, 0, 0)),
-            ("1 mPa*s", 1e-3, (1, 0, 1)),
-            ("2 mPa·s", 2e-3, (1, 0, 1)),
-            ("4 N", 4.0, (1, 2, 0)),
-            ("5 µJ", 5e-6, (1, 3, 0)),
-            ("3 N/m/s", 3.0, (1, 1, -1)),
-            ("+.5e-3mm", 0.5e-6, (0, 1, 0)),
-            ("1 in", 0.0254, (0, 1, 0)),
-            ("3 ms", 3e-3, (0, 0, 1)),
-            ("3 m*s", 3.0, (0, 1, 1)),
-            ("1/µm", 1e6, (0, -1, 0)),
-            ("3e-15 1/Pa", 3e-15, (-1, 0, 0)),
-            ("2e-6 mm^3/N/m", 2e-15, (-1, 0, 0)),
+            ("70GPa", 70e9, (1, 0, 0, 0)),
+            (" 70 GPa ", 70e9, (1, 0, 0, 0)),
+            ("-2.1 nm", -2.1e-9, (0, 1, 0, 0)),
+            ("2.3um", 2.3e-6, (0, 1, 0, 0)),
+            ("2.3 μm", 2.3e-6, (0, 1, 0, 0)),
+            ("0.05 J/m^2", 0.05, (1, 1, 0, 0)),
+            ("50mJ/m²", 0.05, (1, 1, 0, 0)),
+            ("50 mN/m", 0.05, (1, 1, 0, 0)),
+            ("1e3 N/mm^2", 1e9, (1, 0, 0, 0)),
+            ("1E3N mm^-2", 1e9, (1, 0, 0, 0)),
+            ("0.1 J m-2", 0.1, (1, 1, 0, 0)),
+            ("2 mbar", 200.0, (1, 0, 0, 0)),
+            ("1.5 hPa", 150.0, (1, 0, 0, 0)),
+            ("1 mPa*s", 1e-3, (1, 0, 1, 0)),
+            ("2 mPa·s", 2e-3, (1, 0, 1, 0)),
+            ("4 N", 4.0, (1, 2, 0, 0)),
+            ("5 µJ", 5e-6, (1, 3, 0, 0)),
+            ("3 N/m/s", 3.0, (1, 1, -1, 0)),
+            ("+.5e-3mm", 0.5e-6, (0, 1, 0, 0)),
+            ("1 in", 0.0254, (0, 1, 0, 0)),
+            ("3 ms", 3e-3, (0, 0, 1, 0)),
+            ("3 m*s", 3.0, (0, 1, 1, 0)),
+            ("1/µm", 1e6, (0, -1, 0, 0)),
+            ("0.2 W/(m K)", 0.2, (1, 2, -1, -1)),
+            ("0.2W/m/K", 0.2, (1, 2, -1, -1)),
+            ("5mW/(mm·K)", 5.0, (1, 2, -1, -1)),
+            ("0.1 mm^2/s", 1e-7, (0, 2, -1, 0)),
+            ("20 K", 20.0, (0, 0, 0, 1)),
+            ("3e-15 1/Pa", 3e-15, (-1, 0, 0, 0)),
+            ("2e-6 mm^3/N/m", 2e-15, (-1, 0, 0, 0)),
         ] {
             assert_eq!(in_si(text), (value, powers), "{text}");
         }
@@ -229,7 +246,20 @@ mod tests {
 
     #[test]
     fn words_that_are_no_unit_are_named() {
-        for text in ["70 GPaa", "1 V", "2 gpa", "3 m^", "3 J//m", "5 m^99", "1 Pa*", "3px", "1 e", "2 EPa"] {
+        for text in [
+            "70 GPaa",
+            "1 V",
+            "2 gpa",
+            "3 m^",
+            "3 J//m",
+            "5 m^99",
+            "1 Pa*",
+            "3px",
+            "1 e",
+            "2 EPa",
+            "1 W/(m K",
+            "1 W/(m)K)",
+        ] {
             let error = Quantity::parse(text).expect_err(text).to_string();
             assert!(error.contains("is no unit; it must be made of m, mm"), "{text}: {error}");
         }

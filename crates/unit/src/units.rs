@@ -96,11 +96,14 @@ impl Units {
     pub fn name(&self, kind: &str) -> String {
         let Some(dimension) = Dimension::of(kind).filter(|found| *found != Dimension::NONE) else { return kind.into() };
         let (stress, length) = (self.stress(), self.length());
-        if (dimension.stress != 0 && stress.is_none()) || (dimension.length != 0 && length.is_none()) {
+        // A problem whose lengths have a unit has temperatures in K.
+        let needs_length = dimension.length != 0 || dimension.temperature != 0;
+        if (dimension.stress != 0 && stress.is_none()) || (needs_length && length.is_none()) {
             return kind.into();
         }
         let whole = |name: &str| if name.contains(['/', '*', ' ', '·']) { format!("({name})") } else { name.into() };
-        kind.replace("stress", &whole(stress.unwrap_or_default())).replace("length", &whole(length.unwrap_or_default()))
+        let named = kind.replace("stress", &whole(stress.unwrap_or_default()));
+        named.replace("length", &whole(length.unwrap_or_default())).replace("temperature", "K")
     }
 
     /// The readable unit for numbers of a kind up to `largest`; `None` if the units are unknown.
@@ -138,6 +141,9 @@ mod tests {
         assert_eq!(value(&giga, "0.05J/m^2", "stress*length"), Ok(0.05e-3));
         assert_eq!(value(&giga, "2 nm", "length"), Ok(2e-3));
         assert_eq!(value(&Units::new(Some("in"), None), "2.54cm", "length"), Ok(1.0));
+        // A heat flux is in stress·length/time, so that a temperature is in K.
+        assert_eq!(value(&giga, "0.2 W/(m K)", "stress*length^2/time*temperature"), Ok(0.2e3));
+        assert_eq!(value(&giga, "1e-7 m^2/s", "length^2/time"), Ok(1e5));
     }
 
     #[test]
@@ -159,6 +165,10 @@ mod tests {
         assert_eq!(known.name("stress*length"), "Pa*µm");
         assert_eq!(known.name("1/length"), "1/µm");
         assert_eq!(known.name("1"), "1");
+        assert_eq!(
+            (known.name("temperature"), Units::default().name("temperature")),
+            ("K".into(), "temperature".into())
+        );
         assert_eq!(Units::new(Some("µm"), Some("N/mm^2")).name("stress/length"), "(N/mm^2)/µm");
         let half = Units::new(Some("nm"), None);
         assert_eq!((half.name("length").as_str(), half.name("stress*length").as_str()), ("nm", "stress*length"));

@@ -12,7 +12,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::history::{History, PointStep};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, stiffness};
 use crate::{Prony, Relaxes, ViscoelasticState};
 
 /// A rigid rough surface above a viscoelastic body, with a hard wall and without friction (theory.md, section 7.7).
@@ -116,6 +116,45 @@ impl ViscoelasticContact {
         let apart = largest(&mut total.iter().zip(&expected).map(|(a, b)| a - b));
         let scale = largest(&mut expected.iter().copied());
         Ok(if apart == 0.0 { 0.0 } else { apart / scale })
+    }
+
+    /// The energy stored in all springs, per area, by the [`memory`](ViscoelasticState::memory) of a state, with the `body`
+    /// of the contact: `None` with free boundaries, where it takes the pressure of each spring.
+    ///
+    /// # Errors
+    /// Fields of another size than the grid, or of another number than the branches.
+    pub fn elastic_energy(&self, body: &Body, memory: &[Array2<f64>]) -> Result<Option<f64>, Refusal> {
+        if memory.len() != 1 + self.branches() {
+            return Err(Refusal::Basis { found: memory.len(), expected: 1 + self.branches() });
+        }
+        let grid = *self.contact.surface().grid();
+        if let Some(field) = memory.iter().find(|field| field.len() != grid.len()) {
+            return Err(Refusal::Start { found: field.len(), expected: grid.len() });
+        }
+        if self.contact.boundary() == Boundary::Free {
+            return Ok(None);
+        }
+        let (transform, stiffness) = (Transform::new(grid), stiffness(body, &grid));
+        let mut workspace = transform.workspace();
+        let mut spectra = Vec::new();
+        for field in memory {
+            let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+            transform.forward(&contiguous(field), &mut spectrum, &mut workspace)?;
+            spectra.push(spectrum);
+        }
+        let weights = |mode: usize| -> Vec<f64> {
+            match &*self.spectrum {
+                Spectrum::Common(branches) => branches.iter().map(|branch| branch.weight).collect(),
+                Spectrum::Waves(waves) => waves.of(mode).map(|branch| branch.weight).collect(),
+            }
+        };
+        let of = |mode: usize| {
+            let branches = weights(mode).into_iter().zip(&spectra[1..]).map(|(weight, x)| weight * x[mode].norm_sqr());
+            0.5 * grid.mode_at(mode).weight * stiffness[mode] * (spectra[0][mode].norm_sqr() + branches.sum::<f64>())
+        };
+        // The mean level of a half-space does not move.
+        let modes = (0..grid.spectrum_len()).filter(|mode| stiffness[*mode].is_finite());
+        Ok(Some(modes.map(of).sum()))
     }
 
     /// The memory before a step from `start`, which begins with a body that is undeformed.

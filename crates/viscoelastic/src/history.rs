@@ -205,3 +205,108 @@ impl Waves {
         (History::Waves(new), Energies { stored, lost })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use gfmd_field::Grid;
+    use gfmd_green::{Body, Material};
+
+    use super::*;
+    use crate::spectrum::Spectrum;
+    use crate::{Prony, Relaxes};
+
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        }
+
+        fn field(&mut self, length: usize) -> Vec<f64> {
+            (0..length).map(|_| self.next() - 0.5).collect()
+        }
+
+        fn modes(&mut self, length: usize) -> Vec<Complex64> {
+            (0..length).map(|_| Complex64::new(self.next() - 0.5, self.next() - 0.5)).collect()
+        }
+    }
+
+    /// The work of the pressure in a step, ⟨Δd, S [(d + d')/2 + Σ c (τ/Δ)(x − x' + Δd)]⟩, since ẋ = ḋ − x/τ has the
+    /// integral τ (x − x' + Δd), and the energy stored at a time, of one point or mode with the stiffness S.
+    fn work(stiffness: f64, branches: &[Branch], duration: f64, [before, after]: [&[f64]; 2]) -> [f64; 3] {
+        let moved = after[0] - before[0];
+        let mut mean = 0.5 * (before[0] + after[0]);
+        for (branch, (x, new)) in branches.iter().zip(before[1..].iter().zip(&after[1..])) {
+            mean += branch.weight * branch.time / duration * (x - new + moved);
+        }
+        let stored = |at: &[f64]| {
+            let springs = branches.iter().zip(&at[1..]).map(|(branch, x)| branch.weight * x * x);
+            0.5 * stiffness * (at[0] * at[0] + springs.sum::<f64>())
+        };
+        [stiffness * moved * mean, stored(before), stored(after)]
+    }
+
+    #[test]
+    fn the_work_of_the_pressure_is_stored_or_lost_in_300_random_steps() {
+        let slab = Body::slab(Material::from_young(1.3, 0.3).unwrap(), 0.4).unwrap();
+        let grid = Grid::new([6, 5], [1.0, 0.8]).unwrap();
+        for case in 0..300 {
+            let mut numbers = Numbers(case + 91);
+            let count = 1 + (case % 3) as i32;
+            let pairs: Vec<(f64, f64)> = (0..count)
+                .map(|k| (10.0_f64.powf(f64::from(2 * k) - 2.0 + numbers.next()), 0.3 * numbers.next() + 1e-3))
+                .collect();
+            let prony = Prony::from_fractions(&pairs).unwrap();
+            let duration = 10.0_f64.powf(5.0 * numbers.next() - 3.0);
+            let (sums, energies) = if case % 2 == 0 {
+                // Points of a body whose matrix is diagonal.
+                let n = 11;
+                let stiffness: Vec<f64> = (0..n).map(|_| 0.1 + numbers.next()).collect();
+                let lengths: Vec<Vec<f64>> = (0..=count).map(|_| numbers.field(n)).collect();
+                let times = |field: &[f64]| field.iter().zip(&stiffness).map(|(x, s)| x * s).collect::<Vec<f64>>();
+                let stresses: Vec<Vec<f64>> = lengths.iter().map(|field| times(field)).collect();
+                let step = PointStep::new(prony.branches(), duration);
+                let reached = numbers.field(n);
+                let mut hollow = vec![0.0; n];
+                step.fill(&lengths, &mut hollow);
+                let pressure: Vec<f64> = (0..n).map(|i| stiffness[i] * (reached[i] - hollow[i])).collect();
+                let (after, energies) = step.advance((&lengths, &stresses), (reached, &pressure));
+                let History::Points { lengths: after, .. } = after else { unreachable!("points stay points") };
+                let of = |i: usize| {
+                    let at = |fields: &[Vec<f64>]| fields.iter().map(|field| field[i]).collect::<Vec<f64>>();
+                    work(stiffness[i], prony.branches(), duration, [&at(&lengths), &at(&after)])
+                };
+                ((0..n).map(of).fold([0.0; 3], add).map(|sum| sum / n as f64), energies)
+            } else {
+                let spectrum = Spectrum::new(&slab, &grid, false, &prony, Relaxes::Shear).unwrap();
+                let Spectrum::Waves(waves) = spectrum else {
+                    unreachable!("a slab has its own branches for each wave")
+                };
+                let modes = waves.stiffness.len();
+                let fields: Vec<Vec<Complex64>> = (0..=waves.count).map(|_| numbers.modes(modes)).collect();
+                let weight = |mode: usize| grid.mode_at(mode).weight;
+                let (after, energies) = waves.advance(&fields, numbers.modes(modes), duration, weight);
+                let History::Waves(after) = after else { unreachable!("waves stay waves") };
+                let of = |mode: usize| {
+                    let branches: Vec<Branch> = waves.of(mode).collect();
+                    [|z: &Complex64| z.re, |z: &Complex64| z.im].map(|part| {
+                        let at = |fields: &[Vec<Complex64>]| {
+                            fields[..=branches.len()].iter().map(|field| part(&field[mode])).collect::<Vec<f64>>()
+                        };
+                        let stiffness = weight(mode) * waves.stiffness[mode];
+                        work(stiffness, &branches, duration, [&at(&fields), &at(&after)])
+                    })
+                };
+                ((0..modes).flat_map(of).fold([0.0; 3], add), energies)
+            };
+            let [work, before, after] = sums;
+            let scale = before.max(after);
+            assert!((energies.stored - after).abs() <= 1e-13 * scale, "case {case}: {} {after}", energies.stored);
+            assert!(energies.lost >= 0.0);
+            // x − x' + Δd is a small difference in short steps.
+            let apart = (work - (after - before) - energies.lost).abs();
+            assert!(apart <= 1e-9 * scale, "case {case}: {apart:e} of {scale:e} is missing");
+        }
+    }
+}

@@ -13,7 +13,7 @@ use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, stiffness};
 use crate::{Prony, Relaxes, Velocity};
 
 /// A rigid rough surface that slides steadily over a viscoelastic body, with a hard wall and without friction of the
@@ -61,7 +61,10 @@ pub enum SlidingError {
     /// A patch that does not repeat.
     #[error("the boundary is free; it must be periodic for steady sliding")]
     Free,
-    /// A hardness, or a body whose relaxation is not known.
+    /// A largest pressure.
+    #[error("a hardness is given; it must be left out for steady sliding")]
+    Hardness,
+    /// A body whose relaxation is not known.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }
@@ -90,20 +93,27 @@ impl SlidingContact {
     /// # Errors
     /// Free boundaries, a hardness; a body for which the relaxation of the shear modulus alone is not known.
     pub fn new(contact: Contact, body: &Body, prony: &Prony, relaxes: Relaxes) -> Result<Self, SlidingError> {
+        let spectrum = Spectrum::new(body, contact.surface().grid(), false, prony, relaxes)?;
+        Self::of(contact, body, spectrum)
+    }
+
+    /// The sliding contact of an elastic `body`, that of `contact`: a static contact at any velocity, without friction.
+    ///
+    /// # Errors
+    /// Free boundaries, a hardness.
+    pub fn elastic(contact: Contact, body: &Body) -> Result<Self, SlidingError> {
+        Self::of(contact, body, Spectrum::Common(Vec::new()))
+    }
+
+    fn of(contact: Contact, body: &Body, spectrum: Spectrum) -> Result<Self, SlidingError> {
         if contact.boundary() == Boundary::Free {
             return Err(SlidingError::Free);
         }
         if contact.hardness().is_some() {
-            return Err(Refusal::ViscoelasticHardness.into());
+            return Err(SlidingError::Hardness);
         }
         let grid = *contact.surface().grid();
-        let spectrum = Spectrum::new(body, &grid, false, prony, relaxes)?;
-        let [_, level] = body.level_compliance();
-        let of = |index: usize| {
-            let mode = grid.mode_at(index);
-            if mode.is_uniform() { 1.0 / level } else { body.normal_stiffness(mode.wavenumber()) }
-        };
-        let stiffness: Vec<f64> = (0..grid.spectrum_len()).into_par_iter().map(of).collect();
+        let stiffness = stiffness(body, &grid);
         let transform = Transform::new(grid);
         let mut heights = vec![Complex64::ZERO; grid.spectrum_len()];
         let below: Vec<f64> = contact.surface().clearance().iter().map(|clearance| -clearance).collect();
@@ -132,16 +142,13 @@ impl SlidingContact {
             let mode = grid.mode_at(index);
             let ([x, y], [nyquist_x, nyquist_y]) = (mode.wavevector, mode.nyquist);
             // A Nyquist wave has the mean stiffness of its aliases.
-            let signs = |nyquist: bool| if nyquist { &[1.0, -1.0][..] } else { &[1.0][..] };
-            let mut sum = Complex64::ZERO;
-            for a in signs(nyquist_x) {
-                for b in signs(nyquist_y) {
-                    sum += modulus_of(index, -velocity.along([a * x, b * y]));
-                }
+            let (mut sum, mut count) = (Complex64::ZERO, 0.0);
+            for wave in mode.aliases() {
+                sum += modulus_of(index, -velocity.along(wave));
+                count += 1.0;
             }
-            let count = signs(nyquist_x).len() * signs(nyquist_y).len();
             let without = [if nyquist_x { 0.0 } else { x }, if nyquist_y { 0.0 } else { y }];
-            (sum / count as f64, velocity.along(without))
+            (sum / count, velocity.along(without))
         };
         let (modulus, rate) = (0..grid.spectrum_len()).into_par_iter().map(of).unzip();
         Moving { modulus, rate }
@@ -411,7 +418,9 @@ impl<'a> Search<'a> {
         };
         let mut warm = start.map(|start| start.solution.clone());
         let mut mixing = Anderson::new(DEPTH);
-        let mut inner = FIRST.max(tolerance);
+        // An elastic contact is solved at once.
+        let is_elastic = self.rest.iter().all(|rest| *rest == Complex64::ZERO);
+        let mut inner = if is_elastic { INNER * tolerance } else { FIRST.max(tolerance) };
         let mut best: Option<Solution> = None;
         // The image with the least residual so far, and this residual.
         let mut safe: Option<(Vec<f64>, f64)> = None;

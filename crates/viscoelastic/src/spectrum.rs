@@ -41,6 +41,16 @@ impl Waves {
     }
 }
 
+/// The long-term stiffness of each mode, stress/length; infinite for a uniform one that the body does not have.
+pub(crate) fn stiffness(body: &Body, grid: &Grid) -> Vec<f64> {
+    let [_, level] = body.level_compliance();
+    let of = |index: usize| {
+        let mode = grid.mode_at(index);
+        if mode.is_uniform() { 1.0 / level } else { body.normal_stiffness(mode.wavenumber()) }
+    };
+    (0..grid.spectrum_len()).into_par_iter().map(of).collect()
+}
+
 impl Spectrum {
     /// The spectrum of `body`, whose long-term moduli are given, on a periodic `grid`, or on a patch.
     ///

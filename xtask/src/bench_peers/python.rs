@@ -30,6 +30,7 @@ pub(super) enum Script {
     Aspher,
     Certify,
     ContactMechanics,
+    Creep,
     Describe,
     Hertzian,
     Tamaas,
@@ -37,10 +38,11 @@ pub(super) enum Script {
 }
 
 impl Script {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Aspher,
         Self::Certify,
         Self::ContactMechanics,
+        Self::Creep,
         Self::Describe,
         Self::Hertzian,
         Self::Tamaas,
@@ -53,6 +55,7 @@ impl Script {
             Self::Hertzian => "solve_hertzian.py",
             Self::Certify => "certify.py",
             Self::ContactMechanics => "solve_contact_mechanics.py",
+            Self::Creep => "creep_tamaas.py",
             Self::Describe => "describe.py",
             Self::Tamaas => "solve_tamaas.py",
             Self::Yardstick => "yardstick.py",
@@ -65,6 +68,7 @@ impl Script {
             Self::Hertzian => include_str!("../../peers/solve_hertzian.py"),
             Self::Certify => include_str!("../../peers/certify.py"),
             Self::ContactMechanics => include_str!("../../peers/solve_contact_mechanics.py"),
+            Self::Creep => include_str!("../../peers/creep_tamaas.py"),
             Self::Describe => include_str!("../../peers/describe.py"),
             Self::Tamaas => include_str!("../../peers/solve_tamaas.py"),
             Self::Yardstick => include_str!("../../peers/yardstick.py"),
@@ -244,7 +248,7 @@ impl Environment {
     ) -> Result<T, Ended> {
         let threads = task["threads"].as_u64().unwrap_or(1).to_string();
         let mut settings = vec![("OMP_NUM_THREADS", threads.clone()), ("OPENBLAS_NUM_THREADS", threads)];
-        if let (Script::Tamaas, Some(fftw)) = (script, self.preloaded()) {
+        if let (Script::Tamaas | Script::Creep, Some(fftw)) = (script, self.preloaded()) {
             let Fftw { needs, library, threads, .. } = fftw;
             let libraries = needs.iter().chain([library]).chain(threads);
             settings.push(("LD_PRELOAD", libraries.map(String::as_str).collect::<Vec<_>>().join(" ")));

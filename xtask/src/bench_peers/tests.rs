@@ -234,6 +234,8 @@ fn flags_out_of_range_are_refused_by_name() {
     assert_eq!((any.sizes.clone(), any.patience()), (vec![256], 60.0));
     assert_eq!(any.page().unwrap().to_str(), Some("docs/any-load.md"));
     assert_eq!(args(&["--write-docs"]).page().unwrap().to_str(), Some("docs/benchmarks.md"));
+    let creep = args(&["--creep", "--write-docs"]);
+    assert_eq!((creep.page().unwrap().to_str(), creep.sizes.clone()), (Some("docs/creep-peers.md"), vec![256]));
     assert!(args(&["--boundary", "free"]).peers.contains(&Peer::Hertzian));
 }
 

@@ -63,11 +63,11 @@ fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failur
     contact.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
 }
 
-/// Recomputes the pressure of the last step from the memory.
+/// Recomputes the pressure of the last step and its elastic energy, which is `stored`, from the memory.
 pub(super) fn check(
     reader: &Reader,
     prepared: &Prepared,
-    (pressure, displacement): (&Array2<f64>, &Array2<f64>),
+    (pressure, displacement, stored): (&Array2<f64>, &Array2<f64>, f64),
     tolerance: f64,
     comparison: &mut Comparison,
 ) -> Result<(), Failure> {
@@ -85,5 +85,11 @@ pub(super) fn check(
     let apart = contact.consistency(pressure, &memory);
     let apart = apart.map_err(|refusal| Failure::input("/history", refusal))?;
     comparison.at_most(BRANCH, apart, tolerance.max(ROUNDING));
+    let energy = contact.elastic_energy(&prepared.body, &memory);
+    if let Some(energy) = energy.map_err(|refusal| Failure::input("/history", refusal))? {
+        let apart = (energy - stored).abs() / energy.max(stored);
+        let apart = if energy == stored { 0.0 } else { apart };
+        comparison.at_most("/path/elastic_energy (of the last step)", apart, tolerance.max(ROUNDING));
+    }
     Ok(())
 }

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use gfmd_contact::{Boundary, Fields as _, Load};
-use gfmd_files::{Reader, contiguous};
+use gfmd_files::Reader;
+use gfmd_relax::worst;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
     Comparison, Configuration, Kind, compare_heights, layout, regenerated, repeated_problem, stored_problem,
 };
 use gfmd_run::session::Session;
-use ndarray::Array2;
 
-use super::file::{FIELDS, SCALARS, StatesFile};
+use super::file::{OF_HEAT, SCALARS, StatesFile, fields};
 use super::report::State;
 use super::{Args, Way};
 
@@ -33,29 +33,31 @@ pub(crate) fn check(
     let (way, count) = (&way, way.states().count());
     layout(Kind::Slide, reader, comparison, |output| {
         let provenance = session.provenance(args.config()?);
-        StatesFile::new(output, &provenance, &way.prepared, count)?.finish(&[], count)
+        StatesFile::new(output, &provenance, &way.prepared, way.heat.as_ref(), count)?.finish(&[], count)
     })?;
-    let columns = SCALARS.iter().map(|(name, ..)| Ok(reader.values::<f64>(&format!("/states/{name}"))?));
-    let columns = columns.collect::<Result<Vec<_>, Failure>>()?;
+    let column = |name: &str| Ok::<_, Failure>(reader.values::<f64>(&format!("/states/{name}"))?);
+    let columns = SCALARS.iter().map(|(name, ..)| column(name)).collect::<Result<Vec<_>, Failure>>()?;
+    let of_heat =
+        OF_HEAT.iter().filter(|_| way.heat.is_some()).map(|(name, .., value)| Ok((name, column(name)?, value)));
+    let of_heat = of_heat.collect::<Result<Vec<_>, Failure>>()?;
     let height = way.sliding.contact().surface().rms_height();
-    for (index, (load, velocity)) in way.states().enumerate() {
+    let names = fields(way.heat.as_ref());
+    for (index, at) in way.states().enumerate() {
         let slab = |name: &str| -> Result<Vec<f64>, Failure> { Ok(reader.slab(&format!("/fields/{name}"), index)?) };
         let pressure = slab("pressure")?;
         if pressure.iter().any(|p| !p.is_finite()) {
             continue;
         }
-        let pressure = Array2::from_shape_vec(way.prepared.surface.grid.points(), pressure);
-        let pressure = pressure.map_err(|error| Failure::input("/fields/pressure", error))?;
-        let state = way.sliding.certify(velocity, &pressure, load);
-        let state = state.map_err(|refusal| Failure::input("/fields/pressure", refusal))?;
-        let solution = &state.solution;
-        for ((name, ..), field) in FIELDS.iter().zip([&solution.pressure, &solution.displacement, &solution.gap]) {
+        let is_shared = way.heat.is_some_and(|heat| heat.is_shared());
+        let reached = way.certify(at, pressure, is_shared.then(|| slab("heat_flux")).transpose()?)?;
+        for (name, ..) in &names {
             // The gap of full contact is what rounding leaves.
             let floor = if *name == "gap" { height } else { 0.0 };
-            comparison.values(&format!("/fields/{name}"), &slab(name)?, &contiguous(field), floor);
+            comparison.values(&format!("/fields/{name}"), &slab(name)?, &reached.field(name), floor);
         }
-        let persson = way.sliding.persson(velocity, solution.mean_pressure);
-        let record = State::new(velocity, &state, persson, (&way.prepared.scales(), args.tol), f64::NAN);
+        let (state, solution) = (&reached.state, &reached.state.solution);
+        let persson = way.sliding.persson(at.1, solution.mean_pressure);
+        let record = State::new(at.1, &reached, persson, (&way.prepared.scales(), args.tol), f64::NAN);
         for ((name, .., value), column) in SCALARS.iter().zip(&columns) {
             if OF_THE_SEARCH.contains(name) {
                 continue;
@@ -68,11 +70,17 @@ pub(crate) fn check(
             let stored = column.get(index).copied().unwrap_or(f64::NAN);
             comparison.number(&format!("/states/{name}"), stored, value(&record), floor);
         }
+        for (name, column, value) in &of_heat {
+            let stored = column.get(index).copied().unwrap_or(f64::NAN);
+            let floor = if **name == "heat_residual" { 1e-3 } else { 0.0 };
+            comparison.number(&format!("/states/{name}"), stored, record.heat.as_ref().map_or(f64::NAN, value), floor);
+        }
         if record.converged {
-            comparison.at_most(&format!("residual of state {index}"), state.worst(), args.tol);
+            let heat = record.heat.map_or(0.0, |heat| heat.residual);
+            comparison.at_most(&format!("residual of state {index}"), worst([state.worst(), heat]), args.tol);
         }
         // The load is met to the tolerance.
-        if let Load::MeanPressure(asked) = load {
+        if let Load::MeanPressure(asked) = at.0 {
             let apart = (solution.mean_pressure - asked).abs() / asked;
             comparison.at_most(&format!("load of state {index}"), apart, args.tol);
         }

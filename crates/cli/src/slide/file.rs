@@ -1,19 +1,24 @@
 //! The HDF5 file of steady sliding.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
+use gfmd_heat::Heated;
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Prepared;
+use gfmd_unit::Units;
 use gfmd_viscoelastic::SlidingState;
+use ndarray::Array2;
 
+use super::heat::{Heat, Source};
 use super::report::State;
 
 /// The name of a scalar, its unit, its definition, and its value.
-type Scalar = (&'static str, &'static str, &'static str, fn(&State) -> f64);
+type Scalar<T> = (&'static str, &'static str, &'static str, fn(&T) -> f64);
 
 /// The scalars of a state.
-pub(super) const SCALARS: &[Scalar] = &[
+pub(super) const SCALARS: &[Scalar<State>] = &[
     ("velocity", "length/time", "velocity of the rigid surface relative to the body", |s| s.velocity),
     ("mean_pressure", "stress", "mean pressure over the whole surface", |s| s.mean_pressure),
     ("p_star", "1", "reduced pressure p/(E* g)", |s| s.p_star),
@@ -33,16 +38,66 @@ pub(super) const SCALARS: &[Scalar] = &[
     ("seconds", "s", "wall time", |s| s.seconds),
 ];
 
+/// The scalars of the flash temperature, `/states/heat_...`.
+pub(super) const OF_HEAT: &[Scalar<Heat>] = &[
+    ("heat_mean_flux", "stress*length/time", "mean heat of friction, per area and time", |heat| heat.mean_flux),
+    ("heat_fraction", "1", "part of the heat that flows into the body", |heat| heat.fraction),
+    ("heat_max_rise", "temperature", "largest temperature in contact, above the mean of the surface", |h| h.max_rise),
+    ("heat_mean_rise", "temperature", "mean temperature in contact, above the mean of the surface", |h| h.mean_rise),
+    (
+        "heat_residual",
+        "1",
+        "largest difference between the temperatures of both bodies over the largest rise",
+        |heat| heat.residual,
+    ),
+];
+
+/// A state, and its temperature if it is asked for.
+pub(super) struct Reached {
+    pub(super) state: SlidingState,
+    pub(super) heated: Option<Heated>,
+}
+
+/// The name of a field of a state, its unit and its definition.
+type Field = (&'static str, &'static str, &'static str);
+
 /// The fields of a state, with their units and definitions.
-pub(super) const FIELDS: [(&str, &str, &str); 3] = [
+const FIELDS: [Field; 3] = [
     ("pressure", "stress", "pressure on the surface of the body"),
     ("displacement_z", "length", "normal displacement of the surface of the body, negative downwards"),
     ("gap", "length", "distance between the surfaces"),
 ];
 
+const TEMPERATURE: Field = ("temperature", "temperature", "temperature of the body's surface, above its mean");
+const HEAT_FLUX: Field = ("heat_flux", "stress*length/time", "heat that flows into the body, per area and time");
+
+/// The fields of a state with this heat, in the order of a file.
+pub(super) fn fields(heat: Option<&Source>) -> Vec<Field> {
+    let shared = heat.filter(|heat| heat.is_shared()).map(|_| HEAT_FLUX);
+    FIELDS.into_iter().chain(heat.map(|_| TEMPERATURE)).chain(shared).collect()
+}
+
+impl Reached {
+    /// The values of a field.
+    pub(super) fn field(&self, name: &str) -> Cow<'_, [f64]> {
+        let solution = &self.state.solution;
+        let heated = |of: fn(&Heated) -> &Array2<f64>| self.heated.as_ref().map(of);
+        let field = match name {
+            "pressure" => Some(&solution.pressure),
+            "displacement_z" => Some(&solution.displacement),
+            "gap" => Some(&solution.gap),
+            "temperature" => heated(|heated| &heated.temperature),
+            _ => heated(|heated| &heated.into_body),
+        };
+        field.map_or(Cow::default(), |field| contiguous(field))
+    }
+}
+
 /// A file of states: the surface is written at once, the fields state by state, the scalars at the end.
 pub(super) struct StatesFile<'a> {
     archive: Archive<'a>,
+    units: Units,
+    fields: Vec<Field>,
 }
 
 impl<'a> StatesFile<'a> {
@@ -50,25 +105,30 @@ impl<'a> StatesFile<'a> {
         output: &'a Output,
         provenance: &Provenance,
         prepared: &Prepared,
+        heat: Option<&Source>,
         states: usize,
     ) -> Result<Self, Failure> {
         let mut archive = Archive::create(output, provenance)?;
-        let unit = prepared.surface.unit();
-        let [x, y] = axes(&prepared.surface.grid, unit);
+        let [x, y] = axes(&prepared.surface.grid, prepared.surface.unit());
         prepared.surface.write(&mut archive, [&x, &y])?;
         let state = Dimension::index("state", states, "load and velocity");
-        for (name, units, long_name) in FIELDS {
-            let units = if units == "length" { unit } else { units };
+        let (units, fields) = (prepared.surface.units(), fields(heat));
+        for (name, kind, long_name) in &fields {
+            let units = &*units.name(kind);
             archive
                 .define(&format!("/fields/{name}"), &Variable { dimensions: &[&state, &x, &y], units, long_name })?;
         }
-        Ok(Self { archive })
+        Ok(Self { archive, units, fields })
     }
 
-    pub(super) fn write(&mut self, index: usize, state: &SlidingState) -> Result<(), Failure> {
-        let solution = &state.solution;
-        for ((name, ..), field) in FIELDS.iter().zip([&solution.pressure, &solution.displacement, &solution.gap]) {
-            self.archive.write_slab(&format!("/fields/{name}"), index, &contiguous(field))?;
+    /// Writes the fields of a state, in the order of [`fields`].
+    pub(super) fn write<'f>(
+        &mut self,
+        index: usize,
+        fields: impl IntoIterator<Item = &'f Cow<'f, [f64]>>,
+    ) -> Result<(), Failure> {
+        for ((name, ..), values) in self.fields.iter().zip(fields) {
+            self.archive.write_slab(&format!("/fields/{name}"), index, values)?;
         }
         Ok(())
     }
@@ -76,9 +136,17 @@ impl<'a> StatesFile<'a> {
     /// Writes the scalars of `count` states, NaN beyond those there are, and gives the file its name.
     pub(super) fn finish(mut self, states: &[State], count: usize) -> Result<PathBuf, Failure> {
         let dimension = Dimension::index("state", count, "load and velocity");
-        for (name, units, long_name, value) in SCALARS {
-            let values: Vec<f64> = (0..count).map(|index| states.get(index).map_or(f64::NAN, value)).collect();
-            let variable = Variable { dimensions: &[&dimension], units, long_name };
+        let has_heat = self.fields.contains(&TEMPERATURE);
+        let of_heat = OF_HEAT.iter().filter(|_| has_heat).map(|(name, kind, long_name, value)| {
+            let value = |state: &State| state.heat.as_ref().map_or(f64::NAN, value);
+            (name, kind, long_name, states.iter().map(value).collect::<Vec<f64>>())
+        });
+        let all = SCALARS.iter().map(|(name, kind, long_name, value)| {
+            (name, kind, long_name, states.iter().map(value).collect::<Vec<f64>>())
+        });
+        for (name, kind, long_name, mut values) in all.chain(of_heat) {
+            values.resize(count, f64::NAN);
+            let variable = Variable { dimensions: &[&dimension], units: &self.units.name(kind), long_name };
             self.archive.write(&format!("/states/{name}"), &variable, &values)?;
         }
         Ok(self.archive.finish()?)

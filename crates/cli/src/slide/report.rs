@@ -1,18 +1,22 @@
-//! The printed report of steady sliding, and its figure.
+//! The printed report of steady sliding, and its figures.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use gfmd_contact::Fields as _;
+use gfmd_files::contiguous;
 use gfmd_measure::Scales;
-use gfmd_report::figures::named;
-use gfmd_report::slide::{Sliding, chart};
+use gfmd_report::figures::{Scene, Shown, named};
+use gfmd_report::slide::{Sliding, chart, rises, temperature};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Head;
-use gfmd_viscoelastic::{SlidingState, Velocity};
-use serde::Serialize;
+use gfmd_run::source::Surface;
+use gfmd_viscoelastic::Velocity;
+use serde::{Deserialize, Serialize};
 
+use super::file::Reached;
+use super::heat::Heat;
 use crate::session::list_files;
 
 /// The result, as printed.
@@ -32,7 +36,7 @@ pub struct Report {
 }
 
 /// A steady state, as printed.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct State {
     pub velocity: f64,
@@ -46,15 +50,17 @@ pub struct State {
     pub friction_slope: f64,
     pub dissipated_power: f64,
     pub persson: Persson,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heat: Option<Heat>,
     pub iterations: u64,
     pub transform_pairs: f64,
     pub converged: bool,
-    pub residual: BTreeMap<&'static str, f64>,
+    pub residual: BTreeMap<String, f64>,
     pub seconds: f64,
 }
 
 /// Persson's theory, as printed.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Persson {
     /// Coefficient of friction.
     pub friction: f64,
@@ -65,13 +71,15 @@ pub struct Persson {
 impl State {
     pub(super) fn new(
         velocity: &Velocity,
-        state: &SlidingState,
+        Reached { state, heated }: &Reached,
         gfmd_viscoelastic::Persson { friction, area_fraction }: gfmd_viscoelastic::Persson,
         (scales, tolerance): (&Scales, f64),
         seconds: f64,
     ) -> Self {
         let summary = state.summary_in(scales);
         let effort = state.effort();
+        let [iterations, pairs] =
+            heated.as_ref().map_or([0.0; 2], |heated| [heated.iterations as f64, heated.transform_pairs]);
         Self {
             velocity: velocity.speed(),
             mean_pressure: state.solution.mean_pressure,
@@ -84,10 +92,11 @@ impl State {
             friction_slope: state.friction_slope,
             dissipated_power: state.dissipated_power,
             persson: Persson { friction, area_fraction },
-            iterations: effort.iterations,
-            transform_pairs: effort.transform_pairs,
-            converged: state.worst() <= tolerance,
-            residual: state.residuals().into_iter().collect(),
+            heat: heated.as_ref().map(Heat::from),
+            iterations: effort.iterations + iterations as u64,
+            transform_pairs: effort.transform_pairs + pairs,
+            converged: state.worst() <= tolerance && heated.as_ref().is_none_or(|heated| heated.residual <= tolerance),
+            residual: state.residuals().into_iter().map(|(name, residual)| (name.to_owned(), residual)).collect(),
             seconds,
         }
     }
@@ -105,17 +114,34 @@ impl State {
 }
 
 impl Report {
-    /// Draws friction and area against the velocity, one curve for each load, of so many `velocities`.
-    pub(super) fn draw(&self, prefix: &Path, velocities: usize) -> Result<Vec<PathBuf>, Failure> {
+    /// Draws the states, of so many `velocities` for each load, against the velocity, and the fields of the last one.
+    pub(super) fn draw(
+        &self,
+        prefix: &Path,
+        (velocities, is_viscoelastic): (usize, bool),
+        (surface, last): (&Surface, &Reached),
+    ) -> Result<Vec<PathBuf>, Failure> {
         let state = |state: &State| Sliding {
             velocity: state.velocity,
             p_star: state.p_star,
             friction: [state.friction, state.persson.friction],
             area: [state.area_fraction, state.persson.area_fraction],
+            rise: state.heat.map_or([f64::NAN; 2], |heat| [heat.max_rise, heat.mean_rise]),
         };
         let states: Vec<Sliding> = self.states.iter().map(state).collect();
-        let chart = chart(&states, velocities);
-        Ok(chart.save(&named(prefix, "friction"))?.into())
+        let mut files = Vec::new();
+        if is_viscoelastic {
+            files.extend(chart(&states, velocities, &surface.units()).save(&named(prefix, "friction"))?);
+        }
+        if let Some(heated) = &last.heated {
+            files.extend(rises(&states, velocities, &surface.units()).save(&named(prefix, "rise"))?);
+            let values = contiguous(&heated.temperature);
+            let map = temperature(&surface.grid, &values, surface.unit(), &surface.units());
+            files.extend(map.save(&named(prefix, "temperature"))?);
+        }
+        let shown = Shown::of(&last.state, None, None);
+        files.extend(Scene::upper(surface, &shown, self.head.e_star, None).draw(prefix)?);
+        Ok(files)
     }
 }
 
@@ -154,6 +180,20 @@ impl fmt::Display for Report {
                 state.transform_pairs,
                 worst,
                 if state.converged { "" } else { "  NOT CONVERGED" }
+            )?;
+        }
+        if self.states.iter().any(|state| state.heat.is_some()) {
+            writeln!(
+                f,
+                "\n{:>11} {:>11} {:>11} {:>11} {:>9}",
+                "velocity", "heat", "max rise", "mean rise", "into body"
+            )?;
+        }
+        for (state, heat) in self.states.iter().filter_map(|state| Some((state, state.heat?))) {
+            writeln!(
+                f,
+                "{:>11.4e} {:>11.4e} {:>11.4e} {:>11.4e} {:>9.6}",
+                state.velocity, heat.mean_flux, heat.max_rise, heat.mean_rise, heat.fraction
             )?;
         }
         list_files(f, self.out.as_deref(), &self.plots)

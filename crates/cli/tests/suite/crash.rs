@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use crate::common::{gfmd, numbers, sweep};
 
 /// Commands that write a file. The first word is a name for messages.
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "sweep kappa-sweep --config sweep.toml",
     "contact contact --n 128 --eps-f-inv 16 --p-star 0.01,0.02,0.05,0.1,0.2,0.4 --checkpoint 0.001",
     "squeezed contact --n 64 --eps-f-inv 8 --height 0.05 --lower-seed 2 --p-star 0.02,0.05,0.2 --checkpoint 0.001",
@@ -33,10 +33,11 @@ const COMMANDS: [&str; 11] = [
     "punch punch --n 32",
     "creep path --n 64 --height 0.3 --relaxes shear --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1e-2:1e2:12 --steps 1",
     "wear wear --n 64 --eps-f-inv 8 --boundary free --p-star 0.05 --coefficient 1 --distance 0,1e-2:1:12 --steps 1",
+    "slide slide --n 64 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.02,0.1 --velocity 0.01:100:6",
 ];
 
 /// Smaller ones, of which every system call is tried.
-const SMALL: [&str; 11] = [
+const SMALL: [&str; 12] = [
     "sweep kappa-sweep --config small.toml",
     "contact contact --n 32 --eps-f-inv 4 --p-star 0.02,0.05,0.2 --checkpoint 0.0001",
     "squeezed contact --n 24 --eps-f-inv 4 --height 0.1 --lower-seed 2 --p-star 0.02,0.2 --checkpoint 0.0001",
@@ -48,10 +49,12 @@ const SMALL: [&str; 11] = [
     "punch punch --n 16",
     "creep path --n 16 --eps-f-inv 4 --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1,100 --steps 1",
     "wear wear --n 16 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1,1 --steps 2",
+    "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 --velocity 0.1,1",
 ];
 
 /// The commands that keep finished parts.
-const RESUMABLE: [&str; 9] = ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear"];
+const RESUMABLE: [&str; 10] =
+    ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear", "slide"];
 
 struct Case {
     name: &'static str,

@@ -276,7 +276,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
 }
 
 /// Files whose parts are forged, with their kinds.
-const FORGED: [(&str, Kind, &str); 13] = [
+const FORGED: [(&str, Kind, &str); 14] = [
     (
         "wall.h5",
         Kind::Contact,
@@ -303,6 +303,11 @@ const FORGED: [(&str, Kind, &str); 13] = [
     ("creep.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --time 0,1 --steps 1"),
     ("slide.h5", Kind::Slide, "slide --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --velocity 0.1,1"),
     ("wear.h5", Kind::Wear, "wear --n 16 --eps-f-inv 4 --p-star 0.05,0.1 --coefficient 1 --distance 0,0.2 --steps 2"),
+    (
+        "warm.h5",
+        Kind::Slide,
+        "slide --n 16 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 1,10",
+    ),
     ("punch.h5", Kind::Punch, "punch --n 16"),
     ("body.h5", Kind::Body, "body --surface press.h5 --levels 3"),
     ("sweep.h5", Kind::KappaSweep, "kappa-sweep --config sweep.toml"),

@@ -46,6 +46,8 @@ const KINDS: &[(&str, &[&str])] = &[
     ("normal", &["length"]),
     ("tangential", &["length"]),
     ("z", &["length"]),
+    ("velocity", &["length/time"]),
+    ("heat", &["stress*length^2/time*temperature", "length^2/time"]),
     ("qx", &["1/length"]),
     ("qy", &["1/length"]),
 ];
@@ -229,6 +231,8 @@ mod tests {
             ("hardness", "2GPa", Some("2e9")),
             ("hardness", "2um.npy", None),
             ("lateral", "0,-2nm", Some("0,-2e0")),
+            ("velocity", "1mm/s:1m/s:4", Some("1e6:1e9:4")),
+            ("heat", "0.2W/(m K),1e-7m^2/s", Some("2e17,1e11")),
             ("law_table", "0nm:2MPa,1nm:1kPa,3:0", Some("0e0:2e6,1e0:1e3,3:0")),
         ] {
             assert_eq!(texts(key, text), Ok(found.map(str::to_owned)), "{key} {text}");

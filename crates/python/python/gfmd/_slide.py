@@ -1,7 +1,8 @@
-"""Steady sliding over viscoelastic bodies."""
+"""Steady sliding: hysteresis of viscoelastic bodies, flash temperature."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Optional
 
 import numpy as np
@@ -9,23 +10,26 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, integer, number, numbers, quantities, word
+from ._check import Array, integer, number, quantities, quantity, shown, word
 from ._errors import InputError
 from ._record import Record
 from ._surface import Surface, as_surface
 
 
 class Slide(Record):
-    """Steady states of a surface that slides over a viscoelastic body.
+    """Steady states of a surface that slides over a body.
 
     Attributes:
         states: a Record of arrays over the states, every load at every velocity: `velocity`, `mean_pressure`, `max_pressure` (stress),
             `p_star`, `displacement` (the approach), `mean_gap` (length), `area_fraction`, `friction` (by the power lost in the body),
             `friction_slope` (by the pressure on the slopes), `dissipated_power` (stress * velocity), `persson_friction`,
-            `persson_area_fraction`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
+            `persson_area_fraction`, with heat `heat_mean_flux` (stress * length/time), `heat_fraction` (into the body), `heat_max_rise`,
+            `heat_mean_rise` (temperature in contact, above the mean of the surface), `heat_residual`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
         pressure, gap, displacement_z: fields [state, x, y], stress and length; NaN at states that were not reached.
+        temperature: with heat, field [state, x, y], that of the body's surface above its mean; K if lengths have a unit.
+        heat_flux: if the surface shares the heat, field [state, x, y], the heat into the body per area and time.
         direction: unit vector of the velocity.
-        prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of the body.
+        prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of a viscoelastic body.
         warnings: a Record for each warning of the computation: `code`, `text`.
         surface, n, length, unit, rms_gradient, rms_height, e_star: the problem.
 
@@ -39,6 +43,8 @@ class Slide(Record):
     pressure: Array
     gap: Array
     displacement_z: Array
+    temperature: Array
+    heat_flux: Array
     direction: list[float]
     prony: list[list[float]]
     moduli: str
@@ -55,6 +61,17 @@ class Slide(Record):
     warnings: list[Record]
 
 
+def _thermal(heat: Any) -> list[Any]:
+    """Conductivity and diffusivity of one body, or of two."""
+    if isinstance(heat, str) or not isinstance(heat, Iterable):
+        raise InputError(f"heat is {shown(heat)}; it must be two numbers, or four with those of the surface")
+    entries = list(heat)
+    if len(entries) not in (2, 4):
+        raise InputError(f"heat has {len(entries)} numbers; it must have two, or four with those of the surface")
+    kinds = ("stress*length^2/time*temperature", "length^2/time") * 2
+    return [quantity("heat", entry, kind) for entry, kind in zip(entries, kinds)]
+
+
 def slide(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -64,20 +81,26 @@ def slide(
     p_star: Any = None,
     approach: Any = None,
     direction: float = 0.0,
+    heat: Any = None,
+    friction: Optional[float] = None,
     stress_unit: Optional[str] = None,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
     threads: Optional[int] = None,
 ) -> Slide:
-    """Slides a surface steadily over a viscoelastic body: friction by hysteresis, area and gap against velocity.
+    """Slides a surface steadily over a body: friction by hysteresis, area, gap and flash temperature against velocity.
 
     Args:
         surface: as of `contact`.
-        body: a viscoelastic body, `Body(prony=...)`.
-        velocity: velocities of the surface relative to the body, length over the unit of the relaxation times; a number or a sequence.
+        body: a viscoelastic body, `Body(prony=...)`; with `heat` also an elastic one.
+        velocity: velocities of the surface relative to the body, length over the unit of the relaxation times and of the diffusivity; a
+            number or a sequence.
         mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses and lengths
             may be texts with a unit, such as "1MPa", if the surface has one.
         direction: direction of the velocity, degrees from x.
+        heat: conductivity and diffusivity of the body, then those of the surface if it shares the heat: two or four numbers, or texts with
+            a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
+        friction: coefficient of friction of the interface, which makes the heat friction * pressure * velocity; needed with `heat`.
         stress_unit: unit of stresses given without one, as of `contact`.
         tolerance, max_iterations: of each state, as of `contact`.
         threads: number of threads; all cores by default.
@@ -93,8 +116,10 @@ def slide(
         True
     """
     made, elastic = as_surface(surface), as_body(body, in_time=True)
-    if not elastic.prony:
-        raise InputError("body is elastic; it must be viscoelastic to slide: gfmd.Body(prony=...)")
+    if not elastic.prony and heat is None:
+        raise InputError("body is elastic; it must be viscoelastic to slide without heat: gfmd.Body(prony=...)")
+    if "compliance" in elastic:
+        raise InputError("body has a table of compliances; it must have moduli to slide")
     loads = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
     kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
     found = {name: quantities(name, value, kinds[name]) for name, value in loads.items() if value is not None}
@@ -106,8 +131,10 @@ def slide(
         pressure=found.get("mean_pressure"),
         p_star=found.get("p_star"),
         displacement=found.get("approach"),
-        velocity=numbers("velocity", velocity),
+        velocity=quantities("velocity", velocity, "length/time"),
         direction=number("direction", direction),
+        heat=None if heat is None else _thermal(heat),
+        friction=None if friction is None else number("friction", friction),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
         length=list(made.size),
@@ -118,8 +145,9 @@ def slide(
     rows = []
     for state in values.pop("states"):
         theory = {f"persson_{name}": value for name, value in state.pop("persson").items()}
+        warm = {f"heat_{name}": np.nan if value is None else value for name, value in state.pop("heat", {}).items()}
         parts = {f"residual_{name}": value for name, value in state.pop("residual").items()}
-        rows.append({**state, **theory, **parts})
+        rows.append({**state, **theory, **warm, **parts})
     columns = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
     told = {name: _command.records(value) for name, value in values.items()}
     result = Slide({**told, "unit": made.unit, "surface": made, "states": Record(columns), **fields})

@@ -159,18 +159,30 @@ const PATH: &[Row] = &[
         &["/path/dissipated", "/path/dissipated_error", "/path/extra_solves"],
         InPart,
         Verified,
-        "the balance of work and energy (laws with an energy, undivided steps)",
+        "the balance of work and energy (viscoelastic bodies, and laws with an energy, undivided steps)",
     ),
     row(&["/path/step"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/path/*"], InPart, Verified, "the waypoints of the configuration; the fields there"),
+    row(
+        &["/path/*"],
+        InPart,
+        Verified,
+        "the waypoints of the configuration; the fields there; elastic_energy of a viscoelastic body at the last step from \
+         the history, unless boundaries are free",
+    ),
     row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
 ];
 
 const SLIDE: &[Row] = &[
     row(&["/states/seconds"], Checksum, Checksum, ""),
     row(&["/states/iterations", "/states/transform_pairs"], Checksum, Verified, "the second run"),
-    row(&["/states/residual"], InPart, Verified, "the pressure, to 1e-3; its bound"),
+    row(
+        &["/states/residual", "/states/heat_residual"],
+        InPart,
+        Verified,
+        "the pressure and the flux of heat, to 1e-3; their bound",
+    ),
     row(&["/states/*"], Verified, Verified, "the pressure of the state; the configuration"),
+    row(&["/fields/temperature", "/fields/heat_flux"], Verified, Verified, "each other, and the pressure"),
     row(&["/fields/*"], Verified, Verified, "the pressure, on surface and body"),
 ];
 

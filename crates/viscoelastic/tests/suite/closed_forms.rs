@@ -51,9 +51,9 @@ fn creep_passes_through_the_statics_with_the_modulus_of_its_time() {
     }
 }
 
-/// Ting's solution at the end of a loading to `turn` in unit time and an unloading to `end`: the time t₁ of the loading
-/// at which the area was that of now, and the mean pressure ∫₀^{t₁} ψ(t − t') dp_el(δ(t')), from static solutions.
-fn ting(prony: &Prony, fixed: &Contact, turn: f64, end: f64, duration: f64) -> (f64, f64) {
+/// The time t₁ of a loading to `turn` in unit time at which the area was that at the end of an unloading to `end` in some
+/// `duration` (Ting 1966).
+fn equal_area(prony: &Prony, turn: f64, end: f64, duration: f64) -> f64 {
     let t = 1.0 + duration;
     // ∫_{t₁}^t ψ(t − t') δ̇ dt' = 0, with ∫ψ in closed form.
     let whole = |from: f64, to: f64| {
@@ -69,6 +69,13 @@ fn ting(prony: &Prony, fixed: &Contact, turn: f64, end: f64, duration: f64) -> (
         let middle = 0.5 * (low + high);
         *if balance(middle) > 0.0 { &mut low } else { &mut high } = middle;
     }
+    low
+}
+
+/// Ting's solution at the end of this unloading: the approach of the loading at which the area was that of now, and the
+/// mean pressure ∫₀^{t₁} ψ(t − t') dp_el(δ(t')), from static solutions.
+fn ting(prony: &Prony, fixed: &Contact, turn: f64, end: f64, duration: f64) -> (f64, f64) {
+    let (t, low) = (1.0 + duration, equal_area(prony, turn, end, duration));
     let steps = 400;
     let pressure = |time: f64| {
         if time <= 0.0 {
@@ -142,6 +149,58 @@ fn a_sphere_creeps_as_lee_and_radok_found() {
     };
     let [coarse, fine] = [32, 64].map(worst);
     assert!(fine < 6e-3 && fine < 0.7 * coarse, "{coarse:e}, {fine:e}");
+}
+
+#[test]
+fn a_sphere_is_loaded_and_unloaded_as_ting_found() {
+    // While the approach grows, a² = R δ and P = (4/3) E* √R ∫ ψ(t − t') d(δ^{3/2}); when it falls, a is that of the time t₁,
+    // at which the integral ends.
+    let (radius, side, turn, duration) = (1.0_f64, 0.4_f64, 0.012_f64, 0.6);
+    let prony = Prony::from_fractions(&[(0.4, 0.6)]).unwrap();
+    let force = |first: f64, t: f64| {
+        // The integral in s = √t', by Simpson's rule: d(δ^{3/2}) = 3 turn^{3/2} s² ds.
+        let n = 400;
+        let end = first.sqrt();
+        let of = |k: u32| {
+            let s = end * f64::from(k) / f64::from(n);
+            prony.relaxation(t - s * s) * 3.0 * s * s * if k == 0 || k == n { 1.0 } else { f64::from(2 + 2 * (k % 2)) }
+        };
+        4.0 / 3.0 * (radius * turn.powi(3)).sqrt() * (0..=n).map(of).sum::<f64>() * end / f64::from(3 * n)
+    };
+    let worst = |n: usize| {
+        let grid = Grid::square(n, side).unwrap();
+        let place = |i: usize| side * (i as f64 / n as f64 - 0.5);
+        let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (place(i).powi(2) + place(j).powi(2)) / radius);
+        let body = Body::half_space(Material::from_contact_modulus(1.0, 0.4).unwrap());
+        let elastic = Contact::bounded(Boundary::Free, &body, &grid, &heights).unwrap();
+        let contact = ViscoelasticContact::new(elastic, &body, &prony, Relaxes::Both).unwrap();
+        let steps = 16;
+        let path = crate::legs(&[turn, 0.4 * turn], &[1.0, duration], steps, Load::Approach);
+        let states = follow(&contact, &path, 1e-10);
+        let mut worst = [0.0_f64; 3];
+        for state in states.iter().skip(steps / 2 - 1) {
+            let first = match state.time {
+                time if time <= 1.0 => time,
+                time => {
+                    let end = turn * (1.0 - 0.6 * (time - 1.0) / duration);
+                    equal_area(&prony, turn, end, time - 1.0)
+                }
+            };
+            let expected = force(first, state.time) / (side * side);
+            let area = std::f64::consts::PI * radius * turn * first / (side * side);
+            let load = (state.solution.mean_pressure / expected - 1.0).abs();
+            let which = usize::from(state.time > 1.0);
+            worst[which] = worst[which].max(load);
+            // The radius of the contact, in grid spacings.
+            let radius = |area: f64| (area / std::f64::consts::PI).sqrt() * n as f64;
+            worst[2] = worst[2].max((radius(state.summary().area_fraction) - radius(area)).abs());
+        }
+        worst
+    };
+    let [coarse, fine] = [32, 64].map(worst);
+    assert!(fine[0] < 1e-3 && fine[0] < 0.7 * coarse[0], "loading: {coarse:?}, {fine:?}");
+    assert!(fine[1] < 3e-3 && fine[1] < 0.7 * coarse[1], "unloading: {coarse:?}, {fine:?}");
+    assert!(coarse[2] < 1.0 && fine[2] < 1.0, "radius in spacings: {coarse:?}, {fine:?}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ impl Numbers {
 }
 
 /// A random body, surface and material.
-fn random(case: u64, numbers: &mut Numbers) -> (ViscoelasticContact, f64) {
+fn random(case: u64, numbers: &mut Numbers) -> (ViscoelasticContact, f64, Body) {
     let grid = match case % 4 {
         0 => Grid::line(16 + (case % 3) as usize, 1.0).unwrap(),
         1 => Grid::new([10, 9], [1.0, 0.8]).unwrap(),
@@ -42,7 +42,7 @@ fn random(case: u64, numbers: &mut Numbers) -> (ViscoelasticContact, f64) {
     let heights = rough(&grid, case);
     let contact = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
     let clearance = contact.surface().mean_clearance();
-    (ViscoelasticContact::new(contact, &body, &prony, relaxes).unwrap(), clearance)
+    (ViscoelasticContact::new(contact, &body, &prony, relaxes).unwrap(), clearance, body)
 }
 
 fn step(contact: &ViscoelasticContact, load: Load, time: f64, start: Option<&ViscoelasticState>) -> ViscoelasticState {
@@ -54,7 +54,7 @@ fn step(contact: &ViscoelasticContact, load: Load, time: f64, start: Option<&Vis
 fn energy_is_never_gained_in_random_steps_and_the_work_of_the_pressure_is_accounted_for() {
     for case in 0..300 {
         let mut numbers = Numbers(case + 17);
-        let (contact, clearance) = random(case, &mut numbers);
+        let (contact, clearance, _) = random(case, &mut numbers);
         let by_load = numbers.next() < 0.5;
         let load = |numbers: &mut Numbers| match by_load {
             true => Load::MeanPressure(0.001 + 0.05 * numbers.next()),
@@ -113,12 +113,18 @@ fn the_error_of_a_loop_falls_with_the_square_of_the_steps() {
 fn the_memory_gives_the_pressure_back() {
     for case in 0..12 {
         let mut numbers = Numbers(case + 5);
-        let (contact, _) = random(case, &mut numbers);
+        let (contact, _, body) = random(case, &mut numbers);
         let first = step(&contact, Load::MeanPressure(0.02), 0.3, None);
         let second = step(&contact, Load::MeanPressure(0.03), 0.5, Some(&first));
         let memory = second.memory();
         let apart = contact.consistency(&second.solution.pressure, &memory).unwrap();
         assert!(apart <= 1e-10, "case {case}: {apart:e}");
+        let energy = contact.elastic_energy(&body, &memory).unwrap();
+        assert_eq!(energy.is_none(), contact.contact().boundary() == Boundary::Free);
+        if let Some(energy) = energy {
+            let stored = second.elastic_energy;
+            assert!((energy - stored).abs() <= 1e-8 * stored, "case {case}: {energy:e} {stored:e}");
+        }
         let other = contact.consistency(&first.solution.pressure, &memory).unwrap();
         assert!(other > 1e-3, "case {case}: {other:e}");
     }

@@ -4,6 +4,7 @@
 mod checkpoint;
 mod closed_forms;
 mod energy;
+mod hunter;
 mod input;
 mod reference;
 mod sliding;

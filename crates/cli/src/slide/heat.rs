@@ -1,0 +1,118 @@
+//! The flash temperature of steady sliding: its flags, and its numbers.
+
+use clap::Args;
+use gfmd_contact::Budget;
+use gfmd_field::Grid;
+use gfmd_heat::{Flash, HeatError, Heated, Thermal, Watch};
+use gfmd_run::failure::Failure;
+use gfmd_viscoelastic::Velocity;
+use ndarray::Array2;
+use serde::{Deserialize, Serialize};
+
+/// Flags of the heat that friction makes.
+#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(super) struct HeatArgs {
+    /// Conductivity and diffusivity of the body, then those of the rough surface if it shares the heat
+    #[arg(long, value_delimiter = ',', value_name = "K,ALPHA[,K2,ALPHA2]", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    heat: Vec<f64>,
+    /// Coefficient of friction of the interface, which makes the heat friction p v
+    #[arg(long, value_name = "MU", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction: Option<f64>,
+}
+
+/// The heat that friction makes: its coefficient, and the properties of the body and of the rough surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source {
+    friction: f64,
+    body: Thermal,
+    indenter: Option<Thermal>,
+}
+
+impl HeatArgs {
+    /// The heat that is asked for, if any is.
+    pub(super) fn source(&self) -> Result<Option<Source>, Failure> {
+        let thermal = |conductivity: f64, diffusivity: f64| {
+            Thermal::new(conductivity, diffusivity).map_err(|error| Failure::input("--heat", error))
+        };
+        let (body, indenter) = match (&self.heat[..], self.friction) {
+            ([], None) => return Ok(None),
+            ([], Some(_)) => {
+                return Err(Failure::Input("--friction is given; it must be left out without --heat".into()));
+            }
+            (_, None) => return Err(Failure::Input("--friction is missing; it is needed with --heat".into())),
+            ([k, alpha], _) => (thermal(*k, *alpha)?, None),
+            ([k, alpha, k2, alpha2], _) => (thermal(*k, *alpha)?, Some(thermal(*k2, *alpha2)?)),
+            (found, _) => {
+                let allowed = "two, or four with those of the rough surface";
+                return Err(Failure::Input(format!("--heat has {} numbers; it must have {allowed}", found.len())));
+            }
+        };
+        match self.friction {
+            Some(friction) if friction > 0.0 && friction.is_finite() => Ok(Some(Source { friction, body, indenter })),
+            found => Err(Failure::value("--friction", found.unwrap_or(f64::NAN), "positive and finite")),
+        }
+    }
+}
+
+impl Source {
+    /// True if the heat is shared between two bodies.
+    pub(super) fn is_shared(&self) -> bool {
+        self.indenter.is_some()
+    }
+
+    fn flash(&self, grid: &Grid, velocity: &Velocity) -> Result<Flash, HeatError> {
+        let along = velocity.direction().map(|direction| velocity.speed() * direction);
+        Flash::new(*grid, along, self.body, self.indenter)
+    }
+
+    /// The heat flux that the friction of a pressure makes.
+    fn flux(&self, velocity: &Velocity, pressure: &Array2<f64>) -> Array2<f64> {
+        // Where the search leaves an attraction, there is no contact.
+        pressure.mapv(|p| self.friction * velocity.speed() * if p > 0.0 { p } else { 0.0 })
+    }
+
+    /// The temperature under a pressure.
+    pub(super) fn heat(
+        &self,
+        grid: &Grid,
+        velocity: &Velocity,
+        pressure: &Array2<f64>,
+        budget: &Budget,
+        watch: &mut dyn Watch,
+    ) -> Result<Heated, HeatError> {
+        self.flash(grid, velocity)?.heat(&self.flux(velocity, pressure), budget, watch)
+    }
+
+    /// The temperature under a pressure of which so much heat flows into the body; all of it if this is not known.
+    pub(super) fn certify(
+        &self,
+        grid: &Grid,
+        velocity: &Velocity,
+        pressure: &Array2<f64>,
+        into_body: Option<&Array2<f64>>,
+    ) -> Result<Heated, HeatError> {
+        let flux = self.flux(velocity, pressure);
+        self.flash(grid, velocity)?.certify(&flux, into_body.unwrap_or(&flux))
+    }
+}
+
+/// The flash temperature, as printed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Heat {
+    pub mean_flux: f64,
+    pub fraction: f64,
+    pub max_rise: f64,
+    pub mean_rise: f64,
+    pub residual: f64,
+}
+
+impl From<&Heated> for Heat {
+    fn from(state: &Heated) -> Self {
+        let Heated { mean_flux, fraction, max_rise, mean_rise, residual, .. } = *state;
+        Self { mean_flux, fraction, max_rise, mean_rise, residual }
+    }
+}
