@@ -983,7 +983,13 @@ const MEASURED: &[Column] = &[
         &[(any, "last change of the lateral displacement over h_rms, which is consistent with the pressure to that extent")]
     )
     .with(steep),
-    Column::new("seconds", "s", &[(any, "wall time of the solve")], |at| at.seconds.into()).by(Origin::Clock),
+    Column::new(
+        "seconds",
+        "s",
+        &[(any, "wall time of a load: solution and, of a contact, stiffness, statistics, flow; without finer grids")],
+        |at| at.seconds.into(),
+    )
+    .by(Origin::Clock),
     Column::new(
         "force",
         "stress*length^2",
