@@ -58,7 +58,7 @@ fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
     row.with_limit(name, factor).unwrap_or_else(|| match form {
         Form::Size | Form::SizeUnlessZero if unit.is_some() => significant(value * factor),
         Form::Size | Form::SizeUnlessZero => format!("{value:.4e}"),
-        Form::Rough => format!("{value:.1e}"),
+        Form::Rough => format!("{:.1e}", value * factor),
         Form::Share => format!("{value:.6}"),
         Form::Ratio => format!("{value:.4}"),
         Form::Whole if value.fract() == 0.0 => format!("{value:.0}"),
@@ -145,6 +145,9 @@ mod tests {
         let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None));
         assert!(lines[0].contains("mean gap / nm"), "{lines:?}");
         assert!(lines[2].contains("1.3~"), "{lines:?}");
+        let lost = row(&[("dissipated", Cell::Real(0.05)), ("dissipated_error", Cell::Real(2e-3))]);
+        let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None));
+        assert!(lines[0].ends_with("+- / (mJ/m²)") && lines[1].ends_with("2.0e0"), "{lines:?}");
         assert_eq!(
             [320.0, 0.0, 1.25, 4e-6, -71.294].map(significant),
             ["320.00", "0.0000", "1.2500", "4.0000e-6", "-71.294"]

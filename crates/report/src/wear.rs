@@ -124,8 +124,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, "hard wall, wear");
     let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
+    let coefficient = of(&table, "coefficient");
+    page.asked.push(Fact(html! { "wear coefficient (1/stress)" }, given(coefficient)));
     for (term, key) in [
-        ("wear coefficient (1/stress)", "coefficient"),
         ("distances of the legs", "distance"),
         ("waypoints, pressure", "pressure"),
         ("waypoints, p*", "p_star"),
