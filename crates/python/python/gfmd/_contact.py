@@ -103,7 +103,7 @@ class Contact(Record):
         iterations, transform_pairs: effort of the solve.
         converged: True if no residual exceeds the tolerance.
         residual: a `Residual`, recomputed from the final fields; `float(c.residual)` is the largest part.
-        seconds: wall time of the solve.
+        seconds: wall time of the load: solution, and stiffness, statistics, flow; without finer grids.
         boundary: "periodic" or "free".
         force: force (of a line: per length across it), with free boundaries only.
         plastic_fraction, plastic_volume: points whose pressure is the hardness over all points, mean plastic depth (length);
