@@ -3,6 +3,7 @@
 mod check;
 mod file;
 mod heat;
+mod reached;
 mod report;
 
 use std::path::PathBuf;
@@ -33,9 +34,10 @@ use crate::contact::ControlArgs;
 use crate::progress::Progress;
 
 pub(crate) use self::check::{again, check};
-use self::file::{Reached, StatesFile, fields};
+use self::file::{StatesFile, fields};
 pub use self::heat::Heat;
 use self::heat::{HeatArgs, Source};
+use self::reached::Reached;
 pub use self::report::{Report, State};
 
 /// Flags of `slide`.

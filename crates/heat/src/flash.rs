@@ -1,13 +1,14 @@
 use std::fmt;
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Transform, Workspace};
+use gfmd_field::{Grid, Transform};
 use gfmd_relax::{Budget, Ending, Watch, Why};
 use gfmd_vector::{add, contiguous, for_each, reduce, total};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use crate::memory::{Memory, higher};
 use crate::search::Search;
 use crate::{HeatError, Thermal};
 
@@ -207,11 +208,6 @@ impl Flash {
     }
 }
 
-/// The larger of two numbers, NaN if one is NaN.
-pub(crate) fn higher(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
 fn judged(state: Heated, ending: Ending, tolerance: f64) -> Result<Heated, HeatError> {
     match ending {
         Ending::Interrupted => Err(HeatError::Interrupted { state: state.into() }),
@@ -223,34 +219,4 @@ fn judged(state: Heated, ending: Ending, tolerance: f64) -> Result<Heated, HeatE
 
 fn not(state: Heated, tolerance: f64, why: Why) -> HeatError {
     HeatError::NotConverged { residual: state.residual, tolerance, why, state: state.into() }
-}
-
-/// A field, its spectrum, and the memory of their transforms.
-pub(crate) struct Memory<'a> {
-    transform: &'a Transform,
-    workspace: Workspace,
-    spectrum: Vec<Complex64>,
-    pub(crate) field: Vec<f64>,
-}
-
-impl<'a> Memory<'a> {
-    pub(crate) fn new(transform: &'a Transform) -> Self {
-        let grid = transform.grid();
-        Self {
-            workspace: transform.workspace(),
-            spectrum: vec![Complex64::ZERO; grid.spectrum_len()],
-            field: vec![0.0; grid.len()],
-            transform,
-        }
-    }
-
-    /// Multiplies each wave of the field by its factor.
-    pub(crate) fn apply(&mut self, factor: &(impl Fn(usize) -> Complex64 + Sync)) {
-        const FITS: &str = "field and spectrum have the size of the grid";
-        self.transform.forward(&self.field, &mut self.spectrum, &mut self.workspace).expect(FITS);
-        for_each([&mut self.spectrum[..]], &|start, [spectrum]| {
-            spectrum.iter_mut().enumerate().for_each(|(i, mode)| *mode *= factor(start + i));
-        });
-        self.transform.inverse(&self.spectrum, &mut self.field, &mut self.workspace).expect(FITS);
-    }
 }

@@ -29,6 +29,7 @@
 
 mod error;
 mod flash;
+mod memory;
 mod search;
 mod thermal;
 

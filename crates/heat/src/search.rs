@@ -5,7 +5,7 @@ use gfmd_relax::{Ending, Progress, Watch, Why};
 use gfmd_vector::{dot, for_each, reduce};
 use num_complex::Complex64;
 
-use crate::flash::{Memory, higher};
+use crate::memory::{Memory, higher};
 
 /// A search for the flux into the body at the points that are heated: (K₁ + K₂) Q₁ = K₂ Q there, with the kernels of the
 /// body and of the indenter.

@@ -3,13 +3,10 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
-use gfmd_heat::Heated;
+use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Prepared;
 use gfmd_unit::Units;
-use gfmd_viscoelastic::SlidingState;
-use ndarray::Array2;
 
 use super::heat::{Heat, Source};
 use super::report::State;
@@ -52,12 +49,6 @@ pub(super) const OF_HEAT: &[Scalar<Heat>] = &[
     ),
 ];
 
-/// A state, and its temperature if it is asked for.
-pub(super) struct Reached {
-    pub(super) state: SlidingState,
-    pub(super) heated: Option<Heated>,
-}
-
 /// The name of a field of a state, its unit and its definition.
 type Field = (&'static str, &'static str, &'static str);
 
@@ -75,22 +66,6 @@ const HEAT_FLUX: Field = ("heat_flux", "stress*length/time", "heat that flows in
 pub(super) fn fields(heat: Option<&Source>) -> Vec<Field> {
     let shared = heat.filter(|heat| heat.is_shared()).map(|_| HEAT_FLUX);
     FIELDS.into_iter().chain(heat.map(|_| TEMPERATURE)).chain(shared).collect()
-}
-
-impl Reached {
-    /// The values of a field.
-    pub(super) fn field(&self, name: &str) -> Cow<'_, [f64]> {
-        let solution = &self.state.solution;
-        let heated = |of: fn(&Heated) -> &Array2<f64>| self.heated.as_ref().map(of);
-        let field = match name {
-            "pressure" => Some(&solution.pressure),
-            "displacement_z" => Some(&solution.displacement),
-            "gap" => Some(&solution.gap),
-            "temperature" => heated(|heated| &heated.temperature),
-            _ => heated(|heated| &heated.into_body),
-        };
-        field.map_or(Cow::default(), |field| contiguous(field))
-    }
 }
 
 /// A file of states: the surface is written at once, the fields state by state, the scalars at the end.

@@ -15,8 +15,8 @@ use gfmd_run::source::Surface;
 use gfmd_viscoelastic::Velocity;
 use serde::{Deserialize, Serialize};
 
-use super::file::Reached;
 use super::heat::Heat;
+use super::reached::Reached;
 use crate::session::list_files;
 
 /// The result, as printed.
