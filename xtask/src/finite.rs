@@ -1,5 +1,7 @@
-//! `finite`: what self-affine surfaces of finite spectra have besides κ: mean gap, stiffness, pressure, and the load at which contacts
-//! percolate.
+//! `finite`: what self-affine surfaces of finite spectra have besides κ: mean gap, stiffness, pressure and its distribution, and the
+//! load at which contacts percolate.
+
+mod high;
 
 use std::path::PathBuf;
 
@@ -12,6 +14,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::solved::{contact, loads, number};
+
+pub use high::PRESSURES;
 
 const HURST: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
@@ -30,10 +34,15 @@ const REDUCED: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 /// The loads p λ_l/(E* h_rms), which do not depend on the short waves.
 const OF_LONG_WAVES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 
-/// Reduced pressures between which contacts percolate, each this factor over the one before.
+/// Reduced pressures between which contacts percolate, each this factor over the one before, and the number of times that the
+/// interval in which they begin to is halved.
 const LIGHTEST: f64 = 0.12;
 const FACTOR: f64 = 1.12;
 const STEPS: i32 = 18;
+const HALVINGS: usize = 4;
+
+/// One of so many surfaces has twice the points, too, for the error of the distribution of pressure by the grid.
+const FINER: u64 = 8;
 
 /// Flags of `finite`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -74,6 +83,8 @@ pub struct Kind {
     pub height: Known,
     /// Under given reduced pressures, and under given loads of the long waves.
     pub reduced: Vec<Numbers>,
+    /// Under the given reduced pressures, the part of the surface with more than each of [`PRESSURES`], over p/(E* ḡ).
+    pub above: Vec<Vec<Known>>,
     pub of_long_waves: Vec<Numbers>,
     /// The reduced pressure and the area fraction at which contacts percolate along an axis, and the gap closes across it.
     pub percolation: [Known; 2],
@@ -94,10 +105,12 @@ pub struct Numbers {
     pub rms_pressure: Option<Known>,
 }
 
-/// The numbers of one surface: the height, four numbers with their errors for each load, the load and area of percolation.
+/// The numbers of one surface: the height, four numbers with their errors for each load, the parts with high pressure for each reduced
+/// pressure, the load and area of percolation.
 struct Found {
     height: f64,
     loads: Vec<Option<[Known; 4]>>,
+    above: Vec<high::Parts>,
     percolation: [Known; 2],
 }
 
@@ -132,18 +145,27 @@ fn numbers(load: &Value, height: f64) -> Option<[Known; 4]> {
     ])
 }
 
-/// The load and the area at which contacts percolate, the mean of both axes.
-fn percolation(loads: &[Value]) -> Result<[Known; 2], Failure> {
-    let of_axis = |axis: usize| {
-        let place = format!("/patches/percolates/{axis}");
-        let first = loads.iter().position(|load| load.pointer(&place).and_then(Value::as_bool) == Some(true))?;
-        let both = [loads.get(first.checked_sub(1)?)?, &loads[first]];
-        let [Some(before), Some(at)] = both.map(|load| limit(load, "area_fraction")) else { return None };
-        let [light, heavy] = both.map(|load| number(load, "p_star").unwrap_or(f64::NAN));
-        Some([[(light * heavy).sqrt(), 0.0], [0.5 * (before[0] + at[0]), at[1]]])
-    };
+/// The load and the area at which contacts of a surface percolate, the mean of both axes; first between the loads of a ramp.
+fn percolation(surface: &str, ramp: &[Value]) -> Result<[Known; 2], Failure> {
     let unknown = || Failure::Computation("contacts do not begin to percolate between the loads of the ramp".into());
-    let (x, y) = of_axis(0).zip(of_axis(1)).ok_or_else(unknown)?;
+    let of_axis = |axis: usize| -> Result<[Known; 2], Failure> {
+        let place = format!("/patches/percolates/{axis}");
+        let percolates = |load: &Value| load.pointer(&place).and_then(Value::as_bool) == Some(true);
+        let first = ramp.iter().position(percolates).filter(|first| *first > 0).ok_or_else(unknown)?;
+        let [mut light, mut heavy] = [ramp[first - 1].clone(), ramp[first].clone()];
+        let p_star = |load: &Value| number(load, "p_star").unwrap_or(f64::NAN);
+        for _ in 0..HALVINGS {
+            let between = (p_star(&light) * p_star(&heavy)).sqrt();
+            let found = loads(&contact(&format!("{surface} --statistics --p-star {between}"))?)[0].clone();
+            let end = if percolates(&found) { &mut heavy } else { &mut light };
+            *end = found;
+        }
+        let [before, at] = [&light, &heavy].map(|load| limit(load, "area_fraction"));
+        let (before, at) = before.zip(at).ok_or_else(unknown)?;
+        let of_step = [0.5 * (p_star(&heavy) - p_star(&light)), at[1].hypot(0.5 * (at[0] - before[0]))];
+        Ok([[(p_star(&light) * p_star(&heavy)).sqrt(), of_step[0]], [0.5 * (before[0] + at[0]), of_step[1]]])
+    };
+    let (x, y) = (of_axis(0)?, of_axis(1)?);
     Ok([0, 1].map(|which| [0, 1].map(|part| 0.5 * (x[which][part] + y[which][part]))))
 }
 
@@ -163,12 +185,19 @@ fn found(hurst: f64, (eps_f_inv, points_per_wave): (usize, usize), seed: u64) ->
     Ok(Found {
         height: height * EPS_T_INV as f64 / RMS_GRADIENT,
         loads: both.map(|load| numbers(load, height)).collect(),
-        percolation: percolation(loads(&ramp))?,
+        above: high::parts(hurst, (eps_f_inv, points_per_wave), seed)?,
+        percolation: percolation(&surface, loads(&ramp))?,
     })
 }
 
-/// The numbers of the surfaces of one kind.
-fn kind(hurst: f64, eps_f_inv: usize, found: &[Found]) -> Kind {
+/// The numbers of the surfaces of one kind. Some surfaces have twice the points along each side in `finer`.
+fn kind(hurst: f64, eps_f_inv: usize, found: &[Found], finer: &[Vec<high::Parts>]) -> Kind {
+    let above = |load: usize, place: usize| {
+        let [value, scatter] = mean(found.iter().map(|found| [found.above[load][place], 0.0]));
+        let steps = found.iter().zip(finer).map(|(found, finer)| finer[load][place] - found.above[load][place]);
+        // Of an error of order one, half is left on the finer grid.
+        [value, scatter.hypot(2.0 * steps.sum::<f64>() / finer.len() as f64)]
+    };
     let over_loads = |first: usize, loads: &[f64]| {
         let of = |(index, load): (usize, &f64)| {
             let all = found.iter().map(|found| found.loads[first + index]).collect::<Option<Vec<_>>>();
@@ -183,6 +212,7 @@ fn kind(hurst: f64, eps_f_inv: usize, found: &[Found]) -> Kind {
         surfaces: found.len() as u64,
         height: mean(found.iter().map(|found| [found.height, 0.0])),
         reduced: over_loads(0, &REDUCED),
+        above: (0..REDUCED.len()).map(|load| (0..PRESSURES.len()).map(|place| above(load, place)).collect()).collect(),
         of_long_waves: over_loads(REDUCED.len(), &OF_LONG_WAVES),
         percolation: [0, 1].map(|which| mean(found.iter().map(|found| found.percolation[which]))),
     }
@@ -204,7 +234,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             found
         };
         let found: Vec<Found> = (0..surfaces(all)).into_par_iter().map(of_surface).collect::<Result<_, Failure>>()?;
-        Ok(kind(hurst, eps_f_inv, &found))
+        let finer = (0..(surfaces(all) / FINER).max(2)).into_par_iter();
+        let finer = finer.map(|number| high::parts(hurst, (eps_f_inv, 2 * points), args.first_seed + number));
+        Ok(kind(hurst, eps_f_inv, &found, &finer.collect::<Result<Vec<_>, Failure>>()?))
     };
     let kinds = kinds.map(of_kind).collect::<Result<_, Failure>>()?;
     let report = Report { first_seed: args.first_seed, kinds };
@@ -216,12 +248,17 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for Kind { hurst, eps_f_inv, surfaces, height, reduced, of_long_waves, percolation } in &self.kinds {
+        for Kind { hurst, eps_f_inv, surfaces, height, reduced, above, of_long_waves, percolation } in &self.kinds {
             writeln!(f, "H = {hurst}, 1/eps_f = {eps_f_inv}, {surfaces} surfaces, height {:.4}", height[0])?;
             for Numbers { load, kappa, gap, stiffness, rms_pressure } in reduced.iter().chain(of_long_waves) {
                 let text = |[value, error]: Known| format!("{value:.4} ± {error:.4}");
                 let known = [kappa, gap, stiffness, rms_pressure].map(|known| known.map_or_else(|| "–".into(), text));
                 writeln!(f, "{load:8}  {}", known.join("  "))?;
+            }
+            for (load, above) in REDUCED.iter().zip(above) {
+                let known: Vec<String> =
+                    above.iter().map(|[value, error]| format!("{value:.4} ± {error:.4}")).collect();
+                writeln!(f, "above {PRESSURES:?}, {load:8}  {}", known.join("  "))?;
             }
             let [[load, of_load], [area, of_area]] = percolation;
             writeln!(f, "percolation at p* = {load:.4} ± {of_load:.4}, area {area:.4} ± {of_area:.4}\n")?;

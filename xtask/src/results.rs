@@ -54,7 +54,7 @@ type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failu
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 19] = [
+const TABLES: [Table; 20] = [
     ("accuracy", "accuracy", accuracy::table),
     ("../README", "kappa", kappa::sentence),
     ("results", "kappa", kappa::table),
@@ -65,6 +65,7 @@ const TABLES: [Table; 19] = [
     ("results/finite", "percolation", finite::percolation),
     ("results/finite", "reduced", finite::reduced),
     ("results/finite", "long waves", finite::of_long_waves),
+    ("results/finite", "above", finite::above),
     ("results/methods", "edge", loads::edge),
     ("results/methods", "nayak", loads::nayak_table),
     ("results/methods", "one", loads::one),

@@ -6,7 +6,7 @@ use gfmd_measure::SelfAffineArea;
 use gfmd_run::failure::Failure;
 
 use super::summary::Summaries;
-use crate::finite::{Kind, Known, Numbers};
+use crate::finite::{Kind, Known, Numbers, PRESSURES};
 
 /// A number with its error, to the second digit of that.
 fn with_error(known: Option<Known>) -> String {
@@ -51,6 +51,30 @@ pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
         }
     }
     Ok(text)
+}
+
+/// The distribution of pressure, with Persson's for light loads.
+pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
+    let heads = PRESSURES.map(|pressure| format!("p > {pressure} E\\* ḡ")).join(" | ");
+    let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
+    for kind in &summaries.finite()?.kinds {
+        for (load, above) in kind.reduced.iter().zip(&kind.above) {
+            let cells: Vec<String> = above.iter().map(|known| with_error(Some(*known))).collect();
+            let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells.join(" | "));
+        }
+    }
+    for load in [0.01, 0.1, 0.5] {
+        let cells = PRESSURES.map(|pressure| format!("{:.4}", of_persson(load, pressure))).join(" | ");
+        let _ = writeln!(text, "| Persson | | {load} | {cells} |");
+    }
+    Ok(text)
+}
+
+/// The part of the surface above a pressure by Persson's theory, over p\*; both over E\* ḡ, whose half is the standard deviation in
+/// full contact.
+fn of_persson(load: f64, pressure: f64) -> f64 {
+    let upper = |x: f64| 0.5 * libm::erfc(x * std::f64::consts::SQRT_2);
+    (upper(pressure - load) - upper(pressure + load)) / load
 }
 
 /// Under given loads of the long waves.
