@@ -65,6 +65,10 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
     let journal = folder.path().join("cut.h5.journal");
     // A record is two lines, and the first record is the head.
     let records = || std::fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count() / 2);
+    let whole = |text: &str| {
+        let breaks: Vec<usize> = text.match_indices('\n').map(|(place, _)| place + 1).collect();
+        breaks.get((breaks.len() / 2 * 2).wrapping_sub(1)).copied().unwrap_or(0)
+    };
     let mut resumed = arguments("cut.h5").to_vec();
     resumed.push("--resume");
     // The process is killed before the first run is finished, then each time after a few more.
@@ -83,10 +87,9 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
         child.wait().unwrap();
         assert!(!folder.path().join("cut.h5").exists(), "killed too late to test anything");
         let mut text = std::fs::read_to_string(&journal).unwrap();
-        let breaks: Vec<usize> = before.match_indices('\n').map(|(place, _)| place + 1).collect();
-        let whole = breaks.get((breaks.len() / 2 * 2).wrapping_sub(1)).copied().unwrap_or(0);
-        assert!(text.starts_with(&before[..whole]), "finished runs were lost");
-        // Simulates a kill in the middle of a record.
+        assert!(text.starts_with(&before[..whole(&before)]), "finished runs were lost");
+        // Simulates a kill in the middle of a record, in place of the part of a record that the kill may have left.
+        text.truncate(whole(&text));
         text.push_str("00000000000001b5 5f3759df");
         std::fs::write(&journal, text).unwrap();
     }
