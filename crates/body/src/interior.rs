@@ -19,7 +19,7 @@ pub struct Interior {
     nyquist: Vec<(usize, Complex64)>,
     /// The mean of σ_xz, σ_yz, σ_zz, if it was given.
     mean_traction: Option<[f64; 3]>,
-    /// The same for the base, if it moves.
+    /// Displacement modes of the base, if it moves, as those of the surface.
     base: Option<[Vec<Complex64>; 3]>,
 }
 

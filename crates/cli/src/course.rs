@@ -163,7 +163,7 @@ impl Beside<'_> {
     }
 }
 
-/// What a path makes of its states.
+/// Outlet of a path: its records, its widest contact, its unsettled steps.
 struct Log<'a> {
     contact: &'a Posed,
     drives: &'a [Drive],

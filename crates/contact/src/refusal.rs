@@ -214,7 +214,7 @@ pub enum Refusal {
     Distance {
         /// The sliding distance.
         found: f64,
-        /// That of the state before; 0 before the first one.
+        /// Sliding distance of the state before; 0 before the first one.
         least: f64,
     },
     /// The coefficient of wear is not positive.

@@ -19,7 +19,7 @@ pub enum HeatError {
     Points {
         /// The number of points of the field.
         found: usize,
-        /// That of the grid.
+        /// The number of points of the grid.
         expected: usize,
     },
     /// A negative heat flux.

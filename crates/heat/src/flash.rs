@@ -21,7 +21,7 @@ pub struct Flash {
     transform: Arc<Transform>,
     /// Temperature of the body over its heat flux, for each mode; none for a uniform flux.
     body: Arc<Vec<Complex64>>,
-    /// The same of the indenter, over which nothing moves.
+    /// Temperature of the indenter, over which nothing moves, over its heat flux, for each mode.
     indenter: Option<Arc<Vec<f64>>>,
 }
 

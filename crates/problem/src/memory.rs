@@ -28,7 +28,7 @@ impl Held {
     pub const PATH: Self = Self(41);
     /// A path with surfaces that wear.
     pub const WEAR: Self = Self(42);
-    /// The same on a patch.
+    /// A path with surfaces that wear, on a patch.
     pub const WEAR_FREE: Self = Self(50);
     /// A path with a law, on a patch.
     pub const PATH_FREE: Self = Self(141);

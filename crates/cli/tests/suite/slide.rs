@@ -145,7 +145,7 @@ fn temperatures_are_written_checked_and_drawn() {
 #[test]
 fn units_of_heat_lead_to_kelvin() {
     let folder = tempfile::tempdir().unwrap();
-    // The same problem in numbers of µm, Pa and s, and with units.
+    // One problem in numbers of µm, Pa and s, and with units.
     let problem = "slide --n 24 --eps-f-inv 6 --length 50 --unit um --p-star 0.02 --friction 0.5 --json";
     let of = |flags: &str| json(folder.path(), &words(&format!("{problem} {flags}")));
     let plain = of("--young 1e7 --heat 2e11,1e5,1e12,1e6 --velocity 1e6");

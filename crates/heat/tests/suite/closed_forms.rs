@@ -46,7 +46,7 @@ fn strip(x: f64, beta: f64) -> f64 {
     (before(beta * (x + 1.0)) - before(beta * (x - 1.0))) / (PI * beta)
 }
 
-/// The same in a cell of length L, above the mean: with the strips in front, whose trails pass over it.
+/// Temperature of a strip in a cell of length L, above the mean: the trails of the strips in front pass over it.
 fn strip_in_cell(x: f64, beta: f64, length: f64) -> f64 {
     let near = 100;
     let images: f64 = (-near..=near).map(|n| strip(x - f64::from(n) * length, beta)).sum();
