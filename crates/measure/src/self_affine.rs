@@ -31,22 +31,22 @@ pub struct SelfAffineArea {
 
 impl SelfAffineArea {
     /// c₀ to c₄.
-    pub const COEFFICIENTS: [f64; 5] = [0.46592, 0.66579, 9.88979, 1.59633, 21.66919];
+    pub const COEFFICIENTS: [f64; 5] = [0.4703, 0.68066, 10.24157, 0.87508, 22.68118];
 
     /// b₀ to b₅ of [`SelfAffineArea::of_band`] (data/results/formula.py).
-    const BAND: [f64; 6] = [2.002_727, 0.375_777, 1.077_63, 20.793_547, 0.461_203, 0.492_32];
+    const BAND: [f64; 6] = [1.826_738, 0.333_139, 1.132_255, 20.826_126, 0.504_041, 0.423_395];
 
     /// The edge of [`SelfAffineArea::counted`]: the logarithm of its part of κ is linear in these.
-    const EDGE: [f64; 8] = [0.372_021, -0.045_556, -0.615_826, 1.051_205, -0.087_107, 0.241_923, 1.173_192, -0.148_613];
+    const EDGE: [f64; 8] = [0.388_487, -0.140_448, -0.684_298, 1.053_883, -0.117_174, 0.216_545, 1.173_907, -0.144_89];
 
     /// The covariance of the coefficients, from the statistical errors of the data and 0.1 % of each for the form,
     /// stretched by the misfit.
     pub const COVARIANCE: [[f64; 5]; 5] = [
-        [9.2717e-06, 1.8706e-05, 6.4931e-04, -1.3100e-03, 1.1058e-03],
-        [1.8706e-05, 7.3018e-05, 9.8936e-04, -1.5841e-03, -1.2187e-03],
-        [6.4931e-04, 9.8936e-04, 1.1922e-01, -3.0849e-01, 3.1615e-01],
-        [-1.3100e-03, -1.5841e-03, -3.0849e-01, 1.1681e+00, -1.6053e+00],
-        [1.1058e-03, -1.2187e-03, 3.1615e-01, -1.6053e+00, 4.2587e+00],
+        [1.2171e-05, 2.5634e-05, 8.4455e-04, -1.6884e-03, 1.3096e-03],
+        [2.5634e-05, 9.6716e-05, 1.3362e-03, -2.1162e-03, -1.6783e-03],
+        [8.4455e-04, 1.3362e-03, 1.6294e-01, -4.2066e-01, 4.1915e-01],
+        [-1.6884e-03, -2.1162e-03, -4.2066e-01, 1.6095e0, -2.2006e0],
+        [1.3096e-03, -1.6783e-03, 4.1915e-01, -2.2006e0, 5.8914e0],
     ];
 
     /// The formula for surfaces of Hurst exponent `hurst`, from 0 to 1; `None` otherwise.

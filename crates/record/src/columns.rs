@@ -592,7 +592,7 @@ const MEASURED: &[Column] = &[
     )
     .unless(level)
     .head("approach", Form::Size),
-    Column::new("time", "1", &[(any, "time since first touch, in the unit of the relaxation times")], |at| {
+    Column::new("time", "time", &[(any, "time since first touch, in the unit of the relaxation times")], |at| {
         at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.time).into()
     })
     .with(relaxing)

@@ -10,6 +10,7 @@ use gfmd_measure::GridLimit;
 use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness;
+use gfmd_unit::Units;
 
 const CITED: [&str; 2] = [
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
@@ -203,7 +204,8 @@ pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<
     let [area, pressure, approach] = columns;
     let approach = approach.into_iter().map(|(time, value)| (time, value * read.factor)).collect();
     let labels = ["contact area".to_owned(), reduced.to_owned(), format!("approach / {}", read.name)];
-    along("time", [area, pressure, approach].into_iter().zip(labels).collect())
+    let time = Units::new(Some(unit), None).shown("time", 1.0).map_or("time".into(), |read| format!("time / {read}"));
+    along(&time, [area, pressure, approach].into_iter().zip(labels).collect())
 }
 
 /// Panels of columns, each of which has points and a label, against the length of a path, which is logarithmic if it

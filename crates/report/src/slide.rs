@@ -36,7 +36,7 @@ const COLUMNS_OF_HEAT: [(&str, &str); 4] = [
     ("heat_fraction", "into the body"),
 ];
 
-/// The axis of so many velocities, whose unit of time is that of the relaxation times and of the diffusivity.
+/// The axis of so many velocities.
 fn axis(velocities: usize, units: &Units) -> Axis {
     let label = format!("velocity / ({})", units.name("length/time"));
     if velocities > 1 { Axis::log(&label) } else { Axis::linear(&label) }

@@ -25,7 +25,7 @@ pub(crate) struct Unit {
 /// Error: text that is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, W, s, K, with prefixes, as in GPa, \
+    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, W, K, s, min, h, d, yr, with prefixes, as in GPa, \
          J/m^2, N/mm^2, Pa*s, W/(m K)"
 )]
 pub struct UnknownUnit(String);
@@ -40,6 +40,9 @@ const PREFIXED: [(&str, [i32; 4], i32); 7] = [
     ("s", [0, 0, 1, 0], 0),
     ("K", [0, 0, 0, 1], 0),
 ];
+
+/// Units of time without a prefix, in s; a year is the Julian one.
+const TIMES: [(&str, f64); 4] = [("min", 60.0), ("h", 3600.0), ("d", 86400.0), ("yr", 31_557_600.0)];
 
 /// The prefixes of SI that are in use, `u` and both letters mu for micro.
 const PREFIXES: [(&str, i32); 14] = [
@@ -163,6 +166,9 @@ impl Unit {
         if let Some(unit) = length::find(name) {
             let dimension = Dimension { length: 1, ..Dimension::NONE };
             return Some(Self { dimension, power: unit.power, count: f64::from(unit.count) });
+        }
+        if let Some((_, count)) = TIMES.iter().find(|(known, _)| *known == name) {
+            return Some(Self { dimension: Dimension { time: 1, ..Dimension::NONE }, power: 0, count: *count });
         }
         PREFIXED.iter().find_map(|(symbol, [stress, length, time, temperature], power)| {
             let prefix = name.strip_suffix(symbol)?;

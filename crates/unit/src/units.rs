@@ -5,7 +5,7 @@ use crate::shown::{self, Shown};
 use crate::{Dimension, Quantity};
 
 /// The unit of length and the unit of stress of a problem, as far as they are known. All numbers of the problem are in
-/// these, an energy per area in their product.
+/// these, an energy per area in their product. If lengths have a unit, times are in s and temperatures in K.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
     length: Option<String>,
@@ -96,14 +96,14 @@ impl Units {
     pub fn name(&self, kind: &str) -> String {
         let Some(dimension) = Dimension::of(kind).filter(|found| *found != Dimension::NONE) else { return kind.into() };
         let (stress, length) = (self.stress(), self.length());
-        // A problem whose lengths have a unit has temperatures in K.
-        let needs_length = dimension.length != 0 || dimension.temperature != 0;
+        // A problem whose lengths have a unit has times in s and temperatures in K.
+        let needs_length = dimension.length != 0 || dimension.time != 0 || dimension.temperature != 0;
         if (dimension.stress != 0 && stress.is_none()) || (needs_length && length.is_none()) {
             return kind.into();
         }
         let whole = |name: &str| if name.contains(['/', '*', ' ', '·']) { format!("({name})") } else { name.into() };
         let named = kind.replace("stress", &whole(stress.unwrap_or_default()));
-        named.replace("length", &whole(length.unwrap_or_default())).replace("temperature", "K")
+        named.replace("length", &whole(length.unwrap_or_default())).replace("time", "s").replace("temperature", "K")
     }
 
     /// The readable unit for numbers of a kind up to `largest`; `None` if the units are unknown.
@@ -115,6 +115,10 @@ impl Units {
         }
         if dimension.length != 0 {
             size = size.times(Unit::parse(self.length()?)?, dimension.length)?;
+        }
+        // Times are in s if lengths have a unit.
+        if dimension.time != 0 {
+            self.metres()?;
         }
         shown::of(dimension, size.size(), largest)
     }

@@ -15,7 +15,8 @@ use crate::{Moduli, Unusable};
 #[serde(default)]
 #[command(next_help_heading = "Viscoelastic body")]
 pub struct PronyArgs {
-    /// Prony series of a viscoelastic body: relaxation time and fraction of the instantaneous modulus of each branch
+    /// Prony series of a viscoelastic body: relaxation time (10ms, 2h if the lengths have a unit) and fraction of the
+    /// instantaneous modulus of each branch
     #[arg(long, value_delimiter = ',', value_parser = parse_branch, value_name = "TAU:G,..", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub prony: Vec<(f64, f64)>,

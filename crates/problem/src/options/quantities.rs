@@ -47,6 +47,8 @@ const KINDS: &[(&str, &[&str])] = &[
     ("tangential", &["length"]),
     ("z", &["length"]),
     ("velocity", &["length/time"]),
+    ("time", &["time"]),
+    ("prony", &["time", "1"]),
     ("heat", &["stress*length^2/time*temperature", "length^2/time"]),
     ("qx", &["1/length"]),
     ("qy", &["1/length"]),
@@ -59,6 +61,11 @@ const TABLES: &[(&str, [&str; 2])] =
 /// The names of the columns of an option that is a table.
 pub fn columns(key: &str) -> Option<[&'static str; 2]> {
     TABLES.iter().find(|(other, _)| *other == key).map(|(_, names)| *names)
+}
+
+/// True if the entries of an option are numbers of several kinds with colons between.
+fn has_columns(key: &str) -> bool {
+    key == "prony" || columns(key).is_some()
 }
 
 /// True if the value of an option is a table of two columns whose rows are written out.
@@ -156,7 +163,7 @@ pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Opti
         };
         let mut parts = Vec::new();
         for (column, part) in values.split(':').enumerate() {
-            let kind = if columns(key).is_some() { kinds[column % kinds.len()] } else { kind };
+            let kind = if has_columns(key) { kinds[column % kinds.len()] } else { kind };
             let found = number(key, part, kind, take)?;
             changed |= found.is_some();
             parts.push(found.map_or_else(|| part.to_owned(), |number| format!("{number:e}")));
@@ -232,6 +239,8 @@ mod tests {
             ("hardness", "2um.npy", None),
             ("lateral", "0,-2nm", Some("0,-2e0")),
             ("velocity", "1mm/s:1m/s:4", Some("1e6:1e9:4")),
+            ("time", "0,1ms:2h:4,3 min", Some("0,1e-3:7.2e3:4,1.8e2")),
+            ("prony", "10 ms:0.3,1d:0.4,2:0.1", Some("1e-2:0.3,8.64e4:0.4,2:0.1")),
             ("heat", "0.2W/(m K),1e-7m^2/s", Some("2e17,1e11")),
             ("law_table", "0nm:2MPa,1nm:1kPa,3:0", Some("0e0:2e6,1e0:1e3,3:0")),
         ] {
@@ -247,6 +256,8 @@ mod tests {
             ("param", "gamma=1 Pa", "--param: \"1 Pa\": it is a stress (such as MPa); it must be an energy per area"),
             ("param", "r=1 Pa", "it must be a number without a unit"),
             ("layer", "1GPa,0.3Pa,1nm", "it must be a number without a unit"),
+            ("prony", "1s:0.3s", "--prony: \"0.3s\": it is a time (such as s); it must be a number without a unit"),
+            ("time", "1m", "it must be a time (such as s)"),
         ] {
             let error = texts(key, text).unwrap_err();
             assert!(error.contains(words), "{error}");

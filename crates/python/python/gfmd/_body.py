@@ -68,7 +68,7 @@ class Body(Record):
     base: str
     layers: tuple[tuple[Quantity, ...], ...]
     second_body: Optional[tuple[Quantity, ...]]
-    prony: tuple[tuple[float, float], ...]
+    prony: tuple[tuple[Quantity, float], ...]
     moduli: str
     relaxes: str
     _given: tuple[Optional[Quantity], float, Optional[Quantity], Optional[Quantity]]
@@ -85,7 +85,7 @@ class Body(Record):
         base_poisson: Optional[float] = None,
         layers: Sequence[Sequence[Quantity]] = (),
         second_body: Optional[Sequence[Quantity]] = None,
-        prony: Sequence[Sequence[float]] = (),
+        prony: Sequence[Sequence[Quantity]] = (),
         moduli: Literal["long-term", "instantaneous"] | str = "long-term",
         relaxes: Literal["both", "shear"] | str = "both",
         compliance: Optional[tuple[npt.ArrayLike, npt.ArrayLike | Callable[[Array], npt.ArrayLike]]] = None,
@@ -191,13 +191,14 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
     for branch in prony:
         if isinstance(branch, (str, bytes)) or not isinstance(branch, Sequence) or len(branch) != 2:
             raise InputError(f"prony has the branch {shown(branch)}; it must be {form}")
-        time, fraction = (number("prony", entry) for entry in branch)
+        given, fraction = quantity("prony", branch[0], "time"), number("prony", branch[1])
+        time = in_units("prony", given, "time")
         if not 0.0 < time < math.inf:
             raise InputError(f"a relaxation time of prony is {time}; it must be positive and finite")
         if not 0.0 < fraction < 1.0:
             raise InputError(f"a fraction of prony is {fraction}; it must be above 0 and below 1")
-        branches.append((time, fraction))
-    if len({time for time, _ in branches}) < len(branches):
+        branches.append((given, fraction))
+    if len({in_units("prony", time, "time") for time, _ in branches}) < len(branches):
         raise InputError(f"prony is {shown(prony)}; its relaxation times must differ")
     if not sum(fraction for _, fraction in branches) < 1.0:
         raise InputError(f"prony is {shown(prony)}; its fractions must add up to less than 1")
@@ -260,7 +261,7 @@ def _body(
     base_poisson: Optional[float] = None,
     layers: Sequence[Sequence[Quantity]] = (),
     second_body: Optional[Sequence[Quantity]] = None,
-    prony: Sequence[Sequence[float]] = (),
+    prony: Sequence[Sequence[Quantity]] = (),
     moduli: str = "long-term",
     relaxes: str = "both",
     compliance: Optional[Sequence[Sequence[float]]] = None,

@@ -175,7 +175,7 @@ def path(
             negative ones pull. Stresses and lengths may be texts with a unit, such as "1MPa", if the surface has one.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
         time: times of the legs, each of which ends at a waypoint, with a viscoelastic body (`Body(prony=...)`): a number or a
-            sequence. The first leg begins at first touch; a leg of no time is a jump.
+            sequence; "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first touch; a leg of no time is a jump.
         direction: their direction, degrees from x.
         law: as of `contact`.
         friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
@@ -213,7 +213,7 @@ def path(
         stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
         **drive,
         lateral=None if lateral is None else quantities("lateral", lateral, "length"),
-        time=None if time is None else numbers("time", time),
+        time=None if time is None else quantities("time", time, "time"),
         direction=number("direction", direction),
         steps=integer("steps", steps, 1, 2**32 - 1),
         tol=number("tolerance", tolerance),
