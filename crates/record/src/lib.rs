@@ -48,4 +48,4 @@ pub use digits::with_limit;
 pub use json::RecordError;
 pub use record::{Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};
-pub use table::{heads, readable, table_of};
+pub use table::{heads, readable, significant, table_of};

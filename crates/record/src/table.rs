@@ -74,7 +74,7 @@ pub fn readable(column: &Column, rows: &[Record], units: &Units) -> Option<Shown
 }
 
 /// Five significant digits of a number that is not much larger than 1000.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     match decade {
         -3.0..=4.0 => format!("{value:.*}", (4.0 - decade) as usize),

@@ -52,9 +52,16 @@ const FIRST: i32 = -15;
 /// The readable unit for numbers of a dimension up to `largest`, whose unit has this `size` in Pa, m and s; `None` for
 /// a dimension without one.
 pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown> {
-    // Times span many decades: they are read in s.
-    if dimension == (Dimension { time: 1, ..Dimension::NONE }) {
-        return Some(Shown { factor: size, name: "s".into() });
+    // Times span many decades, and are read in s.
+    for (read, name) in
+        [(Dimension { time: 1, ..Dimension::NONE }, "s"), (Dimension { temperature: 1, ..Dimension::NONE }, "K")]
+    {
+        if dimension == read {
+            return Some(Shown { factor: size, name: name.into() });
+        }
+    }
+    if dimension.temperature != 0 {
+        return None;
     }
     // The symbol that takes the prefix, its power, what stands behind it, and the size of that in SI.
     let (symbol, power, behind, over) = match (dimension.stress, dimension.length, dimension.time) {
@@ -64,6 +71,7 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
         (1, 2, 0) => ("N", 1, "", 1.0),
         (1, 3, 0) => ("J", 1, "", 1.0),
         (0, 1, -1) => ("m", 1, "/s", 1.0),
+        (1, 1, -1) => ("W", 1, "/m²", 1.0),
         // A stress per length is that of micrometres: few things are read per metre.
         (1, -1, 0) => ("Pa", 1, "/µm", 1e6),
         _ => return None,

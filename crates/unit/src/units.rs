@@ -116,8 +116,8 @@ impl Units {
         if dimension.length != 0 {
             size = size.times(Unit::parse(self.length()?)?, dimension.length)?;
         }
-        // Times are in s if lengths have a unit.
-        if dimension.time != 0 {
+        // Times are in s and temperatures in K if lengths have a unit.
+        if dimension.time != 0 || dimension.temperature != 0 {
             self.metres()?;
         }
         shown::of(dimension, size.size(), largest)

@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use gfmd_contact::Fields as _;
 use gfmd_files::contiguous;
 use gfmd_measure::Scales;
+use gfmd_record::significant;
 use gfmd_report::figures::{Scene, Shown, named};
 use gfmd_report::slide::{Sliding, chart, rises, temperature};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Head;
 use gfmd_run::source::Surface;
+use gfmd_unit::Units;
 use gfmd_viscoelastic::Velocity;
 use serde::{Deserialize, Serialize};
 
@@ -145,57 +147,69 @@ impl Report {
     }
 }
 
+/// A column of a table: head, kind of quantity (or `count`, `share`, `rough`), number.
+type Column<T> = (&'static str, &'static str, fn(&T) -> f64);
+
+/// The columns of the states.
+const STATES: [Column<State>; 11] = [
+    ("velocity", "length/time", |state| state.velocity),
+    ("pressure", "stress", |state| state.mean_pressure),
+    ("p*", "1", |state| state.p_star),
+    ("approach", "length", |state| state.displacement),
+    ("area", "share", |state| state.area_fraction),
+    ("friction", "1", |state| state.friction),
+    ("by slopes", "1", |state| state.friction_slope),
+    ("Persson", "1", |state| state.persson.friction),
+    ("steps", "count", |state| state.iterations as f64),
+    ("pairs", "count", |state| state.transform_pairs),
+    ("residual", "rough", State::worst),
+];
+
+/// The columns of the flash temperature, of a velocity and its heat.
+const HEAT: [Column<(f64, Heat)>; 5] = [
+    ("velocity", "length/time", |(velocity, _)| *velocity),
+    ("heat", "stress*length/time", |(_, heat)| heat.mean_flux),
+    ("max rise", "temperature", |(_, heat)| heat.max_rise),
+    ("mean rise", "temperature", |(_, heat)| heat.mean_rise),
+    ("into body", "share", |(_, heat)| heat.fraction),
+];
+
+/// The lines of a table, in readable units where those of the problem are known.
+fn table<T>(rows: &[T], columns: &[Column<T>], units: &Units) -> Vec<String> {
+    let mut lines = vec![String::new(); rows.len() + 1];
+    for (head, kind, of) in columns {
+        let largest = rows.iter().map(of).map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max);
+        let unit = units.shown(kind, largest);
+        let cell = |value: f64| match (&unit, *kind) {
+            (_, "count") => format!("{value:.0}"),
+            (_, "share") => format!("{value:.6}"),
+            (_, "rough") => format!("{value:.1e}"),
+            (Some(unit), _) => significant(value * unit.factor),
+            (None, _) => format!("{value:.4e}"),
+        };
+        let head = unit.as_ref().map_or_else(|| (*head).to_owned(), |unit| format!("{head} / {}", unit.divisor()));
+        let cells: Vec<String> = std::iter::once(head).chain(rows.iter().map(of).map(cell)).collect();
+        let width = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
+        lines.iter_mut().zip(&cells).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
+    }
+    lines
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
-        writeln!(
-            f,
-            "{:>11} {:>11} {:>10} {:>11} {:>9} {:>11} {:>11} {:>11} {:>6} {:>6} {:>9}",
-            "velocity",
-            "pressure",
-            "p*",
-            "approach",
-            "area",
-            "friction",
-            "by slopes",
-            "Persson",
-            "steps",
-            "pairs",
-            "residual"
-        )?;
-        for state in &self.states {
-            let worst = state.worst();
-            writeln!(
-                f,
-                "{:>11.4e} {:>11.4e} {:>10.4e} {:>11.4e} {:>9.6} {:>11.4e} {:>11.4e} {:>11.4e} {:>6} {:>6} {:>9.1e}{}",
-                state.velocity,
-                state.mean_pressure,
-                state.p_star,
-                state.displacement,
-                state.area_fraction,
-                state.friction,
-                state.friction_slope,
-                state.persson.friction,
-                state.iterations,
-                state.transform_pairs,
-                worst,
-                if state.converged { "" } else { "  NOT CONVERGED" }
-            )?;
+        let units = self.head.units();
+        let mut lines = table(&self.states, &STATES, &units);
+        for (line, state) in lines.iter_mut().skip(1).zip(&self.states) {
+            *line += if state.converged { "" } else { "  NOT CONVERGED" };
         }
-        if self.states.iter().any(|state| state.heat.is_some()) {
-            writeln!(
-                f,
-                "\n{:>11} {:>11} {:>11} {:>11} {:>9}",
-                "velocity", "heat", "max rise", "mean rise", "into body"
-            )?;
+        let heated: Vec<(f64, Heat)> =
+            self.states.iter().filter_map(|state| Some((state.velocity, state.heat?))).collect();
+        if !heated.is_empty() {
+            lines.push(String::new());
+            lines.extend(table(&heated, &HEAT, &units));
         }
-        for (state, heat) in self.states.iter().filter_map(|state| Some((state, state.heat?))) {
-            writeln!(
-                f,
-                "{:>11.4e} {:>11.4e} {:>11.4e} {:>11.4e} {:>9.6}",
-                state.velocity, heat.mean_flux, heat.max_rise, heat.mean_rise, heat.fraction
-            )?;
-        }
+        lines.iter().try_for_each(|line| writeln!(f, "{line}"))?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

@@ -215,8 +215,10 @@ impl fmt::Display for Head {
             let branches: Vec<String> = prony.iter().map(|(time, part)| format!("{time}:{part}")).collect();
             writeln!(
                 f,
-                "viscoelastic: E = {young_instantaneous:.6e} at once, {young_long_term:.6e} in the long term; branches {} \
+                "viscoelastic: E = {} at once, {} in the long term; branches {} \
                  (relaxation time, fraction), {}\n",
+                self.read(*young_instantaneous, "stress", ""),
+                self.read(*young_long_term, "stress", ""),
                 branches.join(", "),
                 relaxes.meaning()
             )?;
