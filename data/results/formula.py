@@ -41,7 +41,7 @@ def points(name):
 
 def kappa(c, band, h, p, w=0.0, b=None):
     rest = 1 - h
-    first = c[0] * rest ** c[1] + band
+    first = c[0] * rest ** (c[1] + c[5] * h) + band
     falls = c[2] * rest * p + (c[3] + c[4] * h) * p**2
     if b is not None:
         falls = falls + b[3] * (1 + b[5] * rest) * w * p ** b[4]
@@ -64,7 +64,7 @@ def shown(name, errors):
 
 def main():
     h, p, wanted, error = limits("ladders")
-    found = least_squares(lambda c: (kappa(c, 0.0, h, p) / wanted - 1) / error, [0.44, 0.65, 8, 5, 15], x_scale="jac")
+    found = least_squares(lambda c: (kappa(c, 0.0, h, p) / wanted - 1) / error, [0.44, 0.65, 8, 5, 15, 0.1], x_scale="jac")
     c = found.x
     stretch = max(1.0, 2 * found.cost / (len(h) - len(c)))
     covariance = np.linalg.inv(found.jac.T @ found.jac) * stretch

@@ -11,6 +11,9 @@ use super::summary::{Fit, Summaries, Summary};
 
 pub(super) const HURSTS: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
+/// Half of a 95 % interval over the standard error.
+const NORMAL_975: f64 = 1.959_963_984_540_054;
+
 /// The load of the result.
 pub(super) const P_STAR: f64 = 0.02;
 
@@ -143,19 +146,25 @@ pub(super) fn fit(sweep: &Summary, hurst: f64, p_star: f64) -> Result<&Fit, Fail
     sweep.fits.iter().find(wanted).ok_or_else(missing)
 }
 
-/// Both sets of surfaces, and chi² of their differences.
+/// Both sets of surfaces, and chi² of their differences, by their scatter and by all errors.
 pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
     const LOADS: [f64; 3] = [0.002, 0.02, 0.2];
     let [main, other] = [summaries.read("ladders")?, summaries.read("ladders-2")?];
     let mut text = String::from("| p\\* | H | first set | second set | difference |\n|---|---|---|---|---|\n");
-    let mut sums = Vec::new();
+    let mut sums = [const { Vec::new() }; 2];
     for p_star in LOADS {
-        let mut sum = 0.0;
+        let mut sum = [0.0; 2];
         for hurst in HURSTS {
             let [one, two] = [fit(&main, hurst, p_star)?, fit(&other, hurst, p_star)?];
             let errors = [one, two].map(|fit| fit.kappa_tfc_standard_error.unwrap_or(f64::NAN));
             let [difference, error] = [one.kappa_tfc - two.kappa_tfc, errors[0].hypot(errors[1])];
-            sum += (difference / error).powi(2);
+            let all = [one, two].map(|fit| {
+                let [low, high] = fit.total_ci95.unwrap_or([f64::NAN; 2]);
+                0.5 * (high - low) / NORMAL_975
+            });
+            for (sum, error) in sum.iter_mut().zip([error, all[0].hypot(all[1])]) {
+                *sum += (difference / error).powi(2);
+            }
             let _ = writeln!(
                 text,
                 "| {p_star} | {hurst} | {:.4} ± {:.4} | {:.4} ± {:.4} | {difference:+.4} ({:+.1} σ) |",
@@ -166,16 +175,20 @@ pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
                 difference / error
             );
         }
-        sums.push(format!("{sum:.1} at p\\* = {p_star}"));
+        sums.iter_mut().zip(sum).for_each(|(sums, sum)| sums.push(format!("{sum:.1} at p\\* = {p_star}")));
     }
-    let _ = writeln!(text, "\nχ² of the differences over the four H: {}.", sums.join(", "));
+    let [scatter, all] = sums.map(|sums| sums.join(", "));
+    let _ = writeln!(
+        text,
+        "\nχ² of the differences over the four H: {scatter}; with the errors of form and edge, too: {all}."
+    );
     Ok(text)
 }
 
 /// kappa composed by the first closure, less the edge, ladder by ladder.
 pub(super) fn ladders(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("ladders")?;
-    let bands = [16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
+    let bands = [16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0];
     let head = bands.map(|band| format!("{band}")).join(" | ");
     let mut text = format!("| H | 1/ε_t | κ | 1/ε_f = {head} |\n|---|---|---|{}\n", "---|".repeat(bands.len()));
     for hurst in HURSTS {
