@@ -2,16 +2,20 @@
 
 mod waypoints;
 
-use gfmd_contact::{Budget, Drive, Load, SolveError, Visit};
+use gfmd_contact::{Budget, Drive, Fields as _, Load, SolveError, Visit};
 use gfmd_files::Output;
+use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
-use gfmd_problem::Posed;
-use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record};
+use gfmd_problem::{Posed, Rest};
+use gfmd_record::{At, Measured, NOT_SOLVED, OnFinerGrid, Record, Table, table_of};
+use gfmd_unit::Units;
+use std::fmt;
 use std::path::PathBuf;
 
 use crate::progress::Progress;
 use gfmd_report::figures::Shown;
 use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::flow::through;
 use gfmd_run::resume::{Kept, ResumeArgs};
 use gfmd_run::series::{
     Asked, Chosen, Ended, Outlet, Places, Prepared, Reached, Series, StateFile, beside, keeping, on_finer_grids,
@@ -114,7 +118,7 @@ impl Course {
             finer: finer.collect(),
             tolerance,
             session,
-            points: prepared.surface.grid.len(),
+            prepared,
             widest: None,
             unsettled: Vec::new(),
         };
@@ -159,8 +163,33 @@ impl Beside<'_> {
         let state = self.path.state().ok_or_else(|| Failure::Computation(NOT_SOLVED.into()))?;
         let reading = self.contact.reading(state);
         let at = resolved(self.prepared, state, tolerance);
-        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), ..at }))
+        let flow = leak(self.prepared, state, &at, |_| {})?;
+        let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
     }
+}
+
+/// The flow through the gap of a state, if it is asked for.
+pub(crate) fn leak(
+    prepared: &Prepared,
+    state: &Rest,
+    at: &At,
+    warn: impl FnOnce(String),
+) -> Result<Option<Flow>, Failure> {
+    let fields = [state.repulsion(), state.gap().into()];
+    let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
+    let flow = || through(&prepared.surface, [repulsion, gap], at.summary.mean_gap, warn);
+    prepared.facts.flow.then(flow).transpose()
+}
+
+/// Prints the table of the flow, a line for each step, if there is one.
+pub(crate) fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
+    let lines = table_of(steps, &[Table::Flow], units);
+    for (index, line) in lines.iter().enumerate() {
+        let step = index.checked_sub(1).map_or_else(|| "\n     ".to_owned(), |step| format!("{step:>5}"));
+        writeln!(f, "{step}{line}")?;
+    }
+    Ok(())
 }
 
 /// Outlet of a path: its records, its widest contact, its unsettled steps.
@@ -171,7 +200,7 @@ struct Log<'a> {
     finer: Vec<Beside<'a>>,
     tolerance: f64,
     session: &'a Session,
-    points: usize,
+    prepared: &'a Prepared,
     /// The largest contact area, and its fields.
     widest: Option<(f64, Shown)>,
     /// The steps that further increments would change.
@@ -181,13 +210,17 @@ struct Log<'a> {
 impl Outlet for Log<'_> {
     fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
         let Reached { index, state, step, at, started, is_cut } = reached;
+        let warn = |text: String| self.session.warn("flow", format!("step {index}: {text}"));
+        let flow = leak(self.prepared, state, &at, warn)?;
+        let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
         let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
         let finer = self.finer.iter_mut().map(|finer| match is_cut {
             true => Ok(Err(NOT_SOLVED.to_owned())),
             false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
         });
         let finer = finer.collect::<Result<_, Failure>>()?;
-        let record = Record::of(&At { seconds, approach: reading.approach, step: Some((step, reading)), finer, ..at });
+        let at = At { seconds, approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
+        let record = Record::of(&at);
         if step.is_unsettled {
             self.unsettled.push((index, *step));
         }
@@ -201,7 +234,7 @@ impl Outlet for Log<'_> {
     /// Visits the largest contact area and its fields; there are none before the first step.
     fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
         if is_new {
-            self.widest = Some((f64::NAN, Shown::zeros(self.points)));
+            self.widest = Some((f64::NAN, Shown::zeros(self.prepared.surface.grid.len())));
         }
         if let Some((area, shown)) = &mut self.widest {
             visitor.number(area);

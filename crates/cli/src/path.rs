@@ -87,6 +87,10 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
+    /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    flow: bool,
     #[command(flatten)]
     #[serde(flatten)]
     waypoints: WaypointArgs,
@@ -147,6 +151,7 @@ impl Args {
             approach: self.waypoints.flag() == "--displacement",
             lateral: !self.waypoints.lateral.is_empty(),
             relaxes: self.prony.relaxing(),
+            flow: self.flow,
             resume: self.resume.resume,
             grid_error: self.grid_error,
             ..self.compliance.of(self.body.facts())

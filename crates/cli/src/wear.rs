@@ -53,6 +53,10 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
+    /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    flow: bool,
     #[command(flatten)]
     #[serde(flatten)]
     loads: LoadArgs,
@@ -109,6 +113,7 @@ impl Args {
         Facts {
             task: Task::Path,
             wears: true,
+            flow: self.flow,
             boundary: self.boundary,
             line,
             approach: self.loads.flag() == "--displacement",

@@ -242,7 +242,6 @@ pub const RULES: &[Rule] = {
         rule(Held, Path, "normal", LATER),
         rule(MovedBase, Path, "left out", LATER),
         rule(Statistics, Path, "left out", LATER),
-        rule(Flow, Path, "left out", LATER),
         rule(FlowThreshold, Path, "left out", LATER),
         rule(History, Path, "left out", LATER),
         rule(Several, Path, "left out", LATER),

@@ -14,6 +14,7 @@ pub mod base;
 pub mod columns;
 pub mod convergence;
 pub mod failure;
+pub mod flow;
 pub mod hardness;
 pub mod json;
 pub mod lower;

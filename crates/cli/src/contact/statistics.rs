@@ -1,15 +1,16 @@
 //! The parts of a load that `--statistics` and `--flow` add: patches, distributions, spectra, flow through the gap.
 
 use gfmd_contact::Fields as _;
-use gfmd_flow::{Flow, FlowError, flow};
+use gfmd_flow::Flow;
 use gfmd_green::Height;
 use gfmd_measure::Patches;
 use gfmd_problem::{Posed, Rest};
 use gfmd_record::{At, Record, Statistics};
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::ArrayView2;
 
 use super::{Args, Conducting, stiffness};
 use gfmd_run::failure::Failure;
+use gfmd_run::flow::through;
 use gfmd_run::series::Prepared;
 use gfmd_run::source::Surface;
 
@@ -32,26 +33,6 @@ pub(super) fn measured(
 ) -> Result<(Statistics, Patches), Failure> {
     let found = Statistics::of(&surface.grid, surface.boundary, repulsion, gap);
     found.map_err(|error| Failure::Computation(error.to_string()))
-}
-
-/// The flow through the gap, relative to a uniform gap equal to the mean gap; `repulsion` is the pressure that is zero out of
-/// contact. Soft surfaces may overlap so far that their mean gap is not positive: the flow is then relative to a uniform gap
-/// equal to the largest one, and has no meaning but that of the paths that it takes.
-///
-/// # Errors
-/// A flow that cannot be computed.
-fn through(
-    surface: &Surface,
-    repulsion: ArrayView2<f64>,
-    gap: ArrayView2<f64>,
-    mean_gap: f64,
-) -> Result<Flow, FlowError> {
-    let scale = if mean_gap > 0.0 { mean_gap } else { gap.fold(f64::MIN_POSITIVE, |largest, gap| largest.max(*gap)) };
-    let mut cubes = Array2::zeros(gap.dim());
-    Zip::from(&mut cubes).and(gap).and(repulsion).for_each(|cube, gap, p| {
-        *cube = if *p > 0.0 || *gap <= 0.0 { 0.0 } else { (gap / scale).powi(3) };
-    });
-    flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
 }
 
 /// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions
@@ -120,14 +101,8 @@ impl Findings {
                 (found.arrays, found.patches) = (Some(arrays), Some(patches));
             }
             if args.flow {
-                let flow = match through(surface, repulsion.view(), gap, at.summary.mean_gap) {
-                    Err(FlowError::NotConverged { state, .. }) => {
-                        warn("flow", format!("the residual of the flow is {:.1e}", state.residual));
-                        *state
-                    }
-                    flow => flow.map_err(|error| Failure::Computation(error.to_string()))?,
-                };
-                found.flow = Some(flow);
+                let flow = through(surface, [repulsion.view(), gap], at.summary.mean_gap, |text| warn("flow", text));
+                found.flow = Some(flow?);
             }
         }
         Ok(found)

@@ -4,13 +4,15 @@ use gfmd_contact::{Boundary, Load};
 use gfmd_files::Reader;
 use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_law::Limit;
-use gfmd_record::{At, Record};
+use gfmd_record::{At, Measured, Record};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::Path;
 
 use super::{Args, memory};
+use crate::course::leak;
 use gfmd_run::failure::Failure;
+use gfmd_run::flow::through;
 use gfmd_run::result::{
     Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
     stored_problem,
@@ -63,6 +65,9 @@ pub(crate) fn check(
             comparison.number("/path/time", number("time"), drive.time, 0.0);
         }
         let Some(waypoint) = way.places.of(index) else { continue };
+        if prepared.prony.is_some() || prepared.facts.moves_sideways() {
+            check.flow(waypoint, index, comparison)?;
+        }
         if prepared.prony.is_some() {
             check.relaxing((waypoint, index), index + 1 == way.drives.len(), comparison)?;
         } else if prepared.facts.moves_sideways() {
@@ -70,7 +75,10 @@ pub(crate) fn check(
         } else if let Some(state) = stored.state(waypoint, *drive)? {
             stored.compare_fields(waypoint, &state, comparison)?;
             let (reading, step) = (contact.reading(&state), Step::default());
-            let at = At { approach: reading.approach, step: Some((&step, reading)), ..stored.at(index, &state) };
+            let at = stored.at(index, &state);
+            let flow = leak(prepared, &state, &at, |_| {})?;
+            let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+            let at = At { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
             stored.compare_record(index, (&Record::of(&at), &state), comparison);
         }
     }
@@ -119,6 +127,22 @@ impl StepCheck<'_> {
         floor = floor.max(energy(&now).abs()).max(energy(&before).abs());
         comparison.number("/path/dissipated", now("dissipated"), missing, floor);
         comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
+    }
+
+    /// Compares the flow with that through the stored gap.
+    fn flow(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Self { stored: file, .. } = self;
+        let (number, Prepared { facts, surface, .. }) = (|name: &str| file.number(name, step), file.prepared);
+        let mean_gap = number("mean_gap");
+        if !facts.flow || mean_gap <= 0.0 {
+            return Ok(());
+        }
+        let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
+        let found = through(surface, [pressure.view(), gap.view()], mean_gap, |_| {})?;
+        for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
+            comparison.number(&format!("/path/{name}"), number(name), found.conductivity[row][column], 1e-3);
+        }
+        Ok(())
     }
 
     /// Compares the balance of work and energy of a step of a viscoelastic body with the error that it states.

@@ -9,6 +9,7 @@ use gfmd_record::{Record, Table, lines, table_of, with_limit};
 use gfmd_unit::Shown;
 use serde::Serialize;
 
+use crate::course::print_flow;
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::hardness::GivenHardness;
@@ -171,6 +172,7 @@ impl fmt::Display for Report {
         if let Some(step) = self.parted_at {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }
+        print_flow(f, &self.steps, &self.head.units())?;
         for leg in &self.sliding {
             let stiffness = self.head.units().shown("stress/length", leg.tangential_stiffness);
             writeln!(

@@ -5,7 +5,7 @@ use std::path::Path;
 use gfmd_contact::Load;
 use gfmd_files::Reader;
 use gfmd_interface::{Quasistatic as _, Step};
-use gfmd_record::{At, Record};
+use gfmd_record::{At, Measured, Record};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
     Comparison, Configuration, Kind, compare_heights, layout, regenerated, repeated_problem, stored_problem,
@@ -14,6 +14,7 @@ use gfmd_run::series::{Chosen, StateFile, Stored};
 use gfmd_run::session::Session;
 
 use super::Args;
+use crate::course::leak;
 
 /// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the
 /// balance of work and energy.
@@ -81,7 +82,10 @@ pub(crate) fn check(
             let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
             comparison.number("/wear/dissipated", lost, coefficient * moved * squares, 0.0);
             let (reading, step) = (contact.reading(&state), Step::default());
-            let at = At { approach: reading.approach, step: Some((&step, reading)), ..stored.at(index, &state) };
+            let at = stored.at(index, &state);
+            let flow = leak(prepared, &state, &at, |_| {})?;
+            let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+            let at = At { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
             stored.compare_record(index, (&Record::of(&at), &state), comparison);
         }
     }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use gfmd_record::{Record, Table, lines, table_of};
 use serde::Serialize;
 
+use crate::course::print_flow;
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::memory::peak_bytes;
@@ -68,6 +69,7 @@ impl fmt::Display for Report {
                 }
             }
         }
+        print_flow(f, &self.steps, &self.head.units())?;
         if let (Some(lost), Some(error), Some(volume)) = (self.dissipated, self.dissipated_error, self.wear_volume) {
             writeln!(
                 f,
