@@ -470,13 +470,13 @@ class Contact(Result, Record):
         """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
 
         The arguments are the derivatives of L by the fields and numbers of the contact; the result is the vector-Jacobian product of
-        reverse-mode differentiation, by one linear problem on the points in contact, whatever the number of heights. The points
-        in contact are kept, as they are for almost all surfaces and loads; areas and counts of points have no derivatives.
+        reverse-mode differentiation, by one linear problem, whatever the number of heights. The points in contact are kept, as
+        they are for almost all surfaces and loads; areas and counts of points have no derivatives.
         `gfmd.torch` and `gfmd.jax` have the contact as a function of these packages.
 
         Args:
             pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by default, as all.
-            gap: derivative by the gap of each point [x, y]; points in contact have none.
+            gap: derivative by the gap of each point [x, y]; points that a wall presses have none.
             approach: derivative by the approach.
             mean_pressure: derivative by the mean pressure.
             mean_gap: derivative by the mean gap.
@@ -485,8 +485,9 @@ class Contact(Result, Record):
                 the contact ("mean_pressure" for `p_star`).
 
         Raises:
-            InputError: arrays of another shape; a contact with a law, a hardness, finite slopes, all components, a lower surface or a base
-                that moves, which are not implemented; full contact under an approach that does not determine the pressure.
+            InputError: arrays of another shape; a contact with a hardness, finite slopes, all components, a lower surface or a base that
+                moves, which are not implemented; full contact under an approach that does not determine the pressure; a state of a
+                law that a small change makes jump.
 
         Example:
             >>> round(c.vjp(approach=1.0).load * c.stiffness, 4)  # d(approach)/d(mean pressure)
