@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::session::list_files;
 use crate::{body, contact, path, punch, slide, wear};
-use gfmd_report::quoted;
+use gfmd_report::{Page, quoted};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{Configuration, Kind};
 use gfmd_run::session::Session;
@@ -44,12 +44,17 @@ pub struct Report {
     pub out: PathBuf,
 }
 
-/// Runs the command.
+/// The figures of the page about a result, by their names in the order of the page, as SVG.
 ///
 /// # Errors
-/// A file that cannot be read, is no such result, or is damaged; a page that cannot be written.
-pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let file = &args.file;
+/// A file that cannot be read, is no such result, or is damaged.
+pub fn figures(file: &Path, session: &Session) -> Result<Vec<(String, String)>, Failure> {
+    let (reader, kind, _) = opened(file)?;
+    Ok(page_of(&reader, kind, session)?.into_figures())
+}
+
+/// A result file that is not damaged: its kind, and whether its checksum holds, if it has one.
+fn opened(file: &Path) -> Result<(Reader, Kind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
     let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader).ok_or_else(|| {
@@ -70,6 +75,29 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         let text = format!("{}: schema_version is {schema}; it must be {SCHEMA_VERSION}", file.display());
         return Err(Failure::Input(text));
     }
+    Ok((reader, kind, intact))
+}
+
+/// The contents of the page about a result.
+fn page_of(reader: &Reader, kind: Kind, session: &Session) -> Result<Page, Failure> {
+    match kind {
+        Kind::Contact => gfmd_report::contact::page(reader),
+        Kind::Path => gfmd_report::path::page(reader),
+        Kind::KappaSweep => gfmd_report::kappa::page(reader, session),
+        Kind::Slide => gfmd_report::slide::page(reader),
+        Kind::Wear => gfmd_report::wear::page(reader),
+        Kind::Punch => gfmd_report::punch::page(reader),
+        Kind::Body => gfmd_report::body::page(reader),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A file that cannot be read, is no such result, or is damaged; a page that cannot be written.
+pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
+    let file = &args.file;
+    let (reader, kind, intact) = opened(file)?;
     let out = args.out.clone().unwrap_or_else(|| file.with_extension("html"));
     let output = Output::claim(&out).map_err(|error| Failure::input("--out", error))?;
     let same = |a: &Path| std::fs::canonicalize(a).ok();
@@ -77,15 +105,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         return Err(Failure::value("--out", out.display(), "another file than the result"));
     }
     check_replaceable("--out", output.path())?;
-    let mut page = match kind {
-        Kind::Contact => gfmd_report::contact::page(&reader)?,
-        Kind::Path => gfmd_report::path::page(&reader)?,
-        Kind::KappaSweep => gfmd_report::kappa::page(&reader, session)?,
-        Kind::Slide => gfmd_report::slide::page(&reader)?,
-        Kind::Wear => gfmd_report::wear::page(&reader)?,
-        Kind::Punch => gfmd_report::punch::page(&reader)?,
-        Kind::Body => gfmd_report::body::page(&reader)?,
-    };
+    let mut page = page_of(&reader, kind, session)?;
     page.remarks.splice(0..0, gfmd_report::warnings(&reader));
     let text = gfmd_report::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
     output.write(|file| file.write_all(text.as_bytes()))?;

@@ -79,6 +79,20 @@ pub enum GradientError {
         /// The derivative.
         found: f64,
     },
+    /// An interface with lateral displacements.
+    #[error(
+        "all components of displacement are unknown; u_z alone must be, since other derivatives are not implemented"
+    )]
+    Components,
+    /// A state of an interface that is no minimum of the energy.
+    #[error(
+        "the state is at the edge of stability or beyond (curvature {lowest:.1e}); it must be stable, since a small \
+         change makes it jump"
+    )]
+    Unstable {
+        /// The lowest curvature that was met, over that of the preconditioner.
+        lowest: f64,
+    },
     /// A load that does not determine the pressure.
     #[error("{0}")]
     Undetermined(&'static str),
@@ -122,7 +136,7 @@ impl Contact {
         if self.share.own().len() != n {
             return Err(GradientError::Shared);
         }
-        self.check_cotangents(of, shape)?;
+        of.check(shape, self.has_level())?;
         // All in the units of the solve.
         let units = self.units();
         let (stress, length, energy) = (units.stress(), units.length(), units.energy());
@@ -183,9 +197,16 @@ impl Contact {
             effort,
         })
     }
+}
 
-    fn check_cotangents(&self, of: &Cotangents, expected: [usize; 2]) -> Result<(), GradientError> {
-        for (name, field) in [("pressure", &of.pressure), ("gap", &of.gap)] {
+impl Cotangents {
+    /// Checks that the fields have the shape of the contact, and that all is finite; a contact whose displacement is
+    /// known up to a constant `has_level` false.
+    ///
+    /// # Errors
+    /// A field of another shape, a number that is not finite, a derivative by an approach without a level.
+    pub fn check(&self, expected: [usize; 2], has_level: bool) -> Result<(), GradientError> {
+        for (name, field) in [("pressure", &self.pressure), ("gap", &self.gap)] {
             let Some(field) = field else { continue };
             let found: [usize; 2] = field.dim().into();
             if found != expected {
@@ -196,17 +217,17 @@ impl Contact {
             }
         }
         for (name, found) in [
-            ("approach", of.approach),
-            ("mean pressure", of.mean_pressure),
-            ("mean gap", of.mean_gap),
-            ("elastic energy", of.elastic_energy),
+            ("approach", self.approach),
+            ("mean pressure", self.mean_pressure),
+            ("mean gap", self.mean_gap),
+            ("elastic energy", self.elastic_energy),
         ] {
             if !found.is_finite() {
                 return Err(GradientError::Number { name, found });
             }
         }
-        if of.approach != 0.0 && !self.has_level() {
-            return Err(GradientError::NoLevel { found: of.approach });
+        if self.approach != 0.0 && !has_level {
+            return Err(GradientError::NoLevel { found: self.approach });
         }
         Ok(())
     }

@@ -8,7 +8,8 @@
 //!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
-//! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file.
+//! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file; a [`Draft`] of it writes
+//!   the file later.
 //! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
 //! - [`Reader`] reads values, for resuming and for input. It is written in Rust, and the HDF5 library only writes,
 //!   since a damaged file can crash the library.
@@ -35,7 +36,7 @@ use crate::{FileError, Input, Output, Warnings};
 use gfmd_topography::stored::Hdf5;
 use scale::Scale;
 
-pub use memory::{Memory, Value};
+pub use memory::{Draft, Memory, Value};
 pub use reader::Reader;
 pub use variable::{Coordinates, Dimension, Provenance, Variable};
 
@@ -67,7 +68,8 @@ impl<'a> Archive<'a> {
     /// Creates `NAME.part` beside the claimed target; a part left by an earlier process is overwritten.
     pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
         let (scales, warnings) = (BTreeMap::new(), provenance.warnings.clone());
-        if output.in_memory().is_some() {
+        if let Some(memory) = output.in_memory() {
+            memory.begin(provenance);
             return Ok(Self { output, file: None, scales, warnings });
         }
         let part = output.part();
@@ -94,7 +96,7 @@ impl<'a> Archive<'a> {
     pub fn write<T: Value>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
         if let Some(memory) = self.output.in_memory() {
-            memory.put(path, &variable.shape(), values);
+            memory.put(path, variable, values);
             return Ok(());
         }
         let dataset = self.new_dataset::<T>(path, variable, None)?;
@@ -118,7 +120,8 @@ impl<'a> Archive<'a> {
     ) -> Result<(), FileError> {
         let texts = values.iter().map(|text| text_of(path, text.as_ref())).collect::<Result<Vec<_>, _>>()?;
         self.check_length(path, variable, texts.len())?;
-        if self.output.in_memory().is_some() {
+        if let Some(memory) = self.output.in_memory() {
+            memory.put_text(path, variable, values);
             return Ok(());
         }
         let dataset = self.new_dataset::<VarLenUnicode>(path, variable, None)?;
@@ -134,7 +137,7 @@ impl<'a> Archive<'a> {
     /// Entries that are not written are NaN.
     pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
         if let Some(memory) = self.output.in_memory() {
-            memory.put::<f64>(path, &variable.shape(), &[]);
+            memory.define(path, variable, false);
             return Ok(());
         }
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
@@ -159,8 +162,9 @@ impl<'a> Archive<'a> {
 
     /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
     pub fn define_rows(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
-        if self.output.in_memory().is_some() {
-            return self.define(path, variable);
+        if let Some(memory) = self.output.in_memory() {
+            memory.define(path, variable, true);
+            return Ok(());
         }
         self.new_dataset::<f64>(path, variable, None).map(drop)
     }
@@ -200,7 +204,8 @@ impl<'a> Archive<'a> {
 
     /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.
     pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
-        if self.output.in_memory().is_some() {
+        if let Some(memory) = self.output.in_memory() {
+            memory.attribute(path, name, value.into());
             return Ok(());
         }
         let file = self.file()?;
@@ -220,7 +225,8 @@ impl<'a> Archive<'a> {
 
     /// Completes the file, syncs it to the disk, and renames it to the target. In memory, the path is empty.
     pub fn finish(mut self) -> Result<PathBuf, FileError> {
-        if self.output.in_memory().is_some() {
+        if let Some(memory) = self.output.in_memory() {
+            memory.finish();
             return Ok(PathBuf::new());
         }
         let part = self.output.part();

@@ -40,7 +40,7 @@ mod warning;
 mod x3p;
 
 pub use archive::{
-    Archive, Coordinates, Dimension, Memory, Provenance, Reader, SCHEMA_VERSION, Value, Variable, rows_of_chunk,
+    Archive, Coordinates, Dimension, Draft, Memory, Provenance, Reader, SCHEMA_VERSION, Value, Variable, rows_of_chunk,
 };
 pub use attribute::Attribute;
 pub use error::FileError;

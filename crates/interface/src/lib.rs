@@ -39,6 +39,7 @@ mod dynamics;
 mod ended;
 mod frame;
 mod friction;
+mod gradient;
 mod kept;
 mod newton;
 mod numbers;

@@ -7,6 +7,7 @@
 //! energy. The search for a step of u_z alone has single precision ([`one_component`]); positions, forces and energies have
 //! double precision.
 
+mod adjoint;
 mod all_components;
 mod descent;
 mod one_component;
@@ -21,6 +22,7 @@ use gfmd_response::Elastic;
 use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::{Interface, State};
+pub(crate) use adjoint::{Adjoint, Linear};
 use all_components::AllComponents;
 use descent::Descent;
 use one_component::OneComponent;
@@ -39,10 +41,7 @@ pub(crate) fn descend(
     watch: &mut dyn Watch,
 ) -> Ended {
     let elastic = &interface.elastic;
-    let [softest, _] = elastic.stiffness_range();
-    // The preconditioner resists a uniform motion that nothing else does.
-    let resists = |stiffness: &f64| 1.0 / if *stiffness > 0.0 { *stiffness } else { softest };
-    let uniform: Vec<f64> = frame.uniform_stiffness.iter().map(resists).collect();
+    let uniform = uniform_compliance(interface, frame);
     let mut transforms = elastic.transforms();
     *transforms.counter() += match elastic {
         // Single transforms.
@@ -59,6 +58,18 @@ pub(crate) fn descend(
             descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
         }
     }
+}
+
+/// The compliance of the uniform mode in a preconditioner, which resists a uniform motion that nothing else does.
+fn uniform_compliance(interface: &Interface, frame: &Frame) -> Vec<f64> {
+    let [softest, _] = interface.elastic.stiffness_range();
+    let resists = |stiffness: &f64| 1.0 / if *stiffness > 0.0 { *stiffness } else { softest };
+    frame.uniform_stiffness.iter().map(resists).collect()
+}
+
+/// The weight of a free point in a preconditioner, where the law has this slope; `reference` is the stiffness of a wave.
+fn weight_of(slope: f64, reference: f64) -> f64 {
+    (1.0 + slope.max(0.0) / reference).sqrt().recip()
 }
 
 fn descend_with<M: Model>(

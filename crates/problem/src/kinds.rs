@@ -152,6 +152,10 @@ impl Kind for Interface {
     fn trapping(&self) -> Option<Trapping> {
         Interface::trapping(self)
     }
+
+    fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+        Interface::gradient(self, state, load, of).map_err(|error| Unusable::of(error.to_string()))
+    }
 }
 
 /// The reason why states of a path have no stiffness.

@@ -280,9 +280,9 @@ impl Facts {
 }
 
 /// The parts for which there are no derivatives.
-const WITHOUT_GRADIENT: [Part; 7] = {
+const WITHOUT_GRADIENT: [Part; 6] = {
     use Part::*;
-    [Law, Hardness, All, FiniteSlope, Lower, MovedBase, Several]
+    [Hardness, All, FiniteSlope, Lower, MovedBase, Several]
 };
 
 impl Facts {

@@ -1,13 +1,15 @@
 //! The commands of the program, in this process.
 
 use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use clap::{CommandFactory as _, Parser};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
-use gfmd_files::Memory;
+use gfmd_files::{Draft, Memory, Output};
 use gfmd_problem::options::given::{Arrays, Given, Load};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::session::Session;
@@ -20,17 +22,48 @@ use pyo3::types::{PyDict, PyInt};
 use toml::{Table, Value};
 
 use crate::failure::{failed, refused};
-use crate::worker;
+use crate::worker::{self, quick};
 
 /// Time between two looks at an interruption.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A report as JSON, the kind and the text of a failure, and the fields of the result by their names.
-type Solved<'py> = (String, Option<(&'static str, String)>, BTreeMap<String, Bound<'py, PyArrayDyn<f64>>>);
+/// A report as JSON, the kind and the text of a failure, the fields of the result by their names, and the rest of its file.
+type Solved<'py> =
+    (String, Option<(&'static str, String)>, BTreeMap<String, Bound<'py, PyArrayDyn<f64>>>, Option<FileDraft>);
 
-/// Solves the problem in a dictionary with the keys of the flags of a command, whose arrays are in another one.
+/// The file of a result without its fields.
+#[pyclass(frozen, module = "gfmd._gfmd")]
+pub(crate) struct FileDraft(Draft);
+
+#[pymethods]
+impl FileDraft {
+    /// Writes the file, with the fields of the result by their names.
+    fn write(&self, py: Python<'_>, path: &str, fields: BTreeMap<String, PyReadonlyArrayDyn<'_, f64>>) -> PyResult<()> {
+        let whole = |field: PyReadonlyArrayDyn<'_, f64>| field.as_array().as_standard_layout().into_owned();
+        let fields = fields.into_iter().map(|(name, field)| (format!("{FIELDS}{name}"), whole(field))).collect();
+        let written = quick(py, || {
+            let output = Output::claim(path).map_err(|error| Failure::input("path", error))?;
+            self.0.write(&output, &fields).map_err(Failure::from)
+        })?;
+        written.map(|_| ()).map_err(|failure| failed(py, &failure))
+    }
+}
+
+/// The group of the fields in a file.
+const FIELDS: &str = "/fields/";
+
+/// Replaces a file by these bytes.
 #[pyfunction]
-#[pyo3(signature = (command, problem, arrays=None, threads=0, tick=None))]
+pub(crate) fn write_file(py: Python<'_>, path: &str, contents: &[u8]) -> PyResult<()> {
+    let output = Output::claim(path).map_err(|error| refused(py, &format!("path: {error}")))?;
+    output.write(|file| file.write_all(contents)).map_err(|error| failed(py, &error.into()))
+}
+
+/// Solves the problem in a dictionary with the keys of the flags of a command, whose arrays are in another one. The
+/// result is written to the file `out` with the `words` of its surface, if they are given.
+#[pyfunction]
+#[pyo3(signature = (command, problem, arrays=None, threads=0, tick=None, out=None, words=None))]
+#[expect(clippy::too_many_arguments, reason = "keywords")]
 pub(crate) fn solve<'py>(
     py: Python<'py>,
     command: &str,
@@ -38,7 +71,10 @@ pub(crate) fn solve<'py>(
     arrays: Option<&Bound<'py, PyDict>>,
     threads: usize,
     tick: Option<Py<PyAny>>,
+    out: Option<&str>,
+    words: Option<&str>,
 ) -> PyResult<Solved<'py>> {
+    let output = out.map(Output::claim).transpose().map_err(|error| refused(py, &format!("out: {error}")))?;
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
     let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
     let memory = Memory::default();
@@ -70,9 +106,15 @@ pub(crate) fn solve<'py>(
     };
     let (text, failure) = result.map_err(|failure| failed(py, &failure))?;
     let failure = failure.or_else(|| raised.map(|_| ("interrupted", "interrupted at the end".into())));
-    let field = |(path, values): (String, ArrayD<f64>)| Some((path.strip_prefix("/fields/")?.into(), values));
-    let fields = memory.take().into_iter().filter_map(field);
-    Ok((text, failure, fields.map(|(name, values): (String, _)| (name, values.into_pyarray(py))).collect()))
+    let (fields, mut draft) = memory.take(FIELDS);
+    if let Some(draft) = &mut draft {
+        words.into_iter().for_each(|words| draft.replace("/surface", "description", words));
+        if let Some(output) = &output {
+            quick(py, || draft.write(output, &fields))?.map_err(|error| failed(py, &error.into()))?;
+        }
+    }
+    let field = |(path, values): (String, ArrayD<f64>)| (path.replacen(FIELDS, "", 1), values.into_pyarray(py));
+    Ok((text, failure, fields.into_iter().map(field).collect(), draft.map(FileDraft)))
 }
 
 /// The kind and the text of a failure with a state.
@@ -148,13 +190,20 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
     let words = words.into_iter().map(Into::into).collect();
     let words = of_words(&Line::command(), words).map_err(|failure| refused(py, &failure))?;
     let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
-    let done = worker::quick(py, || {
+    let done = quick(py, || {
         let session = Session::guest();
         let Outcome { report, failure } = line.command.outcome(&session)?;
         failure.map_or(Ok(()), Err)?;
         report.json(&session)
     })?;
     done.map_err(|failure| failed(py, &failure))
+}
+
+/// The figures of the page about the result in a file, by their names, as SVG.
+#[pyfunction]
+pub(crate) fn figures(py: Python<'_>, path: &str) -> PyResult<Vec<(String, String)>> {
+    let drawn = quick(py, || gfmd_cli::report::figures(Path::new(path), &Session::guest()))?;
+    drawn.map_err(|failure| failed(py, &failure))
 }
 
 /// The exit status of the program `gfmd` with these words, of which the first is its name.

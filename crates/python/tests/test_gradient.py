@@ -13,17 +13,40 @@ PRESSURE, GAP = RANDOM.normal(size=(2, 16, 16))
 
 def number(c):
     """A number that depends on everything."""
-    open_gap = np.where(c.pressure > 0, 0.0, c.gap)
+    # A law without a wall leaves a gap where it repels.
+    open_gap = c.gap if c.law.name == "morse" else np.where(c.pressure > 0, 0.0, c.gap)
     return (PRESSURE * c.pressure).sum() + (GAP * open_gap).sum() + 3 * c.approach + 5 * open_gap.mean() + 7 * c.elastic_energy - 2 * c.mean_pressure
 
 
 COTANGENTS = dict(pressure=PRESSURE, gap=GAP, approach=3.0, mean_gap=5.0, elastic_energy=7.0, mean_pressure=-2.0)
 
 
+SLAB = gfmd.Body(young=2.0, poisson=0.3, height=0.4)
+# A wall with an attraction, a law without a wall, and a table; all are smooth, and resolved by the grid.
+EXPONENTIAL = gfmd.law("exponential", gamma=2e-3, range=0.02)
+MORSE = gfmd.law("morse", gamma=2e-3, range=0.02)
+GAPS = np.linspace(0.0, 0.2, 41)
+TABLE = gfmd.law(GAPS, 0.1 * (1.0 - GAPS / 0.2) ** 3)
+CASES = [
+    {},
+    {"boundary": "free"},
+    {"components": "held"},
+    {"law": EXPONENTIAL},
+    {"law": EXPONENTIAL, "boundary": "free"},
+    {"law": EXPONENTIAL, "body": SLAB},
+    {"law": MORSE},
+    {"law": MORSE, "boundary": "free"},
+    {"law": TABLE},
+]
+
+
 @pytest.mark.parametrize("load", [{"mean_pressure": 0.02}, {"approach": 0.004}])
-@pytest.mark.parametrize("options", [{}, {"boundary": "free"}, {"components": "held"}])
+@pytest.mark.parametrize("options", CASES)
 def test_derivatives_are_difference_quotients(load, options):
-    def solve(heights=HEIGHTS, body=BODY, **other):
+    options = dict(options)
+    own = options.pop("body", BODY)
+
+    def solve(heights=HEIGHTS, body=own, **other):
         return gfmd.contact(heights, body, tolerance=1e-12, **(other or load), **options)
 
     found = solve().vjp(**COTANGENTS)
@@ -36,8 +59,8 @@ def test_derivatives_are_difference_quotients(load, options):
         assert found.heights[i, j] == pytest.approx(quotient, rel=1e-4, abs=1e-4)
     quotient = (number(solve(**{kind: value * (1 + 1e-6)})) - number(solve(**{kind: value * (1 - 1e-6)}))) / (2e-6 * value)
     assert found.load == pytest.approx(quotient, rel=1e-5)
-    bodies = [gfmd.Body(e_star=BODY.e_star * (1 + change), poisson=0.3) for change in (1e-6, -1e-6)]
-    quotient = (number(solve(body=bodies[0])) - number(solve(body=bodies[1]))) / (2e-6 * BODY.e_star)
+    bodies = [gfmd.Body(e_star=own.e_star * (1 + change), poisson=0.3, height=own.height) for change in (1e-6, -1e-6)]
+    quotient = (number(solve(body=bodies[0])) - number(solve(body=bodies[1]))) / (2e-6 * own.e_star)
     assert found.modulus == pytest.approx(quotient, rel=1e-5)
 
 
@@ -52,6 +75,26 @@ def test_it_is_that_of_a_file_and_of_the_other_load(tmp_path):
     assert line.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
 
 
+def test_a_law_has_the_derivatives_of_its_file_and_of_a_line(tmp_path):
+    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1, law=EXPONENTIAL, tolerance=1e-12)
+    plain = c.vjp(approach=1.0)
+    # d(approach)/d(mean pressure) and its inverse.
+    assert c.vjp(mean_pressure=1.0, fixed="approach").load == pytest.approx(1 / plain.load, rel=1e-7)
+    assert plain.heights.sum() == pytest.approx(0.0, abs=1e-9)
+    c.save(tmp_path / "c.h5")
+    assert gfmd.load(tmp_path / "c.h5").vjp(approach=1.0).heights == pytest.approx(plain.heights, rel=1e-6, abs=1e-9)
+    # A law that does nothing leaves the derivatives of the hard wall.
+    weak = gfmd.law("exponential", gamma=1e-14, range=0.02)
+    bare, with_law = (gfmd.contact(HEIGHTS, BODY, p_star=0.1, tolerance=1e-12, **law) for law in ({}, {"law": weak}))
+    assert with_law.vjp(**COTANGENTS).heights == pytest.approx(bare.vjp(**COTANGENTS).heights, rel=1e-5, abs=1e-5)
+    line = gfmd.contact(HEIGHTS[:, 0], BODY, p_star=0.1, law=EXPONENTIAL)
+    assert line.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
+    free = gfmd.contact(HEIGHTS[:, 0], BODY, mean_pressure=0.02, law=EXPONENTIAL, boundary="free")
+    with pytest.raises(gfmd.InputError, match="known up to a constant"):
+        free.vjp(approach=1.0)
+    assert free.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
+
+
 def test_what_has_no_derivative_is_named():
     c = gfmd.contact(HEIGHTS, BODY, p_star=0.1)
     for arguments, words in [
@@ -64,7 +107,6 @@ def test_what_has_no_derivative_is_named():
             c.vjp(**arguments)
     slab = gfmd.Body(height=0.3)
     for options, words in [
-        (dict(law=gfmd.law("exponential", gamma=1e-4, range=4e-3)), "law is exponential"),
         (dict(hardness=0.5), "hardness is given"),
         (dict(finite_slope=True), "finite.slope is given"),
         (dict(lower_surface=0.0 * HEIGHTS), "lower.surface is given"),

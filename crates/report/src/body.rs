@@ -8,12 +8,6 @@ use crate::figures::about_zero;
 use crate::page::{Fact, Page, Table, body, config, given, number, text};
 use gfmd_run::failure::Failure;
 
-/// The components of a symmetric tensor in a file.
-const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
-
-/// The components of a strip in plane strain.
-const STRIP: [&str; 4] = ["xx", "yy", "zz", "xz"];
-
 /// The largest relative difference of steps between depths that count as equal.
 const EVEN: f64 = 1e-6;
 
@@ -89,7 +83,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 struct Field {
     name: &'static str,
     symbol: &'static str,
-    components: &'static [&'static str],
+    /// Names of the components, in the order of the file; one empty name of a scalar.
+    components: Vec<String>,
     values: Vec<f64>,
     levels: usize,
     /// Points of a level along both axes; one along y of a slice or a strip.
@@ -101,18 +96,17 @@ struct Fields(Vec<Field>);
 
 impl Fields {
     fn read(reader: &Reader, depths: &[f64]) -> Self {
-        let is_strip = reader.shape("/fields/component").is_ok_and(|shape| shape == [2]);
-        let vector: &[&str] = if is_strip { &["x", "z"] } else { &["x", "y", "z"] };
-        let tensor: &[&str] = if is_strip { &STRIP } else { &TENSOR };
+        let names = |dimension: &str| reader.texts(&format!("/fields/{dimension}")).unwrap_or_default();
+        let (vector, tensor, single) = (&names("component"), &names("tensor"), &vec![String::new()]);
         let kinds = [
-            ("von_mises", "von Mises stress", &[""][..]),
+            ("von_mises", "von Mises stress", single),
             ("displacement", "*u*", vector),
             ("stress", "*σ*", tensor),
             ("strain", "*ε*", tensor),
-            ("energy_density", "energy density", &[""][..]),
+            ("energy_density", "energy density", single),
         ];
-        let read = |(name, symbol, components): (&'static str, &'static str, &'static [&'static str])| {
-            let path = format!("/fields/{name}");
+        let read = |(name, symbol, components): (&'static str, &'static str, &Vec<String>)| {
+            let (path, components) = (format!("/fields/{name}"), components.clone());
             let shape = reader.shape(&path).ok()?;
             let inner = shape.strip_prefix(&[depths.len()])?;
             let inner = if components.len() > 1 { inner.strip_suffix(&[components.len()])? } else { inner };
@@ -146,7 +140,7 @@ impl Fields {
             };
             let quantity = if name == "displacement" { "largest displacement" } else { "largest von Mises stress" };
             let panel = Panel {
-                x: Axis::linear("depth / length"),
+                x: Axis::linear(&format!("depth / {}", unit("depth"))),
                 y: Axis::linear(&format!("{quantity} / {}", unit(name))),
                 series: field.columns().map(line).collect(),
                 ..Panel::default()
@@ -191,13 +185,13 @@ impl Fields {
                 };
                 let mut map = Map::new(&values, shape, size, &label);
                 map.origin = origin;
-                map.x = format!("*{axis}* / length");
-                map.y = format!("{up} / length");
+                map.x = format!("*{axis}* / {}", unit("depth"));
+                map.y = format!("{up} / {}", unit("depth"));
                 if field.components.len() > 1 {
                     map.colours = Colours::Diverging;
                     map.range = about_zero(&values);
                 }
-                page.field(&crate::figures::Drawn::Map(map), &title, &caption);
+                page.field(&crate::figures::Drawn::Map(map), &field.words(of), &caption);
             }
         }
     }
@@ -209,10 +203,15 @@ impl Field {
     }
 
     fn title(&self, of: usize) -> String {
-        match self.components[of] {
+        match self.components[of].as_str() {
             "" => self.symbol.into(),
             component => format!("{}_{{{component}}}", self.symbol),
         }
+    }
+
+    /// The quantity in words, without markup.
+    fn words(&self, of: usize) -> String {
+        format!("{} {}", self.name.replace('_', " "), self.components[of]).trim_end().into()
     }
 
     fn value(&self, level: usize, point: usize, of: usize) -> f64 {

@@ -5,6 +5,8 @@ mod parts;
 mod reading;
 mod write;
 
+use std::collections::BTreeMap;
+
 use gfmd_plot::{COLUMN, Chart, PlotError};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -56,6 +58,7 @@ pub(crate) struct Certificate {
 
 /// A figure as an `svg` element.
 pub(crate) struct Figure {
+    title: String,
     svg: String,
     caption: Markup,
 }
@@ -74,6 +77,18 @@ impl Page {
     /// Number of figures.
     pub fn figures(&self) -> usize {
         self.figures.len()
+    }
+
+    /// The figures as SVG, by names made of their titles, of which one that occurs again has a number behind it.
+    pub fn into_figures(self) -> Vec<(String, String)> {
+        let mut seen = BTreeMap::new();
+        let named = |Figure { title, svg, .. }: Figure| {
+            let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+            let name: String = title.chars().map(plain).collect();
+            let count = seen.entry(name.clone()).and_modify(|count| *count += 1).or_insert(1);
+            (if *count == 1 { name } else { format!("{name}-{count}") }, svg)
+        };
+        self.figures.into_iter().map(named).collect()
     }
 
     /// Adds the panels of a chart as separate figures, since a phone shows one per row. A panel that cannot be drawn
@@ -110,7 +125,7 @@ impl Page {
     /// Adds a figure that was drawn under the next name.
     pub(crate) fn drawn(&mut self, drawn: Result<String, PlotError>, title: &str, caption: &Markup) {
         match drawn {
-            Ok(svg) => self.figures.push(Figure { svg, caption: caption.clone() }),
+            Ok(svg) => self.figures.push(Figure { title: title.into(), svg, caption: caption.clone() }),
             Err(error) => self.remarks.push(format!("no figure of {title}: {error}")),
         }
     }

@@ -48,6 +48,12 @@ pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session
     let mut named = toml::Table::new();
     // Waves have no file.
     if let Some(surface) = config.file() {
+        // The words of an array and of a contact of a caller, which have no checksum.
+        if matches!(surface, "array" | "contact") && reader.text("/input", "file").is_err() {
+            let text = "the input was in memory, so that the fields cannot be computed again";
+            session.warn("input-missing", text);
+            return Ok(false);
+        }
         let (file, input) = (file_of(surface), reader.text("/input", "file")?);
         // Only the input that has a checksum is opened, as the regular file that it was.
         if file != input {

@@ -18,8 +18,11 @@ fn provenance() -> Provenance {
 
 /// Writes a file with all kinds of data: scalars, strings, fields by slabs, several groups with equal names.
 fn write_all(path: &std::path::Path) {
-    let output = Output::claim(path).unwrap();
-    let mut archive = Archive::create(&output, &provenance()).unwrap();
+    put_all(&Output::claim(path).unwrap());
+}
+
+fn put_all(output: &Output) {
+    let mut archive = Archive::create(output, &provenance()).unwrap();
     let load = Dimension::index("load", 2, "load step");
     let x = Dimension::values("x", (0..40).map(|i| 0.025 * f64::from(i)).collect(), "length", "position along x");
     let y = Dimension::values("y", (0..30).map(|i| 0.05 * f64::from(i)).collect(), "length", "position along y");
@@ -48,6 +51,41 @@ fn write_all(path: &std::path::Path) {
     archive.attribute("/fit/kappa_tfc", "note", "three axes").unwrap();
     archive.attribute("/fit", "p_star", 0.02).unwrap();
     archive.finish().unwrap();
+}
+
+/// A draft makes the file that is written at once, byte for byte, and no file of a result that was not finished.
+#[test]
+fn a_draft_makes_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [at_once, later, other] = ["at_once.h5", "later.h5", "other.h5"].map(|name| folder.path().join(name));
+    write_all(&at_once);
+    let memory = Memory::default();
+    put_all(&Output::memory(&memory));
+    let (fields, draft) = memory.take("/fields/");
+    assert_eq!(fields.keys().collect::<Vec<_>>(), ["/fields/displacement", "/fields/pressure"]);
+    let mut draft = draft.unwrap();
+    assert_eq!(draft.write(&Output::claim(&later).unwrap(), &fields).unwrap(), later);
+    assert!(fs::read(&at_once).unwrap() == fs::read(&later).unwrap());
+    // Without its fields, or with fields of another shape, there is no file.
+    let cut = fields
+        .iter()
+        .map(|(path, values)| (path.clone(), values.slice(ndarray::s![.., .., ..1]).to_owned().into_dyn()));
+    for wrong in [BTreeMap::new(), cut.collect()] {
+        let refused = draft.write(&Output::claim(&other).unwrap(), &wrong);
+        assert!(matches!(refused, Err(FileError::Length { .. })), "{refused:?}");
+    }
+    assert!(!other.exists());
+    draft.replace("/fit/kappa_tfc", "note", "other words");
+    draft.write(&Output::claim(&other).unwrap(), &fields).unwrap();
+    let reader = Reader::open(&other).unwrap();
+    assert_eq!(reader.text("/fit/kappa_tfc", "note").unwrap(), "other words");
+    assert_eq!(reader.is_intact().unwrap(), Some(true));
+
+    let output = Output::memory(&memory);
+    let mut archive = Archive::create(&output, &provenance()).unwrap();
+    archive.attribute("/fit", "p_star", 0.02).unwrap();
+    drop(archive);
+    assert!(memory.take("/fields/").1.is_none());
 }
 
 fn variable<'a>(dimensions: &'a [&'a Dimension]) -> Variable<'a> {

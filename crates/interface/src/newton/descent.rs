@@ -5,6 +5,7 @@ use gfmd_vector::{add, for_each, pass, reduce, sum};
 use super::reaction::Reaction;
 use super::trust_region::{Model, Number, TrustRegion, Vectors};
 use super::wall::Wall;
+use super::weight_of;
 use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, mean_where};
 use crate::{Interface, State};
@@ -154,8 +155,7 @@ impl<'a, M: Model> Descent<'a, M> {
                     let i = start + k;
                     *f -= multiplier;
                     let held = touches(i) && *f > 0.0;
-                    let free = || (1.0 + curvature[i].max(0.0) / reference).sqrt().recip();
-                    *weight = M::Value::of(if held { 0.0 } else { free() });
+                    *weight = M::Value::of(if held { 0.0 } else { weight_of(curvature[i], reference) });
                     let free = if held { 0.0 } else { f.abs() };
                     worst = higher_each(worst, [free, (traction[i] - *f).abs()]);
                 }

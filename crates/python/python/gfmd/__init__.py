@@ -23,6 +23,7 @@ from ._many import many
 from ._path import Path, friction, path
 from ._progress import progress
 from ._record import Record, Residual
+from ._result import Result
 from ._slide import Slide, slide
 from ._solve import contact, contacts
 from ._surface import Statistics, Surface, read, self_affine
@@ -45,6 +46,7 @@ __all__ = [
     "Punch",
     "Record",
     "Residual",
+    "Result",
     "Slide",
     "Statistics",
     "Surface",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from typing import Any, Optional, Union
 
@@ -17,11 +18,12 @@ from ._contact import Contact
 from ._errors import InputError
 from ._files import config
 from ._record import Record
+from ._result import Computed
 
 _QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
 
 
-class Punch(Record):
+class Punch(Computed):
     """A flat punch on a body. `components` are x, y, z (x, z of a strip).
 
     Attributes:
@@ -92,7 +94,7 @@ class Punch(Record):
         return shown + super()._repr_html_()
 
 
-class FieldsBelow(Record):
+class FieldsBelow(Computed):
     """Fields below a surface, those that were asked for.
 
     Attributes:
@@ -176,6 +178,7 @@ def punch(
     max_iterations: int = 100_000,
     refine: int = 1,
     threads: Optional[int] = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> Punch:
     """Presses a flat rigid punch on a body: all components of displacement and traction.
 
@@ -203,6 +206,7 @@ def punch(
         max_iterations: iterations after which the search is given up.
         refine: number of grids, each twice as fine, from which the mean pressure is extrapolated.
         threads: number of threads; all cores by default.
+        out: name of an HDF5 file for the result, that of `gfmd punch --out`; as `save`, but the name is checked before the work begins.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -244,14 +248,15 @@ def punch(
         position = [number("history_points", entry) for entry in (first, second)]
         problem["history_point"].append([*position, word("history_points", component)])
     arrays = {name: None if value is None else array(name, value) for name, value in (("mask", mask), ("traction", traction))}
-    values, failure, fields = _command.solve("punch", problem, arrays, threads)
+    values, failure, fields, file = _command.solve("punch", problem, arrays, threads, out)
     if values["height"] == "inf":
         values["height"] = math.inf
     for name in arrays:
         values.pop(name, None)
     if history:
         values["history"] = _history(values["history"])
-    return _command.ended(Punch({**{name: _command.records(value) for name, value in values.items()}, **fields}), failure)
+    told = {name: _command.records(value) for name, value in values.items()}
+    return _command.ended(Punch({**told, **fields}, file), failure)
 
 
 def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
@@ -281,6 +286,7 @@ def interior(
     quantities: Sequence[str] = _QUANTITIES,
     along: Optional[str] = None,
     threads: Optional[int] = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> FieldsBelow:
     """Displacement, strain and stress below the surface of a contact or a punch.
 
@@ -292,6 +298,7 @@ def interior(
         quantities: of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
         along: "y=Y" or "x=X", the nearest row of points only.
         threads: number of threads; all cores by default.
+        out: name of an HDF5 file for the result, that of `gfmd body --out`; as `save`, but the name is checked before the work begins.
 
     Raises:
         InputError: depths outside the body, an unknown quantity.
@@ -314,11 +321,12 @@ def interior(
         slice=None if along is None else word("along", along),
     )
     own, given = _source(source)
-    values, failure, fields = _command.solve("body", {**problem, **own}, {"surface": given}, threads)
+    values, failure, fields, file = _command.solve("body", {**problem, **own}, {"surface": given}, threads, out)
     del values["surface"]
     named = {name.replace("-", "_") for name in problem["quantities"]}
     found = {name: field for name, field in fields.items() if name in named}
-    return _command.ended(FieldsBelow({**{name: _command.records(value) for name, value in values.items()}, **found}), failure)
+    told = {name: _command.records(value) for name, value in values.items()}
+    return _command.ended(FieldsBelow({**told, **found}, file), failure)
 
 
 def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:

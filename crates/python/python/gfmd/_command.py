@@ -8,10 +8,11 @@ from typing import Any, Optional, TypeVar
 
 from . import _gfmd
 from ._body import Body, Law
-from ._check import Array, frozen, integer
+from ._check import Array, frozen, integer, path
 from ._errors import Interrupted, NotConverged
 from ._progress import Progress
 from ._record import Record, parsed
+from ._result import File
 
 Failure = Optional[tuple[str, str]]
 Result = TypeVar("Result")
@@ -51,16 +52,26 @@ def height_key(height: Any) -> Any:
 
 
 def solve(
-    command: str, problem: dict[str, Any], arrays: Optional[dict[str, Any]] = None, threads: Optional[int] = None
-) -> tuple[dict[str, Any], Failure, dict[str, Array]]:
-    """The report of a command on a problem with the keys of its flags, the kind and the text of its failure, and the fields by name."""
+    command: str,
+    problem: dict[str, Any],
+    arrays: Optional[dict[str, Any]] = None,
+    threads: Optional[int] = None,
+    out: Any = None,
+    words: Optional[str] = None,
+) -> tuple[dict[str, Any], Failure, dict[str, Array], File]:
+    """The report of a command on a problem with the keys of its flags, the kind and the text of its failure, the fields by name, and the file.
+
+    The file goes to `out`, too, if that is given, with the `words` of the surface.
+    """
     count = 0 if threads is None else integer("threads", threads, 0, 4096)
+    target = None if out is None else path("out", out)
     with Progress(command) as progress:
-        text, failure, fields = _gfmd.solve(command, problem, arrays, count, progress.tick)
+        text, failure, fields, draft = _gfmd.solve(command, problem, arrays, count, progress.tick, target, words)
     values = parsed(text)
     for name in ("out", "plots", "peak_bytes", "scan"):  # of the files of a sweep, of the process, and of an array
         values.pop(name, None)
-    return values, failure, {name: frozen(field) for name, field in fields.items()}
+    kept = {name: frozen(field) for name, field in fields.items()}
+    return values, failure, kept, File(draft, kept)
 
 
 def ended(result: Result, failure: Failure) -> Result:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union, overload
 
@@ -17,6 +16,7 @@ from ._check import Array, Quantity, array, frozen, in_units, number, shown, wor
 from ._command import records
 from ._errors import InputError
 from ._record import Record, Residual, json_of, of_load
+from ._result import Result
 from ._surface import Surface
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class Gradient(Record):
     error: float
 
 
-class Contact(Record):
+class Contact(Result, Record):
     """A contact at rest under one load. It cannot be changed, and it pickles.
 
     A number that does not exist is NaN. Lengths and stresses are in the units of the surface and the body.
@@ -470,13 +470,13 @@ class Contact(Record):
         """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
 
         The arguments are the derivatives of L by the fields and numbers of the contact; the result is the vector-Jacobian product of
-        reverse-mode differentiation, by one linear problem on the points in contact, whatever the number of heights. The points
-        in contact are kept, as they are for almost all surfaces and loads; areas and counts of points have no derivatives.
+        reverse-mode differentiation, by one linear problem, whatever the number of heights. The points in contact are kept, as
+        they are for almost all surfaces and loads; areas and counts of points have no derivatives.
         `gfmd.torch` and `gfmd.jax` have the contact as a function of these packages.
 
         Args:
             pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by default, as all.
-            gap: derivative by the gap of each point [x, y]; points in contact have none.
+            gap: derivative by the gap of each point [x, y]; points that a wall presses have none.
             approach: derivative by the approach.
             mean_pressure: derivative by the mean pressure.
             mean_gap: derivative by the mean gap.
@@ -485,8 +485,9 @@ class Contact(Record):
                 the contact ("mean_pressure" for `p_star`).
 
         Raises:
-            InputError: arrays of another shape; a contact with a law, a hardness, finite slopes, all components, a lower surface or a base
-                that moves, which are not implemented; full contact under an approach that does not determine the pressure.
+            InputError: arrays of another shape; a contact with a hardness, finite slopes, all components, a lower surface or a base that
+                moves, which are not implemented; full contact under an approach that does not determine the pressure; a state of a
+                law that a small change makes jump.
 
         Example:
             >>> round(c.vjp(approach=1.0).load * c.stiffness, 4)  # d(approach)/d(mean pressure)
@@ -530,22 +531,6 @@ class Contact(Record):
 
         return interior(self, depths, **options)
 
-    def report(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page of HTML that `gfmd report` makes of the contact.
-
-        Args:
-            path: the name of the page.
-
-        Raises:
-            InputError: a page that cannot be written.
-
-        Example:
-            >>> c.report("contact.html")
-        """
-        from ._files import report
-
-        report(path, [self])
-
     def to_dataframe(self) -> Any:
         """Returns the numbers as a pandas.DataFrame of one row; units in `attrs["units"]`.
 
@@ -560,18 +545,7 @@ class Contact(Record):
 
         return _show.frame([self])
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the file that `gfmd contact --out` writes; `gfmd.load` reads it.
-
-        Args:
-            path: the name of the HDF5 file.
-
-        Raises:
-            InputError, Error: a file that cannot be written. An older file under that name stays.
-
-        Example:
-            >>> c.save("c.h5")
-        """
+    def _write(self, path: str) -> None:
         from ._files import save
 
         save(path, [self])
@@ -630,7 +604,7 @@ class Contact(Record):
         return _show.maps_html([self.pressure], "pressure") + super()._repr_html_()
 
 
-class Contacts(Sequence[Contact]):
+class Contacts(Result, Sequence[Contact]):
     """Contacts one after the other: a sequence of `Contact`.
 
     The numbers of a contact are arrays [load] here, in the same units: `cs.area_fraction`, `cs.mean_pressure`; `residual` is
@@ -682,20 +656,7 @@ class Contacts(Sequence[Contact]):
         first = self._contacts[:1]
         return [*super().__dir__(), "approach", *(name for contact in first for name in (*contact._fields, *contact))]
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the file that `gfmd contact --out` writes with these loads.
-
-        Args:
-            path: the name of the HDF5 file.
-
-        Raises:
-            InputError, Error: a file that cannot be written. An older file under that name stays.
-
-        Example:
-            >>> cs.save("loads.h5")
-            >>> len(gfmd.load("loads.h5"))
-            2
-        """
+    def _write(self, path: str) -> None:
         from ._files import save
 
         save(path, self._contacts)
@@ -705,23 +666,6 @@ class Contacts(Sequence[Contact]):
 
     def __hash__(self) -> int:
         return hash(self._contacts)
-
-    def report(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page of HTML that `gfmd report` makes of these loads.
-
-        Args:
-            path: the name of the page.
-
-        Raises:
-            InputError: no contacts, a page that cannot be written.
-
-        Example:
-            >>> cs.report("loads.html")
-        """
-        from ._files import report
-
-        self._check_some()
-        report(path, self._contacts)
 
     def to_dataframe(self) -> Any:
         """Returns the numbers as a pandas.DataFrame with a row for each load; units in `attrs["units"]`.

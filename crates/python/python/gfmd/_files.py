@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Sequence
 from typing import Any, Optional, Union
 
@@ -38,22 +37,14 @@ def config(contacts: Sequence[Contact]) -> dict[str, Any]:
     return {**contacts[0]._settings.description, **_asked(contacts)}
 
 
-def save(name: Any, contacts: Sequence[Contact]) -> None:
+def save(path: str, contacts: Sequence[Contact]) -> None:
     if not contacts:
         raise InputError("there are no contacts to write")
     first = contacts[0]
     problem, arrays, lower, _ = first._settings
     loads = [(json_of(contact._values), list(contact._fields.values())) for contact in contacts]
     words = [(surface.unit, surface.description) for surface in (first.surface, lower) if surface is not None]
-    _gfmd.save(_check.path("path", name), problem, {**arrays, "surface": first.surface.heights}, words, loads, config(contacts))
-
-
-def report(name: Any, contacts: Sequence[Contact]) -> None:
-    page = _check.path("path", name)
-    with tempfile.TemporaryDirectory() as folder:
-        file = os.path.join(folder, "contact.h5")
-        save(file, contacts)
-        _gfmd.report_of(["report", file, "--out", page])
+    _gfmd.save(path, problem, {**arrays, "surface": first.surface.heights}, words, loads, config(contacts))
 
 
 def _stored(name: str, group: str, length: Sequence[float]) -> Surface:

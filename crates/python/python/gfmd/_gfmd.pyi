@@ -5,6 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "FileDraft",
     "GIT_COMMIT",
     "Problem",
     "State",
@@ -17,6 +18,7 @@ __all__ = [
     "conductance",
     "converted",
     "detrend",
+    "figures",
     "fill",
     "finer",
     "in_units",
@@ -41,12 +43,17 @@ __all__ = [
     "surface_report",
     "texture",
     "unit_name",
+    "write_file",
 ]
 VERSION: str
 GIT_COMMIT: str
 
 _Array = npt.NDArray[np.float64]
 _Tick = Optional[Callable[[int, float], None]]
+
+@final
+class FileDraft:
+    def write(self, path: str, fields: dict[str, _Array]) -> None: ...
 
 @final
 class State:
@@ -116,8 +123,16 @@ def composite(
 ) -> tuple[_Array, tuple[float, float]]: ...
 def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...
 def solve(
-    command: str, problem: dict[str, Any], arrays: Optional[dict[str, Any]] = None, threads: int = 0, tick: _Tick = None
-) -> tuple[str, Optional[tuple[str, str]], dict[str, _Array]]: ...
+    command: str,
+    problem: dict[str, Any],
+    arrays: Optional[dict[str, Any]] = None,
+    threads: int = 0,
+    tick: _Tick = None,
+    out: Optional[str] = None,
+    words: Optional[str] = None,
+) -> tuple[str, Optional[tuple[str, str]], dict[str, _Array], Optional[FileDraft]]: ...
+def write_file(path: str, contents: bytes) -> None: ...
+def figures(path: str) -> list[tuple[str, str]]: ...
 def program(words: list[str]) -> int: ...
 def report_of(words: list[str]) -> str: ...
 def save(

@@ -120,7 +120,7 @@ def kappa_sweep(
     try:
         file = file if out is None else path("out", out)
         problem = {**_config(config), "out": file, "resume": flag("resume", resume)}
-        values, failure, _ = _command.solve("kappa-sweep", problem, threads=threads)
+        values, failure, *_ = _command.solve("kappa-sweep", problem, threads=threads)
         return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}), failure)
     except (KeyboardInterrupt, NotConverged) as error:
         if isinstance(getattr(error, "state", None), KappaSweep):

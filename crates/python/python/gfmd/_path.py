@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
@@ -12,10 +13,11 @@ from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
 from ._errors import InputError
 from ._record import Record
+from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
 
 
-class Path(Record):
+class Path(Computed):
     """A contact along a path.
 
     Attributes:
@@ -166,6 +168,7 @@ def path(
     energy_tolerance: Optional[float] = None,
     energy_solves: Optional[int] = None,
     threads: Optional[int] = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> Path:
     """Follows a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
@@ -189,6 +192,7 @@ def path(
         tolerance, max_iterations: of each step, as of `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see docs/interface.md.
         threads: number of threads; all cores by default.
+        out: name of an HDF5 file for the result, that of `gfmd path --out`; as `save`, but the name is checked before the first step.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -232,11 +236,11 @@ def path(
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
-    values, failure, fields = _command.solve("path", problem, arrays, threads)
+    values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made.description)
     told = gathered(values)
     if isinstance(bound, np.ndarray):
         told["hardness"] = bound
-    result = Path({**told, "unit": made.unit, "surface": made, **fields})
+    result = Path({**told, "unit": made.unit, "surface": made, **fields}, file)
     return _command.ended(result, failure)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from typing import Any, Optional
 
@@ -13,10 +14,11 @@ from ._body import Body, as_body
 from ._check import Array, integer, number, quantities, quantity, shown, word
 from ._errors import InputError
 from ._record import Record
+from ._result import Computed
 from ._surface import Surface, as_surface
 
 
-class Slide(Record):
+class Slide(Computed):
     """Steady states of a surface that slides over a body.
 
     Attributes:
@@ -87,6 +89,7 @@ def slide(
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
     threads: Optional[int] = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> Slide:
     """Slides a surface steadily over a body: friction by hysteresis, area, gap and flash temperature against velocity.
 
@@ -104,6 +107,7 @@ def slide(
         stress_unit: unit of stresses given without one, as of `contact`.
         tolerance, max_iterations: of each state, as of `contact`.
         threads: number of threads; all cores by default.
+        out: name of an HDF5 file for the result, that of `gfmd slide --out`; as `save`, but the name is checked before the first step.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -141,7 +145,7 @@ def slide(
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),
     )
-    values, failure, fields = _command.solve("slide", problem, {"surface": made.heights}, threads)
+    values, failure, fields, file = _command.solve("slide", problem, {"surface": made.heights}, threads, out, made.description)
     rows = []
     for state in values.pop("states"):
         theory = {f"persson_{name}": value for name, value in state.pop("persson").items()}
@@ -150,5 +154,5 @@ def slide(
         rows.append({**state, **theory, **warm, **parts})
     columns = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
     told = {name: _command.records(value) for name, value in values.items()}
-    result = Slide({**told, "unit": made.unit, "surface": made, "states": Record(columns), **fields})
+    result = Slide({**told, "unit": made.unit, "surface": made, "states": Record(columns), **fields}, file)
     return _command.ended(result, failure)

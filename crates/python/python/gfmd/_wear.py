@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Literal, Optional
 
 import numpy.typing as npt
@@ -11,10 +12,11 @@ from ._body import Body, as_body
 from ._check import Array, Quantity, integer, number, quantities, quantity, word
 from ._path import drive_keys, gathered
 from ._record import Record
+from ._result import Computed
 from ._surface import Surface, as_surface
 
 
-class Wear(Record):
+class Wear(Computed):
     """A surface that slides on an elastic body, while both lose depth by Archard's law.
 
     Attributes:
@@ -114,6 +116,7 @@ def wear(
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
     threads: Optional[int] = None,
+    out: str | os.PathLike[str] | None = None,
 ) -> Wear:
     """Wears a surface that slides on an elastic body, by Archard's law in implicit steps: running-in, worn shape, volume.
 
@@ -131,6 +134,7 @@ def wear(
         steps: steps of a leg.
         tolerance, max_iterations: of each step, as of `contact`.
         threads: number of threads; all cores by default.
+        out: name of an HDF5 file for the result, that of `gfmd wear --out`; as `save`, but the name is checked before the first step.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -157,5 +161,5 @@ def wear(
         **drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
         **_command.body_keys(elastic),
     )
-    values, failure, fields = _command.solve("wear", problem, {"surface": made.heights}, threads)
-    return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}), failure)
+    values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made.description)
+    return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)

@@ -1,0 +1,113 @@
+//! The derivatives of a number of an interface in u_z with respect to heights, load and modulus, by one linear problem
+//! (theory.md, section 7.9).
+
+use gfmd_contact::{Cotangents, Effort, Fields as _, Gradient, GradientError, Load};
+use gfmd_vector::{dot, total};
+use ndarray::{Array2, ArrayRef2};
+
+use crate::newton::{Adjoint, Linear};
+use crate::patch::Patch;
+use crate::{Interface, State};
+
+/// The largest error of a result.
+const ERROR: f64 = 1e-8;
+
+impl Interface {
+    /// The derivatives of a number, whose own derivatives are `of`, at the stable `state` under a `load`, whose kind is
+    /// that which is prescribed. The points that the wall presses are kept, which they are for almost all heights and
+    /// loads.
+    ///
+    /// # Errors
+    /// An interface in all components; derivatives of another shape, or that are not finite; a load that does not
+    /// determine the state, or at which it jumps; a linear problem that was not solved.
+    pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
+        let shape: [usize; 2] = self.surface.grid().points();
+        of.check(shape, self.patch.as_ref().is_none_or(Patch::has_level))?;
+        // All in the units of the solve.
+        let (stress, length, energy) = (self.units.stress(), self.units.length(), self.units.energy());
+        let is_driven = matches!(load, Load::Approach(_));
+        let drive = if is_driven {
+            Load::Approach(state.approach / length)
+        } else {
+            Load::MeanPressure(state.mean_pressure / stress)
+        };
+        let frame = self.frame(drive.into());
+        let frame = frame.map_err(|_| GradientError::Undetermined("the approach does not determine the pressure"))?;
+        if frame.components() != 1 {
+            return Err(GradientError::Components);
+        }
+        let (points, inside) = (frame.points(), frame.inside());
+        let in_cell = |values: Vec<f64>| match &self.patch {
+            Some(patch) => {
+                let mut field = vec![0.0; points];
+                patch.place(&values, &mut field);
+                field
+            }
+            None => values,
+        };
+        let scaled = |field: &ArrayRef2<f64>, unit: f64| -> Vec<f64> { field.iter().map(|x| x / unit).collect() };
+        let wall = frame.values_inside(frame.wall().collect());
+        let position = wall.iter().zip(&state.gap).map(|(wall, gap)| wall - gap / length).collect();
+        let held = in_cell(scaled(&state.wall_pressure, stress));
+        let mut problem = Linear::at(self, &frame, &in_cell(position), |i| held[i] > 0.0);
+        let acts = |(slope, free): (&f64, &f64)| *free == 0.0 || *slope != 0.0;
+        if !is_driven && !problem.slope().iter().zip(problem.free()).any(acts) {
+            return Err(GradientError::Undetermined(
+                "no point is in contact; there must be some under a mean pressure",
+            ));
+        }
+        if frame.held[0] && total(problem.free()) == 0.0 {
+            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not determine the pressure";
+            return Err(GradientError::Undetermined(reason));
+        }
+        let pressure = in_cell(scaled(&state.pressure(), stress));
+        let sunk = in_cell(state.displacement.iter().map(|u| -u / length).collect());
+        // ∂L/∂p at given gaps, with that of the mean and that of the energy, whose change is that of p times −u.
+        let of_mean = if is_driven { of.mean_pressure * stress / inside as f64 } else { 0.0 };
+        let of_energy = of.elastic_energy * energy;
+        let by_pressure = of.pressure.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / stress));
+        let mut by_pressure = in_cell(by_pressure.iter().map(|by| by + of_mean).collect());
+        by_pressure.iter_mut().zip(&sunk).for_each(|(by, sunk)| *by += of_energy * sunk / inside as f64);
+        let by_gap = of.gap.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / length));
+        let of_mean_gap = of.mean_gap * length / inside as f64;
+        let by_gap = in_cell(by_gap.iter().map(|by| by + of_mean_gap).collect());
+        // In the frame of a load the approach is the mean of the position, and the mean displacement by the load.
+        let by_approach = if is_driven { 0.0 } else { of.approach * length };
+        let level = by_approach / points as f64;
+        let of_position = problem.elastic(&by_pressure);
+        let source: Vec<f64> = of_position.iter().zip(&by_gap).map(|(k, gap)| level - k - gap).collect();
+        let Adjoint { values, level: mean, error, lowest, effort: (iterations, transform_pairs) } =
+            problem.solve(&source, -total(&by_pressure));
+        if lowest <= 0.0 || lowest.is_nan() {
+            return Err(GradientError::Unstable { lowest });
+        }
+        if error.is_nan() || error > ERROR {
+            return Err(GradientError::Inexact { error, iterations });
+        }
+        let whole: Vec<f64> = by_pressure.iter().zip(&values).map(|(by, v)| by + v).collect();
+        let elastic = problem.elastic(&whole);
+        let by_clearance = (0..points).map(|i| match problem.free()[i] > 0.0 {
+            true => problem.slope()[i] * values[i] + by_gap[i],
+            false => level - elastic[i] - mean,
+        });
+        let by_clearance = frame.values_inside(by_clearance.collect());
+        let moved = total(&by_clearance);
+        let part = inside as f64 / points as f64;
+        let sinks = self.elastic.uniform_compliance()[0] * part;
+        let by_load = match is_driven {
+            true => of.approach - moved / length,
+            false => of.mean_pressure + (total(&whole) * part + by_approach * sinks) / stress,
+        };
+        let mean_pressure = state.mean_pressure / stress;
+        let of_load = if is_driven { 0.0 } else { total(&whole) * frame.push + by_approach * sinks * mean_pressure };
+        let stored = 0.5 * dot(&pressure, &sunk) / inside as f64;
+        let by_modulus = dot(&whole, &pressure) - of_load - of_energy * stored;
+        let mut heights = Array2::from_shape_fn(shape, |(i, j)| -by_clearance[i * shape[1] + j] / length);
+        // The approach counts from the highest point.
+        let clearance = self.surface.clearance();
+        let lowest = clearance.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
+        heights[[lowest / shape[1], lowest % shape[1]]] += moved / length;
+        let effort = Effort { iterations, transform_pairs };
+        Ok(Gradient { heights, load: by_load, modulus: by_modulus / self.contact_modulus, error, effort })
+    }
+}

@@ -1,0 +1,135 @@
+//! The linear problem of small changes of a state at rest, (K + J) v + μ = b on the points that the wall does not hold.
+
+use gfmd_vector::{dot, for_each};
+
+use super::all_components::AllComponents;
+use super::reaction::Reaction;
+use super::trust_region::{Model, TrustRegion};
+use super::weight_of;
+use crate::Interface;
+use crate::frame::Frame;
+use crate::numbers::mean_where;
+
+/// The residual at which the search ends, relative to the first one.
+const TOLERANCE: f64 = 1e-11;
+
+/// The accuracy of one search; the next one begins with the residual by fresh transforms.
+const ACCURACY: f64 = 1e-9;
+
+/// The largest number of searches, of up to 200 iterations each.
+const SEARCHES: u64 = 12;
+
+/// The solution of the problem.
+pub(crate) struct Adjoint {
+    /// v, 0 on the points that the wall holds.
+    pub(crate) values: Vec<f64>,
+    /// μ; 0 if the mean is not held.
+    pub(crate) level: f64,
+    /// The residual over the first one.
+    pub(crate) error: f64,
+    /// The lowest curvature that a search met, over that of the preconditioner; at most 0 if the problem has no solution.
+    pub(crate) lowest: f64,
+    /// Number of searches, and of transforms in pairs.
+    pub(crate) effort: (u64, f64),
+}
+
+/// The problem in u_z at one position.
+pub(crate) struct Linear<'a> {
+    model: AllComponents<'a>,
+    frame: &'a Frame<'a>,
+    reaction: Reaction,
+    /// 1 for the points that the wall does not hold.
+    free: Vec<f64>,
+}
+
+impl<'a> Linear<'a> {
+    /// The problem at `position`, whose points with `holds` the wall holds.
+    pub(crate) fn at(
+        interface: &Interface,
+        frame: &'a Frame<'a>,
+        position: &[f64],
+        holds: impl Fn(usize) -> bool,
+    ) -> Self {
+        let points = frame.points();
+        let [softest, stiffest] = interface.elastic.stiffness_range();
+        let mut reaction = Reaction::new(1, points);
+        reaction.update(interface.law.as_ref(), frame, position, &mut vec![0.0; points]);
+        let mut model =
+            AllComponents::new(interface.elastic.transforms(), frame, super::uniform_compliance(interface, frame));
+        let reference = (softest * stiffest).sqrt();
+        let weights = model.weight().iter_mut().zip(reaction.diagonal(0)).enumerate();
+        weights.for_each(|(i, (weight, slope))| *weight = if holds(i) { 0.0 } else { weight_of(*slope, reference) });
+        let free = model.weight().iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();
+        Self { model, frame, reaction, free }
+    }
+
+    /// 1 for the points that the wall does not hold, 0 elsewhere.
+    pub(crate) fn free(&self) -> &[f64] {
+        &self.free
+    }
+
+    /// The slope of the law at each point, dT/dg, stress/length.
+    pub(crate) fn slope(&self) -> &[f64] {
+        self.reaction.diagonal(0)
+    }
+
+    /// K of a field.
+    pub(crate) fn elastic(&mut self, field: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; field.len()];
+        self.model.elastic(field, &mut out);
+        out
+    }
+
+    /// `out` ← b − (K + J) v on the free points, without its mean if that is held, which is returned.
+    fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> f64 {
+        self.model.elastic(values, out);
+        self.reaction.add_product(values, out);
+        let free = &self.free;
+        let rest = |start: usize, [out]: [&mut [f64]; 1]| {
+            let of = source[start..].iter().zip(&free[start..]);
+            out.iter_mut().zip(of).for_each(|(out, (source, free))| *out = free * (source - *out));
+        };
+        for_each([&mut *out], &rest);
+        if !self.frame.held[0] {
+            return 0.0;
+        }
+        let level = mean_where(out, |i| free[i] > 0.0);
+        for_each([out], &|start, [out]| {
+            out.iter_mut().zip(&free[start..]).for_each(|(out, free)| *out -= level * free);
+        });
+        level
+    }
+
+    /// Solves the problem; if the mean is held, v has this `sum`.
+    pub(crate) fn solve(&mut self, source: &[f64], sum: f64) -> Adjoint {
+        let count = self.free.iter().sum::<f64>();
+        let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
+        let mut values: Vec<f64> = self.free.iter().map(|free| start * free).collect();
+        let mut region = TrustRegion::new(values.len());
+        let mut residual = vec![0.0; values.len()];
+        let mut level = self.residual(source, &values, &mut residual);
+        let first = dot(&residual, &residual).sqrt();
+        let (mut error, mut searches, mut lowest) = (if first > 0.0 { 1.0 } else { 0.0 }, 0, f64::INFINITY);
+        while error > TOLERANCE && searches < SEARCHES {
+            region.vectors.residual.copy_from_slice(&residual);
+            lowest = lowest.min(region.probe(&mut self.model, &self.reaction, ACCURACY));
+            searches += 1;
+            if lowest <= 0.0 || lowest.is_nan() {
+                break;
+            }
+            let step = (region.unit, &region.vectors.direction);
+            for_each([&mut values[..]], &|start, [values]| {
+                values.iter_mut().zip(&step.1[start..]).for_each(|(v, d)| *v += step.0 * d);
+            });
+            level = self.residual(source, &values, &mut residual);
+            let now = dot(&residual, &residual).sqrt() / first;
+            // Rounding errors remain.
+            let has_ended = now >= 0.5 * error;
+            error = now;
+            if has_ended {
+                break;
+            }
+        }
+        Adjoint { values, level, error, lowest, effort: (searches, self.model.pairs()) }
+    }
+}

@@ -1,0 +1,166 @@
+"""Results with a file, a page and figures: those of the program."""
+
+from __future__ import annotations
+
+import base64
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Optional
+
+from . import _check, _gfmd
+from ._check import Array
+from ._errors import Error, InputError
+from ._record import Record
+
+
+class Result:
+    """A result with the file, the page and the figures that the program makes of it.
+
+    `Contact`, `Contacts`, `Path`, `Slide`, `Wear`, `Punch` and `FieldsBelow` are results.
+
+    Example:
+        >>> isinstance(c, gfmd.Result)
+        True
+    """
+
+    __slots__ = ()
+
+    def _write(self, path: str) -> None:
+        raise NotImplementedError
+
+    @contextmanager
+    def _stored(self) -> Iterator[str]:
+        """A file of the result that lasts as long as the block."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "result.h5")
+            self._write(file)
+            yield file
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the HDF5 file that the command writes with `--out`, for `gfmd check`, `gfmd report` and other programs.
+
+        Args:
+            path: the name of the file.
+
+        Raises:
+            InputError, Error: a file that cannot be written. An older file under that name stays.
+
+        Example:
+            >>> loop.save("loop.h5")
+        """
+        self._write(_check.path("path", path))
+
+    def report(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page of HTML that `gfmd report` makes of the result.
+
+        Args:
+            path: the name of the page.
+
+        Raises:
+            InputError, Error: a page that cannot be written; a file that is no such page is not replaced.
+
+        Example:
+            >>> c.report("contact.html")
+            >>> loop.report("loop.html")
+        """
+        page = _check.path("path", path)
+        with self._stored() as file:
+            _gfmd.report_of(["report", file, "--out", page])
+
+    def figures(self) -> dict[str, str]:
+        """Returns the figures of the page as SVG, by their names in the order of the page. Notebooks show them.
+
+        Raises:
+            InputError, Error: a result without a state, or without a file.
+
+        Example:
+            >>> "gap" in c.figures()
+            True
+        """
+        with self._stored() as file:
+            return Figures(_gfmd.figures(file))
+
+    def save_figures(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Writes the `figures` as NAME.svg into a folder, which is made if it does not exist. Returns their paths.
+
+        Args:
+            folder: the name of the folder.
+
+        Raises:
+            InputError, Error: as `figures`; a folder or a file that cannot be written.
+
+        Example:
+            >>> len(punch.save_figures("figures")) == len(punch.figures())
+            True
+        """
+        place, paths = _check.path("folder", folder), []
+        figures = self.figures()
+        try:
+            os.makedirs(place, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"folder: {error}") from error
+        for name, svg in figures.items():
+            paths.append(os.path.join(place, f"{name}.svg"))
+            _gfmd.write_file(paths[-1], svg.encode())
+        return paths
+
+
+class Figures(dict[str, str]):
+    """Figures as SVG by their names, which a notebook shows."""
+
+    def _repr_html_(self) -> str:
+        # As images: figures in a page of their own may have the same identifiers.
+        def image(name: str, svg: str) -> str:
+            return f'<img alt="{name}" src="data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}">'
+
+        return "".join(image(name, svg) for name, svg in self.items())
+
+
+class File:
+    """The file of a result, written when it is needed: its fields and the rest."""
+
+    def __init__(self, draft: Optional[_gfmd.FileDraft], fields: dict[str, Array]) -> None:
+        self.draft, self.fields = draft, fields
+
+    def write(self, path: str) -> None:
+        if self.draft is None:
+            raise Error("the result has no file: it was interrupted before the first state")
+        self.draft.write(path, self.fields)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "result.h5")
+            self.write(str(path))
+            return Contents, (path.read_bytes(),)
+
+
+class Contents:
+    """The bytes of a file."""
+
+    def __init__(self, contents: bytes) -> None:
+        self.contents = contents
+
+    def write(self, path: str) -> None:
+        _gfmd.write_file(path, self.contents)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Contents, (self.contents,)
+
+
+class Computed(Result, Record):
+    """The result of a command, with its file."""
+
+    _file: File | Contents
+
+    def __init__(self, values: Mapping[str, Any], file: File | Contents) -> None:
+        super().__init__(values)
+        object.__setattr__(self, "_file", file)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._values, self._file)
+
+    def _write(self, path: str) -> None:
+        self._file.write(path)

@@ -1,0 +1,143 @@
+"""Files, pages and figures of results: those of the program, from the same numbers."""
+
+import pickle
+import re
+import xml.etree.ElementTree as ElementTree
+
+import gfmd
+import numpy as np
+import pytest
+
+ROUGH = gfmd.self_affine(n=32, eps_f_inv=4)
+RUBBER = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
+PRONY = ("--prony", "0.1:0.3,10:0.4")
+# A call, and the words of the command that makes the same: the heights are in a file.
+CASES = {
+    "path": (
+        lambda **more: gfmd.path(ROUGH, gfmd.Body(), p_star=[0.05, 0.01], steps=2, **more),
+        ("path", "--surface", "h.npy", "--p-star", "0.05,0.01", "--steps", "2"),
+    ),
+    "friction": (
+        lambda **more: gfmd.friction(ROUGH, gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1, **more),
+        ("path", "--surface", "h.npy", "--p-star", "0.05", "--friction", "0.3", "--lateral", "0,0.001", "--steps", "1"),
+    ),
+    "creep": (
+        lambda **more: gfmd.path(ROUGH, RUBBER, mean_pressure=0.01, time=[0, 1], steps=1, **more),
+        ("path", "--surface", "h.npy", *PRONY, "--pressure", "0.01", "--time", "0,1", "--steps", "1"),
+    ),
+    "imprint": (
+        lambda **more: gfmd.path(ROUGH, gfmd.Body(), p_star=[0.2, 0.01], hardness=0.05, steps=1, **more),
+        ("path", "--surface", "h.npy", "--p-star", "0.2,0.01", "--hardness", "0.05", "--steps", "1"),
+    ),
+    "wear": (
+        lambda **more: gfmd.wear(ROUGH, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], p_star=0.05, steps=2, **more),
+        ("wear", "--surface", "h.npy", "--coefficient", "1", "--distance", "0,0.1", "--p-star", "0.05", "--steps", "2"),
+    ),
+    "slide": (
+        lambda **more: gfmd.slide(ROUGH, RUBBER, velocity=[0.01, 1.0], p_star=0.05, **more),
+        ("slide", "--surface", "h.npy", *PRONY, "--velocity", "0.01,1", "--p-star", "0.05"),
+    ),
+    "heat": (
+        lambda **more: gfmd.slide(ROUGH, gfmd.Body(), velocity=1.0, p_star=0.05, heat=(1, 0.01, 0.2, 0.1), friction=0.3, **more),
+        ("slide", "--surface", "h.npy", "--velocity", "1", "--p-star", "0.05", "--heat", "1,0.01,0.2,0.1", "--friction", "0.3"),
+    ),
+    "punch": (lambda **more: gfmd.punch(n=16, history=True, **more), ("punch", "--n", "16", "--history")),
+    "strip": (lambda **more: gfmd.punch(n=16, dim=2, refine=2, **more), ("punch", "--n", "16", "--dim", "2", "--refine", "2")),
+}
+# Words about the run, and about the surface, which is a file of one and an array of the other.
+OWN = {"command", "created", "config", "content_sha256", "description", "file", "file_sha256", "format", "notes", "details", "threads"}
+
+
+def contents(path):
+    """Values, units and meanings of all variables, and the attributes of all groups, by their names."""
+    h5py = pytest.importorskip("h5py")
+    found = {}
+    with h5py.File(path) as file:
+
+        def see(name, thing):
+            about = {key: value for key, value in thing.attrs.items() if key not in OWN and "LIST" not in key}
+            found[name] = (thing[()] if isinstance(thing, h5py.Dataset) and not name.endswith("seconds") else None, about)
+
+        see("", file)
+        file.visititems(see)
+    return found
+
+
+def same(a, b):
+    assert a.keys() == b.keys()
+    for name, (values, about) in a.items():
+        assert about == b[name][1], name
+        assert np.array_equal(values, b[name][0], equal_nan=getattr(values, "dtype", None) == np.float64), name
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    np.save("h.npy", ROUGH.heights)
+    return tmp_path
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_file_is_that_of_the_program(case, folder, run_program):
+    made, words = CASES[case]
+    length = () if words[0] == "punch" else ("--length", "1")
+    run_program(*words, *length, "--out", "theirs.h5")
+    result = made(out="ours.h5")
+    same(contents("ours.h5"), contents("theirs.h5"))
+    # Saved later, and after a pickle: the same bytes.
+    result.save("later.h5")
+    pickle.loads(pickle.dumps(result)).save("pickled.h5")
+    assert (folder / "later.h5").read_bytes() == (folder / "ours.h5").read_bytes() == (folder / "pickled.h5").read_bytes()
+    run_program("check", "later.h5")
+    # The page and its figures.
+    run_program("report", "theirs.h5", "--out", "theirs.html")
+    result.report("ours.html")
+    drawn = [[re.sub(r"figure\d+", "", svg) for svg in re.findall("<svg.*?</svg>", (folder / name).read_text(), re.S)] for name in ("ours.html", "theirs.html")]
+    assert drawn[0] == drawn[1] and len(drawn[0]) == len(result.figures()) > 1
+
+
+def test_figures_are_pictures_under_plain_names(folder):
+    below = gfmd.punch(n=16).interior(depths=[0.1, 0.2], out="below.h5")
+    contacts = gfmd.contact(ROUGH, gfmd.Body(), p_star=[0.02, 0.05])
+    for result, wanted in ((below, "stress-yz"), (contacts, "contact-area-against-pressure"), (contacts[1], "gap")):
+        figures = result.figures()
+        assert wanted in figures, list(figures)
+        assert figures._repr_html_().count("data:image/svg+xml;base64,") == len(figures)
+        paths = result.save_figures("drawn")
+        assert len(paths) == len(figures) and all(re.fullmatch(r"drawn/[a-z0-9-]+\.svg", path) for path in paths)
+        assert all(ElementTree.parse(path).getroot().tag.endswith("svg") for path in paths)
+    with pytest.raises(gfmd.InputError, match="folder"):
+        below.save_figures("h.npy")
+    with pytest.raises(gfmd.InputError, match="no contacts"):
+        contacts[:0].figures()
+
+
+def test_components_below_have_their_names(folder):
+    """The page of a punch in plane strain along y has no shear along y, and the one along x and z."""
+    below = gfmd.punch(n=16).interior(depths=[0.05], out="below.h5")
+    shear = [np.abs(below.stress[..., k]).max() for k in (3, 4, 5)]  # yz, xz, xy
+    below.report("below.html")
+    page = re.sub("<.*?>", " ", (folder / "below.html").read_text())
+    heads = re.findall(r"σ\s+([xyz]{2})", page)
+    assert heads[:6] == ["xx", "yy", "zz", "yz", "xz", "xy"] and max(shear) > 0
+
+
+def test_an_early_end_has_its_file(folder, run_program):
+    with pytest.raises(gfmd.NotConverged) as caught:
+        gfmd.path(ROUGH, gfmd.Body(), p_star=[0.05], steps=2, max_iterations=2, out="cut.h5")
+    state = caught.value.state
+    state.save("again.h5")
+    assert (folder / "cut.h5").read_bytes() == (folder / "again.h5").read_bytes()
+    assert run_program("report", "cut.h5", "--out", "cut.html")["figures"] > 0
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(folder):
+    for out in ("nowhere/p.h5", ".", ""):
+        with pytest.raises(gfmd.InputError, match="out"):
+            gfmd.path(ROUGH, gfmd.Body(), p_star=[0.05], steps=1, out=out)
+    result = gfmd.punch(n=16)
+    with pytest.raises(gfmd.InputError, match="path"):
+        result.save("nowhere/p.h5")
+    with pytest.raises(gfmd.InputError, match="no page that gfmd report made"):
+        result.report("h.npy")
+    assert np.array_equal(np.load("h.npy"), ROUGH.heights)
