@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union, ove
 import numpy as np
 import numpy.typing as npt
 
-from . import _gfmd
+from . import _gfmd, _leak
 from ._body import Body, Law
 from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
 from ._command import records
@@ -40,7 +40,7 @@ class Settings(NamedTuple):
 KINDS: dict[str, str] = dict(_gfmd.kinds())
 
 
-def _metre(unit: Optional[str]) -> float:
+def metre(unit: Optional[str]) -> float:
     """The unit of lengths in metres; 1 if it is not known."""
     return 1.0 if unit is None else _gfmd.in_units("unit", f"1 {unit}", "length", "m") or 1.0
 
@@ -412,14 +412,10 @@ class Contact(Result, Record):
         conductivity = np.array([[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64)
         open_along = np.array(found["percolates"])
         found["conductivity"] = frozen(conductivity)
-        found["transmissivity"] = frozen(np.where(np.isnan(conductivity) & ~open_along[:, np.newaxis], 0.0, conductivity) * self.mean_gap**3 / 12.0)
-        if viscosity is not None:
-            fluid, drop = in_units("viscosity", viscosity, "stress*time"), in_units("pressure_drop", pressure_drop, "stress")
-            if not (0.0 < fluid < math.inf and 0.0 < drop < math.inf):
-                raise InputError(f"viscosity and pressure_drop are {viscosity!r}, {pressure_drop!r}; they must be positive and finite")
-            (lx, ly), metre = self.surface.size, _metre(self.surface.unit)
-            along = np.diag(found["transmissivity"]) * np.array([ly / lx, lx / ly])
-            found["rate"] = frozen(along * metre**3 * drop / fluid)
+        found["transmissivity"] = frozen(_leak.transmissivity(conductivity, open_along[:, np.newaxis], self.mean_gap))
+        if viscosity is not None and pressure_drop is not None:
+            along = np.diag(found["transmissivity"])
+            found["rate"] = frozen(_leak.rate(along, self.surface.size, metre(self.surface.unit), viscosity, pressure_drop))
         return Record(found)
 
     def conductance(
@@ -454,7 +450,7 @@ class Contact(Result, Record):
         first, second = number("k1", k1), number("k2", k2)
         if not (0.0 < first < math.inf and 0.0 < second < math.inf):
             raise InputError(f"k1 and k2 are {k1!r}, {k2!r}; they must be positive and finite")
-        return found / (1.0 / first + 1.0 / second) / _metre(self.surface.unit)
+        return found / (1.0 / first + 1.0 / second) / metre(self.surface.unit)
 
     def vjp(
         self,

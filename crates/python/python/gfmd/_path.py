@@ -12,12 +12,13 @@ from . import _command
 from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
 from ._errors import InputError
+from ._leak import Leaks
 from ._record import Record
 from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
 
 
-class Path(Computed):
+class Path(Leaks, Computed):
     """A contact along a path.
 
     Attributes:
@@ -133,11 +134,22 @@ def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
     return {key: found.get(name) for key, name in keys.items()}
 
 
+def _flow(found: Optional[dict[str, Any]]) -> dict[str, Any]:
+    """The flow of a step by the names of its columns."""
+    if found is None:
+        return {}
+    axes = "xy"
+    conductivity = {f"flow_{a}{b}": found["conductivity"][i][j] for i, a in enumerate(axes) for j, b in enumerate(axes)}
+    percolates = {f"flow_percolates_{axis}": found["percolates"][i] for i, axis in enumerate(axes)}
+    return {**conductivity, **percolates, "flow_residual": found["residual"]}
+
+
 def gathered(values: dict[str, Any]) -> dict[str, Any]:
     """The report of a path with the numbers of its steps as arrays."""
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
-    rows = [{**step, **part} for step, part in zip(values["steps"], parts)]
+    flows = [_flow(step.pop("flow", None)) for step in values["steps"]]
+    rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     told = {name: _command.records(value) for name, value in values.items()}
@@ -162,6 +174,7 @@ def path(
     stress_unit: Optional[str] = None,
     coarse: bool = False,
     grid_error: str = "estimate",
+    flow: bool = False,
     steps: int = 20,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -188,6 +201,8 @@ def path(
         stress_unit: unit of stresses given without one, as of `contact`.
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         grid_error: as of `contact`; "refine" follows the path on a grid of twice as many points along each side, too.
+        flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in `steps`, and
+            `leak_rate`.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see docs/interface.md.
@@ -229,6 +244,7 @@ def path(
         boundary=word("boundary", boundary),
         coarse=flag("coarse", coarse),
         grid_error=word("grid_error", grid_error),
+        flow=flag("flow", flow),
     )
     bound = as_hardness(hardness, made)
     if law is not None:

@@ -9,14 +9,15 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, Quantity, integer, number, quantities, quantity, word
+from ._check import Array, Quantity, flag, integer, number, quantities, quantity, word
+from ._leak import Leaks
 from ._path import drive_keys, gathered
 from ._record import Record
 from ._result import Computed
 from ._surface import Surface, as_surface
 
 
-class Wear(Computed):
+class Wear(Leaks, Computed):
     """A surface that slides on an elastic body, while both lose depth by Archard's law.
 
     Attributes:
@@ -112,6 +113,7 @@ def wear(
     boundary: Literal["periodic", "free"] | str = "periodic",
     stress_unit: Optional[str] = None,
     grid_error: str = "estimate",
+    flow: bool = False,
     steps: int = 20,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
@@ -131,6 +133,7 @@ def wear(
         boundary: "periodic", or "free" as of `contact`.
         stress_unit: unit of stresses given without one, as of `contact`.
         grid_error: as of `path`.
+        flow: as of `path`.
         steps: steps of a leg.
         tolerance, max_iterations: of each step, as of `contact`.
         threads: number of threads; all cores by default.
@@ -154,6 +157,7 @@ def wear(
         distance=quantities("distance", distance, "length"),
         boundary=word("boundary", boundary),
         grid_error=word("grid_error", grid_error),
+        flow=flag("flow", flow),
         steps=integer("steps", steps, 1, 2**32 - 1),
         tol=number("tolerance", tolerance),
         max_iter=integer("max_iterations", max_iterations),
