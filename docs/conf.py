@@ -107,7 +107,20 @@ def _included(app, parent, page, source):
     source[0] = re.sub(r"\]\(docs/", "](/", source[0])
 
 
+def _described(app, tree):
+    """Figures of notebooks, which have no text of their own, are described by their heading."""
+    from docutils import nodes
+
+    for image in tree.findall(nodes.image):
+        section = image.parent
+        while section is not None and not isinstance(section, nodes.section):
+            section = section.parent
+        if section is not None and not image.get("alt"):
+            image["alt"] = f"Figure: {section[0].astext()}"
+
+
 def setup(app):
     app.connect("source-read", _inside)
     app.connect("include-read", _included)
+    app.connect("doctree-read", _described)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))

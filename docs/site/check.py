@@ -19,7 +19,7 @@ from playwright.sync_api import sync_playwright
 
 WIDTHS = (390, 1280)
 SCHEMES = ("light", "dark")
-# Words that people look for, and the page that must be among the first results.
+# Words that people look for, and a page that must be among the first results.
 SEARCHES = {
     "leak": "tutorials/leak.html",
     "units": "units.html",
@@ -27,10 +27,11 @@ SEARCHES = {
     "layer": "glossary.html",
     "resume": "start.html",
     "kappa": "tutorials/kappa.html",
-    "adhesion": "laws/adhesion.html",
+    "adhesion": "tutorials/adhesion.html",
+    "wear": "time.html",
     "Tamaas": "others.html",
 }
-FIRST = 5
+FIRST = 2
 SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html")
 # Pages that are no page of the site.
 OTHERS = ("crates/", "_", "genindex", "search", "py-modindex")
@@ -79,6 +80,7 @@ class Quiet(SimpleHTTPRequestHandler):
 OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
 IMAGES = """[...document.images].filter(i => { i.loading = 'eager'; return i.offsetParent !== null; })
     .filter(i => !(i.complete && i.naturalWidth > 0)).map(i => i.src)"""
+NAMELESS = """[...document.images].filter(i => !i.alt || i.alt.endsWith(i.src.split('/').pop())).map(i => i.src)"""
 LINKS = "all => all.map(a => a.getAttribute('href'))"
 FORMULAS = """[...document.querySelectorAll('math')].filter(m => { const r = m.getBoundingClientRect();
     return r.width < 2 || r.height < 2; }).length"""
@@ -118,6 +120,7 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                     if (wide := page.evaluate(OVERFLOW)) > 1:
                         wrong.append(f"{where}: {wide} pixels wider than the window")
                     wrong += [f"{where}: the image {source} is not there" for source in page.evaluate(IMAGES)]
+                    wrong += [f"{where}: the image {source} has no description" for source in page.evaluate(NAMELESS)]
                     if empty := page.evaluate(FORMULAS):
                         wrong.append(f"{where}: {empty} formulas are empty")
                     if shots and name in SHOTS:
