@@ -13,6 +13,7 @@ mod measure;
 mod process;
 mod python;
 mod report;
+mod rows;
 mod solve;
 mod table;
 mod tolerance;
@@ -30,6 +31,7 @@ use gfmd_problem::options::{named, parse_choice};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::{Session, machine};
 use gfmd_surface::{SelfAffine, Statistics};
+use ndarray::Array2;
 use ndarray_npy::write_npy;
 use serde::{Serialize, Serializer};
 
@@ -40,6 +42,7 @@ use measure::Bench;
 use python::Environment;
 use report::Interrupted;
 pub use report::{Case, Entry, Report, Timing};
+pub use rows::{Args as RowsArgs, Rows, run as rows};
 pub use solve::{Args as SolveArgs, Solve, run as solve};
 
 /// Flags of `bench-peers`.
@@ -394,8 +397,8 @@ fn work_folder() -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-/// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
-fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
+/// The heights of a surface in a cell of length 1, and their rms gradient.
+fn rough(points: usize, hurst: f64, seed: u64) -> Result<(Array2<f64>, f64), Failure> {
     let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
     let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;
     let shortest = EPS_C_INV / points as f64;
@@ -405,9 +408,14 @@ fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec
         shortest_wavelength: shortest,
         ..SelfAffine::with_rms_gradient(RMS_GRADIENT)
     };
-    let heights = spectrum.heights(&grid, args.seed).map_err(|error| refuse(&error))?;
+    let heights = spectrum.heights(&grid, seed).map_err(|error| refuse(&error))?;
     let statistics = Statistics::of(&heights, &grid).map_err(|error| refuse(&error))?;
-    let rms_gradient = statistics.moments.rms_gradient();
+    Ok((heights, statistics.moments.rms_gradient()))
+}
+
+/// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
+fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
+    let (heights, rms_gradient) = rough(points, hurst, args.seed)?;
     let file = folder.join(format!("h-{points}-{hurst}.npy"));
     write_npy(&file, &heights).map_err(|error| Failure::Computation(format!("{}: {error}", file.display())))?;
     let answer = args.contestants()[0].pressure_file(folder, 1);
