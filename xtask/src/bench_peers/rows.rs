@@ -18,7 +18,7 @@ use crate::results::filled;
 use measure::Trial;
 
 /// The place of the tables in docs/benchmarks.md.
-const PLACE: &str = "rows";
+pub(super) const PLACE: &str = "rows";
 
 /// Flags of `bench-rows`.
 #[derive(ClapArgs, Clone, Debug, Serialize)]
@@ -181,9 +181,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Rows, Failure> {
     Ok(rows)
 }
 
-/// The tables of `bench-rows` in a page, with their place; an empty place if there is no such page.
-pub(super) fn section(page: &Path) -> String {
-    let (start, end) = (format!("<!-- results: {PLACE} -->\n"), "<!-- end -->\n");
+/// The tables in a place of a page, and the place; an empty place if there is no such page.
+pub(super) fn section(page: &Path, place: &str) -> String {
+    let (start, end) = (format!("<!-- results: {place} -->\n"), "<!-- end -->\n");
     let text = std::fs::read_to_string(page).unwrap_or_default();
     let found = text.split_once(&start).and_then(|(_, rest)| Some(rest.split_once(end)?.0));
     format!("{start}{}{end}\n", found.unwrap_or_default())
@@ -288,7 +288,7 @@ mod tests {
     fn the_tables_keep_their_place_on_the_page() {
         let folder = tempfile::tempdir().unwrap();
         let (data, page) = (folder.path().join("data/rows.json"), folder.path().join("page.md"));
-        assert_eq!(section(&page), "<!-- results: rows -->\n<!-- end -->\n\n");
+        assert_eq!(section(&page, PLACE), "<!-- results: rows -->\n<!-- end -->\n\n");
         let left_out = Row { left_out: Some("no Python".into()), ..row(false, Vec::new()) };
         let rows = Rows {
             date: "2026-01-02".into(),
@@ -300,12 +300,12 @@ mod tests {
             rows: vec![row(false, vec![case(&[0.3], &[0.1])]), left_out],
         };
         assert!(rows.write(&data, &page).is_err(), "there is no page");
-        std::fs::write(&page, format!("# Title\n{}## Method\n", section(&page))).unwrap();
+        std::fs::write(&page, format!("# Title\n{}## Method\n", section(&page, PLACE))).unwrap();
         rows.write(&data, &page).unwrap();
         let text = std::fs::read_to_string(&page).unwrap();
         assert!(text.contains("0.3000 / 0.1000 |") && text.contains("no Python") && text.contains("≤ 2 |"), "{text}");
         assert!(text.starts_with("# Title\n") && text.ends_with("## Method\n"));
-        assert!(text.contains(&section(&page)));
+        assert!(text.contains(&section(&page, PLACE)));
         assert!(std::fs::read_to_string(&data).unwrap().contains("\"at_least\":false"));
     }
 }
