@@ -288,23 +288,28 @@ impl<'a> Trial<'a> {
 
     /// The memory of a solution in fields, and its prediction where it was not measured.
     pub(super) fn memory(&self) -> Result<Vec<Row>, Failure> {
-        let mut cases = Vec::new();
+        let [mut cases, mut processes] = [Vec::new(), Vec::new()];
         let field = |n: usize| (8 * n * n) as f64;
         for n in [self.args.large, 2 * self.args.large] {
             let rough = self.rough(n)?;
-            for p_star in [LOADS[1], LOADS[2]] {
+            for p_star in LOADS {
                 let solve = self.alone(&rough, p_star, self.cores)?;
                 let mut case = self.case(n, p_star, self.cores);
-                case.found.push(solve.peak_bytes.saturating_sub(solve.baseline_bytes) as f64);
                 case.over.push(field(n));
+                case.found.push(solve.peak_bytes.saturating_sub(solve.baseline_bytes) as f64);
                 cases.push(case);
             }
+            let mut process = self.case(n, USUAL, self.cores);
+            process.over.push(field(n));
+            let (_, report) = self.contact((&[], &[]), &rough, USUAL, self.cores)?;
+            process.found.extend(report["peak_bytes"].as_f64());
+            processes.push(process);
         }
         let ahead = |of: String, fields: f64| {
             let found = vec![fields * field(HUGE)];
             Case { of, threads: self.cores, found, over: vec![field(HUGE)] }
         };
-        let largest = cases.iter().skip(2).map(Case::ratio).fold(0.0, f64::max);
+        let largest = cases.iter().skip(LOADS.len()).map(Case::ratio).fold(0.0, f64::max);
         let demanded = Held::HARD_WALL_ONCE.bytes([HUGE; 2]) as f64 / field(HUGE);
         let predicted = vec![
             ahead(format!("{HUGE}², not run, by the fields at {}²", 2 * self.args.large), largest),
@@ -312,6 +317,7 @@ impl<'a> Trial<'a> {
         ];
         Ok(vec![
             row("memory of a solution over a field", 7.0, Ok(cases)),
+            row("memory of the process `contact --surface` over a field", None, Ok(processes)),
             row("memory of a solution over a field, predicted", 8.0, Ok(predicted)),
         ])
     }
