@@ -95,4 +95,5 @@ def main():
     print(json.dumps(judged))
 
 
-main()
+if __name__ == "__main__":
+    main()

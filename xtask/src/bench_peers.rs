@@ -3,6 +3,7 @@
 //! The peers are installed from PyPI into a separate Python environment, and every solve is a separate process. One
 //! independent routine in NumPy (peers/certify.py) computes the residuals of all final pressures.
 
+mod adhesion;
 mod any_load;
 mod contestant;
 mod creep;
@@ -13,6 +14,7 @@ mod measure;
 mod process;
 mod python;
 mod report;
+mod rows;
 mod solve;
 mod table;
 mod tolerance;
@@ -30,9 +32,11 @@ use gfmd_problem::options::{named, parse_choice};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::{Session, machine};
 use gfmd_surface::{SelfAffine, Statistics};
+use ndarray::Array2;
 use ndarray_npy::write_npy;
 use serde::{Serialize, Serializer};
 
+pub use adhesion::{Adhesion, Course, Row as AdhesionRow};
 pub use any_load::{AnyLoad, Block, Cell, Kind, Row};
 use contestant::{Contestant, Problem};
 pub use creep::{Creep, Row as CreepRow};
@@ -40,6 +44,7 @@ use measure::Bench;
 use python::Environment;
 use report::Interrupted;
 pub use report::{Case, Entry, Report, Timing};
+pub use rows::{Args as RowsArgs, Rows, run as rows};
 pub use solve::{Args as SolveArgs, Solve, run as solve};
 
 /// Flags of `bench-peers`.
@@ -49,10 +54,11 @@ pub use solve::{Args as SolveArgs, Solve, run as solve};
   gfmd bench-peers --write-docs
   gfmd bench-peers --any-load --write-docs
   gfmd bench-peers --creep --sizes 256,1024 --write-docs
+  gfmd bench-peers --adhesion --sizes 128,256 --write-docs
   gfmd bench-peers --boundary free --sizes 512 --peers tamaas,aspher,hertzian
   gfmd bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
 pub struct Args {
-    /// Grid points along a side [default: 512,1024,2048; with --any-load or --creep 256]
+    /// Grid points along a side [default: 512,1024,2048; with --any-load or --creep 256; with --adhesion 128]
     #[arg(long, value_delimiter = ',', value_name = "N,..")]
     pub sizes: Vec<usize>,
     /// Hurst exponents
@@ -75,6 +81,9 @@ pub struct Args {
     /// Creep tests of viscoelastic bodies, of this program and of Tamaas, in the same steps
     #[arg(long, conflicts_with_all = ["any_load", "quick", "solvers", "resume", "boundary"])]
     pub creep: bool,
+    /// Loads with an exponential adhesion, of this program and of Tamaas
+    #[arg(long, conflicts_with_all = ["any_load", "creep", "quick", "solvers", "p_star", "resume", "boundary"])]
+    pub adhesion: bool,
     /// Numbers of threads
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_name = "N,..")]
     pub thread_counts: Vec<usize>,
@@ -98,7 +107,7 @@ pub struct Args {
     /// Smallest number of solves up to 1024 x 1024 points; larger ones may run once. The median is reported
     #[arg(long, default_value_t = 3, value_name = "K")]
     pub repeats: usize,
-    /// Time limit: a peer is left out of a case that takes it longer, or is expected to [default: 1800; with --any-load 60]
+    /// Time limit: a peer is left out of a case that takes it longer, or is expected to [default: 1800; with --any-load and --adhesion 60]
     #[arg(long, value_name = "SECONDS")]
     pub patience: Option<f64>,
     /// A smoke run: 128 and 256 points, H = 0.8, p* = 0.05, one repeat
@@ -183,7 +192,12 @@ impl Args {
                 values.extend(defaults);
             }
         };
-        fill(&mut args.sizes, if self.any_load || self.creep { &[256] } else { &[512, 1024, 2048] });
+        let sizes: &[usize] = match () {
+            () if self.adhesion => &[128],
+            () if self.any_load || self.creep => &[256],
+            () => &[512, 1024, 2048],
+        };
+        fill(&mut args.sizes, sizes);
         if args.p_star.is_empty() {
             args.p_star = match () {
                 () if self.any_load => any_load::LOADS.to_vec(),
@@ -198,7 +212,7 @@ impl Args {
                 Boundary::Free => vec![Peer::Tamaas, Peer::ContactMechanics, Peer::Aspher, Peer::Hertzian],
             };
         }
-        args.patience = args.patience.or(Some(if self.any_load { 60.0 } else { 1800.0 }));
+        args.patience = args.patience.or(Some(if self.any_load || self.adhesion { 60.0 } else { 1800.0 }));
         args.sizes.sort_unstable();
         args.thread_counts.sort_unstable();
         args
@@ -300,6 +314,8 @@ pub enum Made {
     AnyLoad(AnyLoad),
     /// Creep tests.
     Creep(Creep),
+    /// Loads with adhesion.
+    Adhesion(Adhesion),
 }
 
 impl fmt::Display for Made {
@@ -308,6 +324,7 @@ impl fmt::Display for Made {
             Self::Timed(report) => report.fmt(f),
             Self::AnyLoad(table) => table.fmt(f),
             Self::Creep(table) => table.fmt(f),
+            Self::Adhesion(table) => table.fmt(f),
         }
     }
 }
@@ -324,6 +341,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Made, Failure> {
     let mut environment = Environment::prepare(&args, &folder, session)?;
     if args.creep {
         return creep::run(&args, &environment, session).map(Made::Creep);
+    }
+    if args.adhesion {
+        return adhesion::run(&args, &environment, session).map(Made::Adhesion);
     }
     let left_out = args.leave_out(&environment);
     environment.notes.extend(left_out);
@@ -394,8 +414,8 @@ fn work_folder() -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-/// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
-fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
+/// The heights of a surface in a cell of length 1, and their rms gradient.
+fn rough(points: usize, hurst: f64, seed: u64) -> Result<(Array2<f64>, f64), Failure> {
     let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
     let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;
     let shortest = EPS_C_INV / points as f64;
@@ -405,9 +425,14 @@ fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec
         shortest_wavelength: shortest,
         ..SelfAffine::with_rms_gradient(RMS_GRADIENT)
     };
-    let heights = spectrum.heights(&grid, args.seed).map_err(|error| refuse(&error))?;
+    let heights = spectrum.heights(&grid, seed).map_err(|error| refuse(&error))?;
     let statistics = Statistics::of(&heights, &grid).map_err(|error| refuse(&error))?;
-    let rms_gradient = statistics.moments.rms_gradient();
+    Ok((heights, statistics.moments.rms_gradient()))
+}
+
+/// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
+fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
+    let (heights, rms_gradient) = rough(points, hurst, args.seed)?;
     let file = folder.join(format!("h-{points}-{hurst}.npy"));
     write_npy(&file, &heights).map_err(|error| Failure::Computation(format!("{}: {error}", file.display())))?;
     let answer = args.contestants()[0].pressure_file(folder, 1);

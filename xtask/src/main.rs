@@ -14,6 +14,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Time this and other programs on common contact problems, to one certified residual
     BenchPeers(Box<bench_peers::Args>),
+    /// Time what people run: processes, ramps, stiffness, flow, many contacts; memory; threads and ranks
+    BenchRows(Box<bench_peers::RowsArgs>),
     /// Solve one contact for bench-peers
     #[command(hide = true)]
     BenchSolve(bench_peers::SolveArgs),
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
         Command::Gfmd(command) => command.run(session),
         Command::Accuracy(args) => print(&accuracy::run(args, session)?, session),
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
+        Command::BenchRows(args) => print(&bench_peers::rows(args, session)?, session),
         Command::BenchSolve(args) => print(&bench_peers::solve(args)?, session),
         Command::Finite(args) => print(&finite::run(args, session)?, session),
         Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),

@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
 }
 
 /// The page with a table in its place.
-fn filled(page: &str, name: &str, table: &str) -> Result<String, Failure> {
+pub(crate) fn filled(page: &str, name: &str, table: &str) -> Result<String, Failure> {
     let (start, end) = (format!("<!-- results: {name} -->\n"), "<!-- end -->");
     let missing = || Failure::Input(format!("the page has no place for {name}; it must have {start:?} and {end:?}"));
     let (before, rest) = page.split_once(&start).ok_or_else(missing)?;

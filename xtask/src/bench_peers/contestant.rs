@@ -125,7 +125,7 @@ impl Contestant {
         };
         let environment = place.environment;
         match self {
-            Self::Own(solver) => own(*solver, problem, tolerance, threads, out, place),
+            Self::Own(solver) => own(*solver, problem, tolerance, threads, out, place.session),
             Self::Peer(peer @ (Peer::Tamaas | Peer::TamaasRegistered)) => {
                 let measured = environment.tamaas_fftw == TamaasFftw::Tuned;
                 let fftw = environment.preloaded();
@@ -150,13 +150,13 @@ impl Contestant {
 }
 
 /// Solves with this program in a new process, so that its memory can be measured and caches are as cold as for peers.
-fn own(
+pub(super) fn own(
     solver: Solver,
     problem: &Problem,
     tolerance: f64,
     threads: usize,
     out: Option<&Path>,
-    place: Place,
+    session: &Session,
 ) -> Result<Solve, Ended> {
     let program = std::env::current_exe().map_err(|error| Ended::Failed(error.to_string()))?;
     let mut command = Command::new(program);
@@ -179,6 +179,6 @@ fn own(
     if let Some(out) = out {
         command.arg("--out").arg(out);
     }
-    let printed = output(&mut command, LONG, place.session)?;
+    let printed = output(&mut command, LONG, session)?;
     serde_json::from_str(&printed).map_err(|error| Ended::Failed(format!("its output has {error}")))
 }

@@ -27,6 +27,7 @@ pub(super) const LONG: Duration = Duration::from_secs(3600);
 /// The scripts.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Script {
+    Adhesion,
     Aspher,
     Certify,
     ContactMechanics,
@@ -38,7 +39,8 @@ pub(super) enum Script {
 }
 
 impl Script {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
+        Self::Adhesion,
         Self::Aspher,
         Self::Certify,
         Self::ContactMechanics,
@@ -51,6 +53,7 @@ impl Script {
 
     fn name(self) -> &'static str {
         match self {
+            Self::Adhesion => "adhesion_tamaas.py",
             Self::Aspher => "solve_aspher.py",
             Self::Hertzian => "solve_hertzian.py",
             Self::Certify => "certify.py",
@@ -64,6 +67,7 @@ impl Script {
 
     fn text(self) -> &'static str {
         match self {
+            Self::Adhesion => include_str!("../../peers/adhesion_tamaas.py"),
             Self::Aspher => include_str!("../../peers/solve_aspher.py"),
             Self::Hertzian => include_str!("../../peers/solve_hertzian.py"),
             Self::Certify => include_str!("../../peers/certify.py"),
@@ -248,7 +252,7 @@ impl Environment {
     ) -> Result<T, Ended> {
         let threads = task["threads"].as_u64().unwrap_or(1).to_string();
         let mut settings = vec![("OMP_NUM_THREADS", threads.clone()), ("OPENBLAS_NUM_THREADS", threads)];
-        if let (Script::Tamaas | Script::Creep, Some(fftw)) = (script, self.preloaded()) {
+        if let (Script::Adhesion | Script::Tamaas | Script::Creep, Some(fftw)) = (script, self.preloaded()) {
             let Fftw { needs, library, threads, .. } = fftw;
             let libraries = needs.iter().chain([library]).chain(threads);
             settings.push(("LD_PRELOAD", libraries.map(String::as_str).collect::<Vec<_>>().join(" ")));

@@ -12,6 +12,7 @@ use super::contestant::Problem;
 use super::judge::{AGREEMENT, Verdict};
 use super::kept;
 use super::table::{Table, write_beside};
+use super::{adhesion, rows};
 
 /// The result of `bench-peers`.
 #[derive(Clone, Debug, Serialize)]
@@ -152,12 +153,13 @@ impl Report {
     }
 
     /// Writes the page of the documentation, and its figure to the folder `images` beside it.
+    /// The tables of `bench-rows` and of `--adhesion` stay on the page.
     pub(super) fn write_page(&self, file: &Path) -> Result<(), Failure> {
         let figure = file.with_file_name(FIGURE);
         let unmade = |error| Failure::Computation(format!("cannot make the folder of {}: {error}", figure.display()));
         figure.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(unmade)?;
         write_beside(&figure, &self.figure()?)?;
-        write_beside(file, &self.page())
+        write_beside(file, &self.page(&[rows::PLACE, adhesion::PLACE].map(|place| rows::section(file, place)).concat()))
     }
 
     fn threads(&self) -> Vec<usize> {
@@ -292,7 +294,8 @@ impl Report {
         })
     }
 
-    pub(super) fn page(&self) -> String {
+    /// The page, with the tables that it keeps.
+    pub(super) fn page(&self, kept: &str) -> String {
         let Self { date, machine, commit, fftw, seed, tolerance, boundary, .. } = self;
         let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
         let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
@@ -309,6 +312,8 @@ impl Report {
              Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, as far as they are installed,\n\
              for the same contacts to the same certified residual. [Any load](any-load.md) shows which loads each program reaches at\n\
              all; [solvers](solvers.md) explains the cost of gfmd.\n\n\
+             {kept}\
+             ## Beside other programs\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
              Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
              shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran {plans}.\n\n"

@@ -185,7 +185,7 @@ fn times_against_the_size_are_those_of_loads_that_all_finished() {
 
 #[test]
 fn the_page_has_every_number_in_its_place() {
-    let page = report().page();
+    let page = report().page("");
     assert!(page.contains("2026-01-02. a processor. Commit 0123456789ab. Tamaas 2.9.0. FFTW: fftw-3.3.10."), "{page}");
     assert!(page.contains("20.0 / 30.0 / 70.0"), "{page}");
     assert!(page.contains("the yardstick got 50 % of a processor") && page.contains("> something to know"));

@@ -10,7 +10,7 @@ fn commands_of_the_program_are_here_under_the_name_that_was_called() {
         String::from_utf8(output.stdout).unwrap()
     };
     let all = help(&["--help"]);
-    for command in ["contact", "kappa-sweep", "green", "verify", "bench-peers"] {
+    for command in ["contact", "kappa-sweep", "green", "verify", "bench-peers", "bench-rows"] {
         assert!(all.contains(&format!("\n  {command} ")), "{command}: {all}");
         let text = help(&[command, "--help"]);
         assert!(text.contains(&format!("Usage: cargo xtask {command} ")), "{text}");

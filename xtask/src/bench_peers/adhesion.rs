@@ -1,0 +1,330 @@
+//! The comparison of loads with an exponential adhesion with Tamaas, load for load.
+
+use std::fmt;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use gfmd_run::failure::Failure;
+use gfmd_run::session::{GIT_COMMIT, Session, machine};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::contestant::Problem;
+use super::process::{Ended, output};
+use super::python::{Environment, LONG, Script};
+use super::table::{Table, write_beside};
+use super::{Args, Peer, RMS_GRADIENT, problems};
+use crate::results::filled;
+
+/// The place of the table in docs/benchmarks.md.
+pub(super) const PLACE: &str = "adhesion";
+
+/// The loads, each from the last one, as reduced pressures.
+const LOADS: [f64; 9] = [0.002, 0.004, 0.006, 0.008, 0.01, 0.0075, 0.005, 0.0025, 0.0];
+/// The largest attraction over E* times the rms gradient.
+const STRENGTH: f64 = 0.2;
+/// The part of the stiffness of the shortest wave of a grid that the slope of the law has, π n/2 in E* and cells.
+const SLOPE: f64 = 0.3;
+/// The tolerances of Tamaas over the bound on the residual, one after the other until the residual is within the bound.
+const TOLERANCES: [f64; 4] = [1e3, 1e2, 10.0, 3.0];
+/// The largest number of iterations of Tamaas for a load.
+const MOST: u64 = 100_000;
+
+/// The result of `bench-peers --adhesion`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Adhesion {
+    /// Date of the run.
+    pub date: String,
+    /// Processor, cores, operating system.
+    pub machine: String,
+    /// Commit from which this program was built.
+    pub commit: String,
+    /// Version of Tamaas.
+    pub tamaas: String,
+    /// The bound on the residuals.
+    pub tolerance: f64,
+    /// Time limit of Tamaas for all loads, s.
+    pub patience: f64,
+    /// One for each surface.
+    pub rows: Vec<Row>,
+}
+
+/// The loads on one surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Points along a side.
+    pub n: usize,
+    /// Hurst exponent.
+    pub hurst: f64,
+    /// Number of threads.
+    pub threads: usize,
+    /// This program.
+    pub own: Course,
+    /// Tamaas, to the smallest of its tolerances that it reached in time.
+    pub theirs: Option<Course>,
+    /// The reason why there is no smaller residual.
+    pub said: Option<String>,
+}
+
+/// The loads by one program.
+#[derive(Clone, Debug, Serialize)]
+pub struct Course {
+    /// Wall time of all loads, s.
+    pub seconds: f64,
+    /// The largest residual of all loads.
+    pub residual: f64,
+    /// Contact area of each load.
+    pub areas: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Theirs {
+    loads: Vec<TheirLoad>,
+}
+
+#[derive(Deserialize)]
+struct TheirLoad {
+    seconds: f64,
+    residual: Option<f64>,
+    area: Option<f64>,
+}
+
+/// Runs the comparison, and writes the table into its page if it is asked for.
+///
+/// # Errors
+/// Tamaas is not installed; a failed run of this program; a file that cannot be written.
+pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> Result<Adhesion, Failure> {
+    if !environment.has(Peer::Tamaas) {
+        return Err(Failure::Input("--adhesion needs Tamaas, which is not installed".into()));
+    }
+    let mut made = Adhesion {
+        date: jiff::Zoned::now().date().to_string(),
+        machine: machine(),
+        commit: GIT_COMMIT.into(),
+        tamaas: environment.versions().remove(Peer::Tamaas.package()).unwrap_or_default(),
+        tolerance: args.tol,
+        patience: args.patience(),
+        rows: Vec::new(),
+    };
+    for &points in &args.sizes {
+        for &hurst in &args.hurst {
+            let problems = problems(args, points, hurst, environment.scratch())?;
+            for (problem, &threads) in problems.iter().take(1).zip(&args.thread_counts) {
+                let row = Trial { args, environment, session, problem, threads }.row()?;
+                tracing::info!("{points} points, H = {hurst}: {row:?}");
+                made.rows.push(row);
+            }
+        }
+    }
+    if let Some(page) = args.page() {
+        made.write(page)?;
+    }
+    Ok(made)
+}
+
+/// The loads on one surface, by both programs.
+struct Trial<'a> {
+    args: &'a Args,
+    environment: &'a Environment,
+    session: &'a Session,
+    problem: &'a Problem,
+    threads: usize,
+}
+
+impl Trial<'_> {
+    /// Work of adhesion and range.
+    fn law(&self) -> [f64; 2] {
+        let attraction = STRENGTH * RMS_GRADIENT;
+        let range = attraction / (SLOPE * std::f64::consts::FRAC_PI_2 * self.problem.points as f64);
+        [attraction * range, range]
+    }
+
+    fn pressures(&self) -> [f64; 9] {
+        LOADS.map(|p_star| p_star / self.problem.p_star * self.problem.mean_pressure)
+    }
+
+    fn row(&self) -> Result<Row, Failure> {
+        let own = self.own()?;
+        let (mut theirs, mut said) = (None, None);
+        for over in TOLERANCES {
+            let course = match self.theirs(over * self.args.tol) {
+                Ok(course) => course,
+                Err(Ended::Interrupted) => return Err(Ended::Interrupted.failure("adhesion by Tamaas")),
+                Err(ended) => {
+                    said = Some(ended.in_words());
+                    break;
+                }
+            };
+            let is_enough = course.residual <= self.args.tol;
+            theirs = Some(course);
+            if is_enough {
+                break;
+            }
+        }
+        let Problem { points: n, hurst, .. } = *self.problem;
+        Ok(Row { n, hurst, threads: self.threads, own, theirs, said })
+    }
+
+    fn own(&self) -> Result<Course, Failure> {
+        let program = std::env::current_exe().map_err(|error| Failure::Computation(error.to_string()))?;
+        let [work, range] = self.law();
+        let mut command = Command::new(program);
+        command.args(["contact", "--json", "--quiet", "--grid-error", "none", "--surface"]).arg(&self.problem.heights);
+        command.args(["--law", "exponential", "--param", &format!("gamma={work:?}"), "--param"]);
+        command.arg(format!("range={range:?}")).arg("--pressure");
+        command.arg(self.pressures().map(|p| format!("{p:?}")).join(","));
+        command.arg("--tol").arg(format!("{:e}", self.args.tol)).arg("--threads").arg(self.threads.to_string());
+        let printed = output(&mut command, LONG, self.session).map_err(|ended| ended.failure("adhesion by gfmd"))?;
+        let report: Value = serde_json::from_str(&printed).map_err(|error| Failure::Computation(error.to_string()))?;
+        let loads = crate::solved::loads(&report);
+        let residuals = loads.iter().flat_map(|load| load["residual"].as_object()).flat_map(|all| all.values());
+        Ok(Course {
+            seconds: loads.iter().filter_map(|load| load["seconds"].as_f64()).sum(),
+            residual: gfmd_relax::worst(residuals.map(|value| value.as_f64().unwrap_or(f64::NAN))),
+            areas: loads.iter().filter_map(|load| load["area_fraction"].as_f64()).collect(),
+        })
+    }
+
+    fn theirs(&self, tolerance: f64) -> Result<Course, Ended> {
+        let [work, range] = self.law();
+        let task = json!({
+            "heights": self.problem.heights,
+            "pressures": self.pressures(),
+            "tolerance": tolerance,
+            "threads": self.threads,
+            "gamma": work,
+            "range": range,
+            "most": MOST,
+            "fftw": self.environment.preloaded(),
+        });
+        let limit = Duration::from_secs_f64(self.args.patience());
+        let Theirs { loads } = self.environment.run_within(Script::Adhesion, &task, limit, self.session)?;
+        Ok(Course {
+            seconds: loads.iter().map(|load| load.seconds).sum(),
+            residual: gfmd_relax::worst(loads.iter().map(|load| load.residual.unwrap_or(f64::NAN))),
+            areas: loads.iter().filter_map(|load| load.area).collect(),
+        })
+    }
+}
+
+impl Row {
+    /// The largest difference of the contact areas; NaN if a load has none.
+    fn differs(&self) -> f64 {
+        let Some(theirs) = &self.theirs else { return f64::NAN };
+        if theirs.areas.len() != self.own.areas.len() {
+            return f64::NAN;
+        }
+        gfmd_relax::worst(self.own.areas.iter().zip(&theirs.areas).map(|(own, theirs)| (own - theirs).abs()))
+    }
+}
+
+impl Adhesion {
+    fn table(&self) -> Table {
+        let head = [
+            "n",
+            "H",
+            "threads",
+            "gfmd, s",
+            "residual",
+            "Tamaas, s",
+            "residual",
+            "ratio",
+            "areas differ",
+            "Tamaas to the bound",
+        ];
+        let row = |row: &Row| {
+            let Row { n, hurst, threads, own, theirs, said } = row;
+            let of = |tell: &dyn Fn(&Course) -> String| theirs.as_ref().map_or_else(|| "-".into(), tell);
+            let certified = theirs.as_ref().is_some_and(|theirs| theirs.residual <= self.tolerance);
+            vec![
+                n.to_string(),
+                hurst.to_string(),
+                threads.to_string(),
+                format!("{:.3}", own.seconds),
+                format!("{:.0e}", own.residual),
+                of(&|theirs| format!("{:.3}", theirs.seconds)),
+                of(&|theirs| format!("{:.0e}", theirs.residual)),
+                of(&|theirs| format!("{:.1}", theirs.seconds / own.seconds)),
+                of(&|_| format!("{:.0e}", row.differs())),
+                if certified { "yes".into() } else { said.clone().unwrap_or_else(|| "no".into()) },
+            ]
+        };
+        let rows = self.rows.iter().map(row).collect();
+        Table { title: "Adhesion beside Tamaas".into(), head: head.map(str::to_owned).into(), rows }
+    }
+
+    fn write(&self, page: &Path) -> Result<(), Failure> {
+        let Self { date, machine, commit, tamaas, tolerance, patience, .. } = self;
+        let short = commit.get(..12).unwrap_or(commit);
+        let text = std::fs::read_to_string(page)
+            .map_err(|error| Failure::Computation(format!("{}: {error}", page.display())))?;
+        let table = format!(
+            "{}\n{date}. {machine}. Commit {short}. Tamaas {tamaas} (`PolonskyKeerRey` on the gap, `ExponentialAdhesionFunctional`).\n\
+             Nine loads, p\\* 0.002 to 0.01 and back to 0, each from the last, with γ/ϱ = {STRENGTH} E\\* g and the shortest range that\n\
+             the grid resolves. Tamaas got smaller and smaller tolerances until its final pressures had residuals of at most {tolerance:e},\n\
+             recomputed as those of gfmd, or until all loads took longer than {patience} s: the ratio is then that to a less exact result.\n\
+             Its friction is not compared: its solvers for it take one load and no path.\n\
+             `cargo xtask bench-peers --adhesion --write-docs`.\n\n",
+            self.table().markdown()
+        );
+        write_beside(page, &filled(&text, PLACE, &table)?)
+    }
+}
+
+impl fmt::Display for Adhesion {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(f, "{}; Tamaas {}\n\n{}", self.machine, self.tamaas, self.table())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn made() -> Adhesion {
+        let course = |seconds, residual, last| Course { seconds, residual, areas: vec![0.1, last] };
+        let row = Row {
+            n: 128,
+            hurst: 0.8,
+            threads: 1,
+            own: course(0.1, 1e-12, 0.2),
+            theirs: Some(course(12.0, 2e-8, 0.25)),
+            said: Some("it takes longer than 60 s".into()),
+        };
+        let late = Row { theirs: None, ..row.clone() };
+        Adhesion {
+            date: "2026-01-02".into(),
+            machine: "a processor".into(),
+            commit: "0123456789abcdef".into(),
+            tamaas: "2.9.0".into(),
+            tolerance: 1e-8,
+            patience: 60.0,
+            rows: vec![row, late],
+        }
+    }
+
+    #[test]
+    fn a_residual_above_the_bound_is_told() {
+        let made = made();
+        let cells = made.table().rows;
+        assert_eq!(cells[0][3..], ["0.100", "1e-12", "12.000", "2e-8", "120.0", "5e-2", "it takes longer than 60 s"]);
+        assert_eq!(cells[1][5..], ["-", "-", "-", "-", "it takes longer than 60 s"]);
+        let certified = Adhesion { tolerance: 1e-7, ..made.clone() };
+        assert_eq!(certified.table().rows[0][9], "yes");
+        let [mut broken, lost] = [made.rows[0].clone(), made.rows[1].clone()];
+        broken.own.areas.pop();
+        assert!(broken.differs().is_nan() && lost.differs().is_nan());
+    }
+
+    #[test]
+    fn the_table_has_its_place_beside_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = folder.path().join("page.md");
+        let places = [super::super::rows::PLACE, PLACE].map(|place| super::super::rows::section(&page, place));
+        std::fs::write(&page, format!("{}## Method\n", places.concat())).unwrap();
+        made().write(&page).unwrap();
+        let text = std::fs::read_to_string(&page).unwrap();
+        assert!(text.starts_with(&places[0]) && text.ends_with("## Method\n") && text.contains("| 120.0 |"), "{text}");
+    }
+}
