@@ -31,6 +31,7 @@ use gfmd_run::failure::Failure;
 use gfmd_run::memory;
 use gfmd_run::session::Session;
 use gfmd_run::source::file_of;
+use gfmd_unit::Units;
 
 pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};
@@ -168,6 +169,11 @@ struct Config<'a> {
 pub struct Report {
     pub n: [usize; 2],
     pub length: [f64; 2],
+    /// Units of lengths and stresses, if known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_unit: Option<String>,
     pub surface: String,
     /// The mean traction on the surface by component, which is that of every depth.
     pub mean_traction: Vec<f64>,
@@ -260,6 +266,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let provenance = session.provenance(config.map_err(|error| Failure::Computation(error.to_string()))?);
     let axes = interior.components().axes();
     let mean_traction: Vec<f64> = axes.iter().map(|&axis| interior.mean_traction()[axis]).collect();
+    let units = surface.units();
     let planes = Planes {
         mean_traction: &mean_traction,
         grid: &surface.grid,
@@ -267,7 +274,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         below: &planes_below,
         even: args.place.levels.is_some(),
         height: Some(body.total_height()).filter(|height| height.is_finite()),
-        unit: &surface.unit,
+        units: &units,
     };
     let origin = args.surface.as_ref().and_then(Given::file).zip(surface.checksum.clone());
     let origin = origin.map(|(file, checksum)| (file_of(file).to_owned(), checksum));
@@ -329,7 +336,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = session.written(volume.map(Volume::finish).transpose()?);
     let plots = match (&pictures, &args.plots) {
         (Some(pictures), Some(prefix)) => {
-            let place = Place { grid: &surface.grid, deepest: depths[depths.len() - 1], unit: &surface.unit };
+            let place =
+                Place { grid: &surface.grid, deepest: depths[depths.len() - 1], unit: &surface.unit, units: &units };
             pictures.draw(prefix, &place, &compared.unwrap_or_default())?
         }
         _ => Vec::new(),
@@ -338,6 +346,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(Report {
         n,
         length,
+        unit: units.length().map(str::to_owned),
+        stress_unit: units.stress().map(str::to_owned),
         surface: surface.description,
         mean_traction,
         slice: rows.slice,
@@ -527,13 +537,21 @@ impl Level {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([nx, ny], [lx, ly]) = (self.n, self.length);
-        writeln!(f, "{}\n{nx} x {ny} points, cell {lx:.6e} x {ly:.6e}", self.surface)?;
+        let units = Units::new(self.unit.as_deref(), self.stress_unit.as_deref());
+        // A unit that is known, after a number or below a head.
+        let unit = |kind: &str| Some(units.name(kind)).filter(|name| name != kind).unwrap_or_default();
+        let [length, stress] = ["length", "stress"].map(unit);
+        let after = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        writeln!(f, "{}\n{nx} x {ny} points, cell {lx:.6e} x {ly:.6e}{}", self.surface, after(&length))?;
         if let Some(slice) = self.slice {
             writeln!(f, "slice at {slice}")?;
         }
         let traction: Vec<String> = self.mean_traction.iter().map(|mean| format!("{mean:.6e}")).collect();
-        writeln!(f, "mean traction {}", traction.join(", "))?;
+        writeln!(f, "mean traction {}{}", traction.join(", "), after(&stress))?;
         writeln!(f, "\n{:>13} {:>13} {:>13} {:>13}", "depth", "max |u|", "max Mises", "mean energy")?;
+        if !(length.is_empty() && stress.is_empty()) {
+            writeln!(f, "{length:>13} {length:>13} {stress:>13} {stress:>13}")?;
+        }
         for level in &self.levels {
             let Level { depth, side, max_displacement, max_von_mises, mean_energy_density } = level;
             write!(f, "{depth:>13.6e}")?;

@@ -12,6 +12,8 @@ use serde::Serialize;
 
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
+use gfmd_run::source::{length_unit, stress_unit};
+use gfmd_unit::Units;
 
 /// Flags of `law`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -19,7 +21,9 @@ use gfmd_run::failure::Failure;
   gfmd law --law morse --param gamma=1 --param range=0.2 --normal 0,0.1,0.4
   gfmd law --law npb --param phi_n=1 --param phi_t=0.8 --param delta_n=0.2 --param delta_t=0.3 \\
     --normal=-0.1,0.1 --tangential 0.15,0.15 --json
-  gfmd law --law exponential --param gamma=1,range=0.1 --normal 0,0.5 --plot exponential")]
+  gfmd law --law exponential --param gamma=1,range=0.1 --normal 0,0.5 --plot exponential
+  gfmd law --law morse --unit nm --param gamma=0.05J/m^2,range=2nm --normal 0,1,5
+  gfmd law --law table --law-table law.csv --normal 0,0.5 --plot table")]
 pub struct Args {
     #[command(flatten)]
     law: LawArgs,
@@ -29,6 +33,12 @@ pub struct Args {
     /// Tangential separations along one direction, one for each normal one; default 0
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
     tangential: Vec<f64>,
+    /// Unit of lengths without one, such as nm [default: that of the table]
+    #[arg(long, value_name = "UNIT", value_parser = length_unit, help_heading = "Interface law")]
+    unit: Option<String>,
+    /// Unit of stresses without one [default: that of the table, or Pa if a stress has a unit]
+    #[arg(long, value_name = "UNIT", value_parser = stress_unit, help_heading = "Interface law")]
+    stress_unit: Option<String>,
     /// Draw T_n against the normal separation, one curve for each value of --tangential, and T_t against the tangential
     /// separation, one curve for each value of --normal: PREFIX.svg, .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
@@ -40,6 +50,12 @@ pub struct Args {
 pub struct Report {
     /// Name of the law.
     pub law: &'static str,
+    /// Unit of lengths, if known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Unit of stresses, if known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_unit: Option<String>,
     /// True if penetration is forbidden.
     pub wall: bool,
     /// The requirements R1 to R6 of docs/theory.md, section 8; `null` for a law without tangential traction.
@@ -128,15 +144,23 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     });
     let mut report = Report {
         law: args.law.law.name(),
+        unit: args.unit.clone(),
+        stress_unit: args.stress_unit.clone(),
         wall: law.has_wall(),
         mixed_mode: law.mixed_mode().map(Into::into),
         points: points.collect::<Result<_, _>>()?,
         plots: Vec::new(),
     };
     if let Some(stem) = &args.plot {
-        report.plots = figures::draw(stem, law.as_ref(), &args.normal, tangential)?;
+        report.plots = figures::draw(stem, law.as_ref(), (&args.normal, tangential), &report.units())?;
     }
     Ok(report)
+}
+
+impl Report {
+    fn units(&self) -> Units {
+        Units::new(self.unit.as_deref(), self.stress_unit.as_deref())
+    }
 }
 
 impl fmt::Display for Report {
@@ -158,6 +182,13 @@ impl fmt::Display for Report {
         let heads =
             ["normal", "tangential", "T_n", "T_t", "dT_n/dD_n", "dT_n/dD_t", "dT_t/dD_n", "dT_t/dD_t", "energy"];
         writeln!(f, "{}", heads.map(|head| format!("{head:>13}")).concat())?;
+        if self.unit.is_some() || self.stress_unit.is_some() {
+            let units = self.units();
+            let [length, stress, slope, energy] =
+                ["length", "stress", "stress/length", "stress*length"].map(|kind| units.name(kind));
+            let row = [&length, &length, &stress, &stress, &slope, &slope, &slope, &slope, &energy];
+            writeln!(f, "{}", row.map(|unit| format!("{unit:>13}")).concat())?;
+        }
         for Point { normal, tangential, traction: [tn, tt], jacobian: [[nn, nt], [tn_n, tt_t]], energy } in &self.points
         {
             let numbers = [normal, tangential, tn, tt, nn, nt, tn_n, tt_t].map(|number| format!("{number:>13.5e}"));

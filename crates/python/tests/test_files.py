@@ -122,6 +122,15 @@ def test_components_below_have_their_names(folder):
     assert heads[:6] == ["xx", "yy", "zz", "yz", "xz", "xy"] and max(shear) > 0
 
 
+def test_fields_below_have_the_units_of_their_contact(folder):
+    surface = gfmd.self_affine(n=16, size="10 um", unit="um")
+    contact = gfmd.contact(surface, gfmd.Body(young="3 MPa"), p_star=0.05)
+    below = contact.interior(depths=["0.5 um"], out="below.h5")
+    assert (below.unit, below.stress_unit) == ("µm", "Pa")
+    units = {name: contents("below.h5")[f"fields/{name}"][1]["units"] for name in ("displacement", "stress", "strain", "energy_density", "x")}
+    assert units == {"displacement": "µm", "stress": "Pa", "strain": "1", "energy_density": "Pa", "x": "µm"}
+
+
 def test_an_early_end_has_its_file(folder, run_program):
     with pytest.raises(gfmd.NotConverged) as caught:
         gfmd.path(ROUGH, gfmd.Body(), p_star=[0.05], steps=2, max_iterations=2, out="cut.h5")

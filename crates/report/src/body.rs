@@ -26,12 +26,13 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         let unit = text(&reader.text(&format!("/fields/{name}"), "units").unwrap_or_default());
         if unit == "1" { String::new() } else { unit }
     };
+    let length = Some(unit("depth")).filter(|unit| unit != "length").unwrap_or_default();
     let most = fields.of("von_mises").map(|field| field.largest_at(0));
     match most.as_ref().and_then(|all| all.iter().zip(&depths).max_by(|a, b| a.0.total_cmp(b.0))) {
         Some((most, depth)) => page.answer.push(html! {
             p.headline {
                 "Largest equivalent stress of von Mises " (number(*most)) " " (unit("von_mises")) " "
-                span { "at the depth " (given(*depth)) }
+                span { "at the depth " (given(*depth)) " " (length) }
             }
             p { "Of " (depths.len()) " depths" @if !slice.is_empty() { ", in the slice " (text(&slice)) } "." }
         }),
@@ -45,10 +46,12 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         page.asked.push(Fact::new("slice", &slice));
     }
     if depths.len() <= 8 {
-        page.asked.push(Fact(html! { "depths" }, html! { @for depth in &depths { (given(*depth)) " " } }));
+        page.asked.push(Fact(html! { "depths" }, html! { @for depth in &depths { (given(*depth)) " " } (length) }));
     } else if let (Some(first), Some(last)) = (depths.first(), depths.last()) {
-        page.asked
-            .push(Fact(html! { "depths" }, html! { (depths.len()) " from " (given(*first)) " to " (given(*last)) }));
+        page.asked.push(Fact(
+            html! { "depths" },
+            html! { (depths.len()) " from " (given(*first)) " to " (given(*last)) " " (length) },
+        ));
     }
     page.asked.push(body(&table));
     let sum = reader.text("/input", "file_sha256").unwrap_or_default();
@@ -73,7 +76,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     });
     page.tables.push(Table {
         caption: html! { "The largest magnitude of each component at each depth." },
-        head: [html! { "depth" }].into_iter().chain(heads).collect(),
+        head: [html! { "depth" @if !length.is_empty() { br; small { (length) } } }].into_iter().chain(heads).collect(),
         rows: rows.collect(),
     });
     Ok(page)
@@ -159,6 +162,7 @@ impl Fields {
             if places.len() > 1 { (places[1] - places[0]) * n as f64 } else { 1.0 }
         };
         let axis = if places("x").is_empty() { "y" } else { "x" };
+        let after = if unit("depth") == "length" { String::new() } else { format!(" {}", unit("depth")) };
         let steps: Vec<f64> = depths.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let even = steps.iter().all(|step| *step > 0.0 && (step - steps[0]).abs() <= EVEN * steps[0]);
         for field in self.0.iter().filter(|field| field.name != "strain") {
@@ -179,7 +183,8 @@ impl Fields {
                 } else {
                     let most = field.largest_at(of);
                     let level = (0..field.levels).max_by(|a, b| most[*a].total_cmp(&most[*b])).unwrap_or(0);
-                    let caption = html! { "At the depth " (given(depths[level])) ", where its magnitude is largest." };
+                    let caption =
+                        html! { "At the depth " (given(depths[level])) (after) ", where its magnitude is largest." };
                     let values = (0..nx * ny).map(|point| field.value(level, point, of)).collect();
                     (values, [nx, ny], [side("x", nx), side("y", ny)], [0.0; 2], caption, "*y*")
                 };

@@ -245,7 +245,7 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                         (common.repeat)
                         @if !common.config.is_empty() {
                             h3 { "Configuration" }
-                            pre tabindex="0" { code { (text(&common.config)) } }
+                            (block(&common.config, html! { (text(&common.config)) }))
                         }
                     }
                     section #cite aria-labelledby="cite-h" {
@@ -256,6 +256,24 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                 }
                 footer { p { (common.version) } }
             }
+        }
+    }
+}
+
+/// The longest text of a block that is open, in characters: about a screen.
+const OPEN: usize = 2500;
+
+/// A block of code, folded if its `words` are long, as with a table of hundreds of rows in them.
+pub(crate) fn block(words: &str, code: Markup) -> Markup {
+    let count = words.chars().count();
+    let block = html! { pre tabindex="0" { code { (code) } } };
+    if count <= OPEN {
+        return block;
+    }
+    html! {
+        details {
+            summary { "Show all " (count) " characters" }
+            (block)
         }
     }
 }

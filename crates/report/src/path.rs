@@ -109,10 +109,16 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     // The unit of pressure E* g, from the step with the largest pressure.
     let loudest = (0..computed).max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()));
     let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
+    // The motion that tells the directions of a loop apart, the same in all panels.
+    let drive = match (sideways, approach.iter().any(|value| value.is_finite())) {
+        (true, _) => lateral.to_vec(),
+        (false, true) => approach.to_vec(),
+        (false, false) => p_star.to_vec(),
+    };
     let panel = |x: &str, y: &str, points: Vec<(f64, f64)>| Panel {
         x: Axis::linear(x),
         y: Axis::linear(y),
-        series: legs(&points, steps_of_leg),
+        series: legs(&points, &drive, steps_of_leg),
         ..Panel::default()
     };
     let pairs =
@@ -232,13 +238,14 @@ pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<
     columns.into_iter().filter(varies).map(panel).collect()
 }
 
-/// A path of points, leg by leg: joined points where the abscissa rises, hollow ones and a broken line where it falls.
-pub fn legs(points: &[(f64, f64)], steps_of_leg: usize) -> Vec<Series> {
+/// A path of points, leg by leg: joined points where the `drive`, a number of each point, rises, hollow ones and a
+/// broken line where it falls.
+pub fn legs(points: &[(f64, f64)], drive: &[f64], steps_of_leg: usize) -> Vec<Series> {
     let last = points.len().saturating_sub(1);
     let leg = |(hue, start): (usize, usize)| {
-        let points = &points[start..=(start + steps_of_leg).min(last)];
-        let ends = points.first().zip(points.last());
-        let falls = ends.is_some_and(|(first, last)| last.0 < first.0);
+        let end = (start + steps_of_leg).min(last);
+        let points = points.get(start..=end).unwrap_or_default();
+        let falls = drive.get(start).zip(drive.get(end)).is_some_and(|(first, last)| last < first);
         let points: Vec<Point> = points.iter().map(|(x, y)| Point::new(*x, *y)).collect();
         let series = |label: &str, mark| Series { mark, ..Series::points(label, hue, points.clone()) };
         match falls {
@@ -249,4 +256,20 @@ pub fn legs(points: &[(f64, f64)], steps_of_leg: usize) -> Vec<Series> {
         }
     };
     (0..last.max(1)).step_by(steps_of_leg).enumerate().flat_map(leg).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An attraction pulls more and more while the surfaces approach: the abscissa falls, the drive rises.
+    #[test]
+    fn directions_are_those_of_the_drive() {
+        let (points, drive) = ([(0.0, 0.0), (-1.0, 1.0), (-2.0, 0.5), (0.0, 0.0)], [0.0, 1.0, 2.0, -1.0]);
+        let labels: Vec<String> = legs(&points, &drive, 2).into_iter().map(|series| series.label).collect();
+        assert_eq!(labels, ["leg 1, rising", "", "leg 2, falling"]);
+        // A path that ended within its second leg, and one without a step.
+        assert_eq!(legs(&points[..3], &drive[..3], 1).len(), 2);
+        assert!(legs(&[], &[], 2).iter().all(|series| series.points.is_empty()));
+    }
 }

@@ -95,14 +95,22 @@ pub struct SourceArgs {
 /// The largest number of points along a side over that of a file.
 const LARGEST_REFINE: u64 = 64;
 
-fn length_unit(text: &str) -> Result<String, String> {
+/// Parses the name of a unit of length.
+///
+/// # Errors
+/// Another name.
+pub fn length_unit(text: &str) -> Result<String, String> {
     match is_length(text) {
         true => Ok(canonical(text).to_owned()),
         false => Err("it must be a unit of length, such as m, mm, um, nm, pm, in".into()),
     }
 }
 
-fn stress_unit(text: &str) -> Result<String, String> {
+/// Parses the name of a unit of stress.
+///
+/// # Errors
+/// Another name.
+pub fn stress_unit(text: &str) -> Result<String, String> {
     match Units::is_stress(text) {
         true => Ok(text.to_owned()),
         false => Err("it must be a unit of stress, such as Pa, MPa, GPa, N/mm^2".into()),

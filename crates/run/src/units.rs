@@ -22,15 +22,26 @@ const STRESS_UNIT: &str = "stress_unit";
 /// The command whose units are those of a result.
 const BODY: &str = "body";
 
+/// The command whose units are those of its table, unless others are given.
+const LAW: &str = "law";
+
 /// True if the lengths of a command have no unit.
 fn without_units(command: &str) -> bool {
-    !matches!(command, "contact" | "path" | "slide" | "wear" | "surface" | "theory" | BODY)
+    !matches!(command, "contact" | "path" | "slide" | "wear" | "surface" | "theory" | BODY | LAW)
 }
 
 /// The refusal of a quantity with a unit by a command without units.
 fn refused(command: &str, key: &str, text: &str) -> Failure {
     let allowed = format!("a number without a unit, since the lengths of {command} have none");
     Failure::value(&format!("--{}", key.replace('_', "-")), text, allowed)
+}
+
+/// The units of the first row `A:B` of a table; none of numbers without one.
+fn units_of_rows(rows: &str) -> [Option<String>; 2] {
+    let first = rows.split(',').next().and_then(|row| row.split_once(':')).unwrap_or_default();
+    let in_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
+    let unit = |text: &str| Some(text.trim_start_matches(in_number).trim().to_owned()).filter(|unit| !unit.is_empty());
+    [unit(first.0), unit(first.1)]
 }
 
 /// The source of the units of a problem.
@@ -128,12 +139,23 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
     {
         return Err(refused(sub.get_name(), key, text));
     }
-    let source = Source {
+    let mut source = Source {
         unit: value_of(UNIT),
         stress_unit: value_of(STRESS_UNIT),
         surface: value_of("surface"),
         channel: value_of("channel"),
     };
+    if let (LAW, Some(rows)) = (sub.get_name(), value_of("law_table")) {
+        let [unit, stress_unit] = units_of_rows(&rows);
+        for (flag, own, found) in
+            [("--unit", &mut source.unit, unit), ("--stress-unit", &mut source.stress_unit, stress_unit)]
+        {
+            if let (None, Some(found)) = (&own, found) {
+                words.extend([flag.into(), found.clone().into()]);
+                *own = Some(found);
+            }
+        }
+    }
     let units = source.units()?;
     for (index, key, before, text) in &values {
         if let Some(text) = text_in_units(key, text, &mut &units)? {

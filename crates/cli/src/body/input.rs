@@ -11,6 +11,7 @@ use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::Failure;
 use gfmd_run::lower::{LowerArgs, is_stored};
 use gfmd_run::memory;
+use gfmd_unit::Units;
 
 /// The field that a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +42,19 @@ pub(super) struct Surface {
     pub(super) scan: Option<String>,
     /// The SHA-256 of the file that was read, if there is one.
     pub(super) checksum: Option<String>,
+}
+
+impl Surface {
+    /// The units of lengths and stresses, as far as they are known.
+    pub(super) fn units(&self) -> Units {
+        let length = Some(self.unit.as_str()).filter(|unit| *unit != "length");
+        Units::new(length, text_of(&self.record, "stress_unit").as_deref())
+    }
+}
+
+/// A text of a configuration.
+fn text_of(record: &toml::Table, key: &str) -> Option<String> {
+    record.get(key).and_then(toml::Value::as_str).map(str::to_owned)
 }
 
 /// The datasets in files of gfmd, in the order of preference.
@@ -111,9 +125,9 @@ impl Surface {
             kind: found.kind,
             values,
             mean_traction: found.mean_traction,
+            unit: found.unit.or_else(|| text_of(&found.record, "unit")).unwrap_or_else(|| "length".into()),
             record: found.record,
             load: found.load,
-            unit: found.unit.unwrap_or_else(|| "length".into()),
             description,
             scan: found.scan,
             checksum: found.checksum,

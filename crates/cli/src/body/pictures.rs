@@ -12,6 +12,7 @@ use super::rows::Rows;
 use super::{Plane, evenly_spaced};
 use gfmd_report::figures::{Drawn, about_zero, field, named};
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 /// The values on one section, filled level by level.
 pub(super) struct Pictures {
@@ -36,6 +37,16 @@ pub(super) struct Place<'a> {
     pub(super) grid: &'a Grid,
     pub(super) deepest: f64,
     pub(super) unit: &'a str,
+    pub(super) units: &'a Units,
+}
+
+impl Place<'_> {
+    /// The label of a component, with its unit where it is known.
+    fn label(&self, component: Component) -> String {
+        let kind = component.quantity.kind();
+        let unit = self.units.name(kind);
+        if unit == kind { component.label.into() } else { format!("{} / {unit}", component.label) }
+    }
 }
 
 impl Pictures {
@@ -76,16 +87,16 @@ impl Pictures {
         let shape = self.shape(place.grid);
         let mut files = Vec::new();
         for (component, values) in self.values() {
-            let stem = named(prefix, component.name);
+            let (stem, label) = (named(prefix, component.name), place.label(component));
             let Some(compared) = compared.iter().find(|compared| compared.component == component) else {
-                let drawn = self.drawn(values, shape, component.label, central(values), place);
+                let drawn = self.drawn(values, shape, &label, central(values), place);
                 files.extend(drawn.save(&stem)?);
                 continue;
             };
             let both = [values, &compared.reference].concat();
             let range = central(&both).or_else(|| whole(&both));
-            let ours = self.drawn(values, shape, component.label, range, place);
-            let labels = ["reference", "less the reference"].map(|what| format!("{}, {what}", component.label));
+            let ours = self.drawn(values, shape, &label, range, place);
+            let labels = ["reference", "less the reference"].map(|what| format!("{label}, {what}"));
             let theirs = self.drawn(&compared.reference, compared.shape, &labels[0], range, place);
             let less = &compared.difference;
             let difference = self.drawn(less, compared.common, &labels[1], about_zero(less), place);
@@ -113,7 +124,7 @@ impl Pictures {
         range: Option<[f64; 2]>,
         place: &Place,
     ) -> Drawn<'v> {
-        let Place { grid, deepest, unit } = place;
+        let Place { grid, deepest, unit, .. } = place;
         if self.rows.is_level() {
             let drawn = Grid::new(shape, grid.lengths()).map(|grid| field(&grid, values, label, unit));
             if let Ok(mut drawn) = drawn {
@@ -149,7 +160,7 @@ pub fn draw_middle(
             pictures.take(family, number, &fields.map_err(|error| Failure::Computation(error.to_string()))?);
         }
     }
-    pictures.draw(prefix, &Place { grid: interior.grid(), deepest, unit }, &[])
+    pictures.draw(prefix, &Place { grid: interior.grid(), deepest, unit, units: &Units::default() }, &[])
 }
 
 /// The range of the values without two per mille at either end, if it is much narrower than the full range: near

@@ -38,6 +38,15 @@ pub(super) const TENSOR: [&str; 6] = ["xx", "yy", "zz", "yz", "xz", "xy"];
 pub(super) const TENSOR_OF_A_LINE: [usize; 4] = [0, 1, 2, 4];
 
 impl Quantity {
+    /// The kind of its unit.
+    pub(super) fn kind(self) -> &'static str {
+        match self {
+            Self::Displacement => "length",
+            Self::Strain => "1",
+            Self::Stress | Self::VonMises | Self::EnergyDensity => "stress",
+        }
+    }
+
     /// All quantities.
     pub const ALL: [Self; 5] = [Self::Displacement, Self::Strain, Self::Stress, Self::VonMises, Self::EnergyDensity];
 

@@ -10,6 +10,7 @@ use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_
 use super::rows::Rows;
 use super::{Plane, Side};
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 /// The positions of the values.
 pub(super) struct Planes<'a> {
@@ -22,7 +23,7 @@ pub(super) struct Planes<'a> {
     pub(super) even: bool,
     /// The height of a slab.
     pub(super) height: Option<f64>,
-    pub(super) unit: &'a str,
+    pub(super) units: &'a Units,
 }
 
 /// A file of fields that is being written: HDF5 by depth, or VTK image data by height.
@@ -102,7 +103,7 @@ fn archive<'a>(
     provenance: &Provenance,
     origin: Option<&(String, String)>,
 ) -> Result<Sink<'a>, Failure> {
-    let (grid, unit) = (planes.grid, planes.unit);
+    let (grid, unit) = (planes.grid, &*planes.units.name("length"));
     let mut archive = Archive::create(output, provenance)?;
     if let Some((input, checksum)) = origin {
         archive.attribute("/input", "file", input.as_str())?;
@@ -127,7 +128,7 @@ fn archive<'a>(
     };
     let vector = Dimension::labels("component", &labels(Quantity::Displacement, &AXES), "component of a vector");
     let long_name = "mean traction on the surface, which is the mean of these stresses at every depth";
-    let variable = Variable { dimensions: &[&vector], units: "stress", long_name };
+    let variable = Variable { dimensions: &[&vector], units: &planes.units.name("stress"), long_name };
     archive.write("/fields/mean_traction", &variable, planes.mean_traction)?;
     let tensor = Dimension::labels("tensor", &labels(Quantity::Stress, &TENSOR), "component of a symmetric tensor");
     for &quantity in quantities {
@@ -136,7 +137,7 @@ fn archive<'a>(
             Quantity::Strain | Quantity::Stress => Some(&tensor),
             Quantity::VonMises | Quantity::EnergyDensity => None,
         };
-        let (units, long_name) = (units(quantity, unit), quantity.long_name());
+        let (units, long_name) = (&*planes.units.name(quantity.kind()), quantity.long_name());
         let mut dimensions = vec![&depth];
         dimensions.extend(planes.rows.axes.iter().map(|&axis| &lateral[axis]));
         dimensions.extend(last);
@@ -146,15 +147,6 @@ fn archive<'a>(
         archive.attribute("/fields", "slice", slice.to_string())?;
     }
     Ok(Sink::Archive(archive))
-}
-
-/// The unit of a quantity, where lengths have the `unit`.
-fn units(quantity: Quantity, unit: &str) -> &str {
-    match quantity {
-        Quantity::Displacement => unit,
-        Quantity::Strain => "1",
-        Quantity::Stress | Quantity::VonMises | Quantity::EnergyDensity => "stress",
-    }
 }
 
 /// The components of a quantity, for tensors in the order of ParaView.
@@ -181,15 +173,17 @@ fn image<'a>(output: &'a Output, planes: &Planes, quantities: &[Quantity]) -> Re
         origin: [x, y, planes.height.unwrap_or(0.0) - planes.below[top].depth],
         spacing: [dx, dy, second - first],
     };
+    let names: Vec<String> = quantities.iter().map(|quantity| planes.units.name(quantity.kind())).collect();
     let arrays: Vec<PointArray> = quantities
         .iter()
-        .map(|quantity| {
+        .zip(&names)
+        .map(|(quantity, units)| {
             let components: &[&str] = match image_components(*quantity).len() {
                 3 => &["X", "Y", "Z"],
                 6 => &["XX", "YY", "ZZ", "XY", "YZ", "XZ"],
                 _ => &[],
             };
-            PointArray { name: quantity.name(), components, units: units(*quantity, planes.unit) }
+            PointArray { name: quantity.name(), components, units }
         })
         .collect();
     Ok(Sink::Image { image: Box::new(Image::create(output, lattice, &arrays)?), top })

@@ -6,10 +6,16 @@ use gfmd_law::Law;
 use gfmd_plot::{Axis, Chart, Panel, Series};
 
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 /// Draws T_n over the range of `normal` for each value of `tangential`, and T_t over the range of `tangential` for each
 /// value of `normal`.
-pub(super) fn draw(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64]) -> Result<Vec<PathBuf>, Failure> {
+pub(super) fn draw(
+    stem: &Path,
+    law: &dyn Law,
+    (normal, tangential): (&[f64], &[f64]),
+    units: &Units,
+) -> Result<Vec<PathBuf>, Failure> {
     const STEPS: u32 = 200;
     let curves = |span: &[f64], others: &[f64], name: &str, of: &dyn Fn(f64, f64) -> f64| -> Vec<Series> {
         let low = span.iter().copied().fold(f64::INFINITY, f64::min);
@@ -23,22 +29,25 @@ pub(super) fn draw(stem: &Path, law: &dyn Law, normal: &[f64], tangential: &[f64
                 .map(move |x| (x, of(x, other)))
         };
         let named = |(hue, other): (usize, &f64)| {
-            Series::line(&format!("{name} = {other}").replace('-', "−"), hue, along(*other))
+            let value = format!("{other}").replace('-', "−");
+            let unit = units.length().map(|unit| format!(" {unit}")).unwrap_or_default();
+            Series::line(&format!("{name} = {value}{unit}"), hue, along(*other))
         };
         others.iter().enumerate().map(named).collect()
     };
     let opening = curves(normal, tangential, "Δ_t", &|n, t| law.response(n, t).traction[0]);
     let sliding = curves(tangential, normal, "Δ_n", &|t, n| law.response(n, t).traction[1]);
+    let (length, stress) = (units.name("length"), units.name("stress"));
     let mut panels = vec![Panel {
-        x: Axis::linear("Δ_n / length"),
-        y: Axis::linear("*T*_n / stress"),
+        x: Axis::linear(&format!("Δ_n / {length}")),
+        y: Axis::linear(&format!("*T*_n / {stress}")),
         series: opening,
         ..Panel::default()
     }];
     if law.mixed_mode().is_some() {
         panels.push(Panel {
-            x: Axis::linear("Δ_t / length"),
-            y: Axis::linear("*T*_t / stress"),
+            x: Axis::linear(&format!("Δ_t / {length}")),
+            y: Axis::linear(&format!("*T*_t / {stress}")),
             series: sliding,
             ..Panel::default()
         });

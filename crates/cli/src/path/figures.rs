@@ -21,10 +21,16 @@ pub(super) fn draw(
     let unit = report.head.unit.as_deref().unwrap_or("length");
     let mut files = scene.draw(prefix)?;
     let unit_pressure = report.head.e_star * report.head.rms_gradient;
-    let legs = |of: &dyn Fn(&Record) -> (f64, f64)| -> Vec<Series> {
-        legs(&report.steps.iter().map(of).collect::<Vec<_>>(), steps_of_leg)
-    };
     let lateral = |step: &Record| report.along(step.vector("lateral"));
+    // The motion that tells the directions of a loop apart, the same in all panels.
+    let drive = |step: &Record| match report.moves_sideways() {
+        true => lateral(step),
+        false => step.value("displacement").unwrap_or_else(|| step.number("p_star")),
+    };
+    let drive: Vec<f64> = report.steps.iter().map(drive).collect();
+    let legs = |of: &dyn Fn(&Record) -> (f64, f64)| -> Vec<Series> {
+        legs(&report.steps.iter().map(of).collect::<Vec<_>>(), &drive, steps_of_leg)
+    };
     let shear = |step: &Record| report.along(step.vector("mean_shear"));
     let reduced = "*p*/(*E*\\* *ḡ*)";
     let panels = if report.head.relaxation.is_some() {

@@ -137,11 +137,30 @@ fn a_table_has_units_by_its_heads_and_is_refused_by_what_is_wrong() {
         let [bare, nano] = [&bare, &nano].map(|report| number(&report["loads"][0], name));
         assert!((bare / nano - 1.0).abs() < 1e-9, "{name}: {bare} {nano}");
     }
+    // A page folds the rows of a long table.
+    run(folder.path(), &format!("{problem} --law-table bare.csv --out bare.h5"));
+    run(folder.path(), "report bare.h5");
+    let page = std::fs::read_to_string(folder.path().join("bare.html")).unwrap();
+    assert_eq!(page.matches("<details><summary>Show all ").count(), 2);
     // `law` draws a table in its own units.
     let drawn = run(folder.path(), "law --law table --law-table nano.csv --normal 0,1.2 --plot t");
     assert!((drawn["points"][0]["traction"][0].as_f64().unwrap() / (2e-5 / 1.2e-3 / 1e6) - 1.0).abs() < 1e-12);
     assert_eq!(drawn["wall"], true);
     assert!(folder.path().join("t.svg").exists());
+    assert_eq!([&drawn["unit"], &drawn["stress_unit"]].map(|unit| unit.as_str()), [Some("nm"), Some("MPa")]);
+    let figure = std::fs::read_to_string(folder.path().join("t.svg")).unwrap();
+    assert!(figure.contains("/ nm") && figure.contains("/ MPa"), "{figure}");
+    // In other units, and with a quantity, the same law.
+    let other = run(folder.path(), "law --law table --law-table nano.csv --unit um --stress-unit Pa --normal 0,1.2nm");
+    for (one, other) in [0, 1].map(|k| [&drawn, &other].map(|report| &report["points"][k])).map(|[a, b]| (a, b)) {
+        let ratio =
+            |one: &serde_json::Value, other: &serde_json::Value| other.as_f64().unwrap() / one.as_f64().unwrap();
+        assert!((ratio(&one["traction"][0], &other["traction"][0]) / 1e6 - 1.0).abs() < 1e-9);
+        assert!((ratio(&one["energy"], &other["energy"]) / 1e3 - 1.0).abs() < 1e-9);
+    }
+    let table = gfmd(folder.path(), &["law", "--law", "table", "--law-table", "nano.csv", "--normal", "0"]);
+    let table = String::from_utf8(table.stdout).unwrap();
+    assert!(table.contains("nm") && table.contains("MPa/nm") && table.contains("MPa*nm"), "{table}");
     for (name, text) in [
         ("order.csv", "0,1\n2,0.5\n1,0.2\n3,0\n"),
         ("end.csv", "0,1\n1,0.5\n2,0.2\n3,0.1\n"),

@@ -108,7 +108,7 @@ class FieldsBelow(Computed):
         n, length: points and lengths along x and y.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
-    On a slice (along=), the axis across it is missing; below a line, y is.
+    If the surface of the contact has units, `unit` and `stress_unit` are their names. On a slice (along=), the axis across it is missing; below a line, y is.
 
     Example:
         >>> gfmd.interior(punch, depths=[0.0, 0.1], along="y=0.5", quantities=["von-mises"]).von_mises.shape

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use serde::Deserialize as _;
 
 use super::write::{given, of, quoted, text};
-use super::{Common, Fact, Page, render};
+use super::{Common, Fact, Page, block, render};
 
 use gfmd_problem::options::OtherArgs;
 use gfmd_run::lower::{self, LowerArgs};
@@ -104,14 +104,14 @@ fn repeat(reader: &Reader, kind: Kind, again: Option<&str>, file: &str) -> Marku
                 @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
                 @else { "All flags are written out:" }
             }
-            pre tabindex="0" { code { (command(again)) } }
+            (block(again, command(again)))
         }
         @if let Some(from_file) = from_file { (from_file) }
         p { "To recompute every number of the file from its inputs, and to run it again:" }
         pre tabindex="0" { code { "gfmd check " (quoted(file)) " --rerun" } }
         @if !recorded.is_empty() {
             p { "The command as it was given:" }
-            pre tabindex="0" { code { (command(&recorded)) } }
+            (block(&recorded, command(&recorded)))
         }
     }
 }
