@@ -78,7 +78,7 @@ pub use contact::Contact;
 pub use dynamics::Dynamics;
 pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
-pub use fields::Fields;
+pub use fields::{Fields, Solved};
 pub use full::{FullContact, FullSolution};
 pub use gfmd_relax::{Budget, Factors, Progress, Tape, Variables, Visit, Watch, Why};
 pub use gradient::{Cotangents, Gradient, GradientError};
