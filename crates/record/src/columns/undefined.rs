@@ -12,8 +12,9 @@ pub(super) fn level(facts: &Facts) -> Option<&'static str> {
 }
 
 /// The reason itself.
-pub(super) const NO_LEVEL: &str = "a profile with free boundaries on a half-space is displaced by a logarithm of the distance: its displacement \
-     is known up to a constant, as are the approach, the elastic energy and the stiffness";
+pub(super) const NO_LEVEL: &str = "a profile with free boundaries on a half-space is displaced by a logarithm of the \
+                                   distance: its displacement is known up to a constant, as are the approach, the \
+                                   elastic energy and the stiffness";
 
 pub(super) fn without_law(facts: &Facts) -> Option<&'static str> {
     (!of_a_law(facts)).then_some("no law acts across the gap")
