@@ -80,7 +80,7 @@ pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
 pub use fields::{Fields, Solved};
 pub use full::{FullContact, FullSolution};
-pub use gfmd_relax::{Budget, Factors, Progress, Tape, Variables, Visit, Watch, Why};
+pub use gfmd_relax::{Budget, Factors, MemoryCheckpoint, Progress, Variables, Visit, Watch, Why};
 pub use gradient::{Cotangents, Gradient, GradientError};
 pub use hardness::Hardness;
 pub use load::{Drive, Load};

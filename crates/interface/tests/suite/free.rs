@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Tape};
+use gfmd_contact::{
+    Boundary, Contact, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver,
+};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{FrictionalContact, Interface, Kept, State};
@@ -166,10 +168,10 @@ fn a_state_that_is_kept_or_recalled_leads_to_the_same_bits() {
             approach: state.approach,
         };
         assert_eq!(solve(&interface, then, Some(&interface.recall(kept).unwrap())), next);
-        let mut tape = Tape::default();
-        interface.keep(&mut state, &mut tape);
-        tape.rewind();
-        let restored = interface.restore(first.into(), &mut tape).unwrap();
+        let mut checkpoint = MemoryCheckpoint::default();
+        interface.keep(&mut state, &mut checkpoint);
+        checkpoint.rewind();
+        let restored = interface.restore(first.into(), &mut checkpoint).unwrap();
         assert_eq!(solve(&interface, then, Some(&restored)), next);
     }
 }
