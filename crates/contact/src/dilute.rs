@@ -117,7 +117,7 @@ pub(crate) fn solve(
         let is_finest = kept.tolerance == finest;
         problem.begin(is_finest, is_finest && !kept.failed);
         let minimum = {
-            let watch = attempt.onlooker(false, |visitor: &mut dyn Visit| {
+            let watch = attempt.part_watch(false, |visitor: &mut dyn Visit| {
                 outer(visitor);
                 kept.visit(visitor, blocks);
             });

@@ -126,5 +126,5 @@ pub use spectral_projected_gradient::{Descended, OnConvexSet, SpectralProjectedG
 pub use until::relax_until;
 pub use verlet::{OnRise, Trail, Verlet, VerletState};
 pub use visit::{Variables, Visit};
-pub use watch::{Onlooker, Progress, Watch};
+pub use watch::{InnerWatch, Progress, Watch};
 pub use worst::worst;

@@ -10,7 +10,7 @@ use gfmd_contact::{Contact, Progress, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
 use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
-use gfmd_problem::Held;
+use gfmd_problem::MemoryNeed;
 use gfmd_vector::Ranks;
 use ndarray::Array2;
 use serde::Serialize;
@@ -70,9 +70,9 @@ impl Session {
     ///
     /// # Errors
     /// At all processes, a need of more memory than is available.
-    pub(crate) fn fits(&self, held: Held, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+    pub(crate) fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
         let there = if self.is_guest { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
-        self.agree(memory::fits_with(there, held, "the grid", grid.points(), self.processes()))
+        self.agree(memory::fits_with(there, need, "the grid", grid.points(), self.processes()))
     }
 
     /// The same session on several processes, of which so many are on this machine.
