@@ -42,7 +42,7 @@ pub(crate) fn solve<'py>(
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
     let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
     let memory = Memory::default();
-    let session = Session::guest();
+    let session = Session::embedded();
     let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let (finished, wait) = channel::<()>();
@@ -149,7 +149,7 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
     let words = of_words(&Line::command(), words).map_err(|failure| refused(py, &failure))?;
     let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
     let done = worker::quick(py, || {
-        let session = Session::guest();
+        let session = Session::embedded();
         let Outcome { report, failure } = line.command.outcome(&session)?;
         failure.map_or(Ok(()), Err)?;
         report.json(&session)

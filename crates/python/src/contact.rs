@@ -98,7 +98,7 @@ pub(crate) fn described(
 
 /// The parts of a contact that was posed before, when all was told of them that is doubtful.
 pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
-    let prepare = || Prepared::new(&args.asked()?, |line| args.facts(line), &Session::guest());
+    let prepare = || Prepared::new(&args.asked()?, |line| args.facts(line), &Session::embedded());
     tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), prepare)
 }
 
@@ -177,7 +177,7 @@ impl Problem {
     fn new(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>, threads: usize) -> PyResult<Self> {
         let args = described(py, problem, arrays)?;
         let (made, raised) = run(py, threads, None, |_| {
-            let (prepared, contact) = args.pose(&Session::guest())?;
+            let (prepared, contact) = args.pose(&Session::embedded())?;
             let finer = Finer::pose(&args, &prepared)?;
             Ok::<_, Failure>((prepared, contact, Mutex::new(finer)))
         })?;
