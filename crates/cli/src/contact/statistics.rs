@@ -51,7 +51,7 @@ fn through(
     Zip::from(&mut cubes).and(gap).and(repulsion).for_each(|cube, gap, p| {
         *cube = if *p > 0.0 || *gap <= 0.0 { 0.0 } else { (gap / scale).powi(3) };
     });
-    flow(&surface.grid, cubes.view(), surface.boundary.surroundings())
+    flow(&surface.grid, cubes.view(), surface.boundary)
 }
 
 /// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions
