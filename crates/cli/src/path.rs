@@ -251,7 +251,7 @@ fn ended(
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
     let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
-    head.relaxation = args.prony.told(&args.body)?;
+    head.relaxation = args.prony.relaxation(&args.body)?;
     let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
     let mut report = Report { parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {

@@ -22,7 +22,7 @@ use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::lower::LowerArgs;
 use gfmd_run::memory::peak_bytes;
-use gfmd_run::resume::{Kept, Part, ResumeArgs};
+use gfmd_run::resume::{Part, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{Asked, Head, Prepared, keeping};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
@@ -250,13 +250,13 @@ impl Way {
         &self,
         args: &Args,
         output: Option<&Output>,
-        mut kept: Option<&mut Kept>,
+        mut kept: Option<&mut UnfinishedRun>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, sliding, velocities, .. } = self;
         let heat = self.heat.as_ref();
         let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, sliding.contact().surface())))?;
-        head.relaxation = args.prony.told(&args.body)?;
+        head.relaxation = args.prony.relaxation(&args.body)?;
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
         let count = self.states().count();
@@ -339,7 +339,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let kept = match &output {
         Some(output) if !session.is_in_memory() => {
             let identity = way.prepared.identity(&args.config()?, session);
-            Some(Kept::open(output, identity, way.states().count(), args.resume, None)?)
+            Some(UnfinishedRun::open(output, identity, way.states().count(), args.resume, None)?)
         }
         _ => None,
     };

@@ -58,7 +58,7 @@ pub(crate) fn solve<'py>(
             });
             let result = command
                 .outcome(session)
-                .and_then(|Outcome { report, failure }| Ok((report.json(session)?, failure.map(told))));
+                .and_then(|Outcome { report, failure }| Ok((report.json(session)?, failure.map(kind_and_text))));
             drop(finished);
             result
         })
@@ -76,7 +76,7 @@ pub(crate) fn solve<'py>(
 }
 
 /// The kind and the text of a failure with a state.
-pub(crate) fn told(failure: Failure) -> (&'static str, String) {
+pub(crate) fn kind_and_text(failure: Failure) -> (&'static str, String) {
     match failure {
         Failure::Interrupted(text) => ("interrupted", text),
         Failure::Input(text) | Failure::Computation(text) => ("not converged", text),

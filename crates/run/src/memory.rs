@@ -134,15 +134,15 @@ const RESIDENT: &str = "VmRSS:";
 /// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the
 /// size of its pages.
 fn own_size(name: &str) -> Option<u64> {
-    told_by_linux("/proc/self/status", name)
+    bytes_of_linux("/proc/self/status", name)
 }
 
 fn of_machine() -> Option<u64> {
-    told_by_linux("/proc/meminfo", "MemAvailable:")
+    bytes_of_linux("/proc/meminfo", "MemAvailable:")
 }
 
 /// The bytes that a file of Linux tells under a name.
-fn told_by_linux(file: &str, name: &str) -> Option<u64> {
+fn bytes_of_linux(file: &str, name: &str) -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;
     }
@@ -154,7 +154,7 @@ fn told_by_linux(file: &str, name: &str) -> Option<u64> {
 /// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
     // The number of `getrusage` on Linux is at least the memory of the process that started this one.
-    if let Some(bytes) = told_by_linux("/proc/self/status", "VmHWM:") {
+    if let Some(bytes) = bytes_of_linux("/proc/self/status", "VmHWM:") {
         return bytes;
     }
     #[cfg(unix)]

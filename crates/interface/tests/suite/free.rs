@@ -7,7 +7,7 @@ use gfmd_contact::{
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{FrictionalContact, Interface, Kept, State};
+use gfmd_interface::{FrictionalContact, Interface, State, StoredFields};
 use gfmd_law::{Dugdale, Exponential, HardWall, Law, Limit, Morse};
 use gfmd_measure::theory::AdhesiveSphere;
 use ndarray::{Array2, s};
@@ -161,7 +161,7 @@ fn a_state_that_is_kept_or_recalled_leads_to_the_same_bits() {
     for (first, then) in [(0.01, 0.004), (0.01, -1e-4)].map(|(a, b)| (Load::MeanPressure(a), Load::MeanPressure(b))) {
         let mut state = solve(&interface, first, None);
         let next = solve(&interface, then, Some(&state));
-        let kept = Kept {
+        let kept = StoredFields {
             pressure: &state.pressure().to_owned(),
             displacement_z: &state.displacement_z().to_owned(),
             gap: &state.gap.clone(),

@@ -8,7 +8,7 @@ use gfmd_contact::{
     SteepContact, Visit,
 };
 use gfmd_green::BaseKind;
-use gfmd_interface::{FrictionalContact, Interface, Kept, Path, PlasticContact, Refinement};
+use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Refinement, StoredFields};
 use gfmd_law::Kind;
 use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
 use gfmd_relax::Budget;
@@ -181,7 +181,7 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
         let certified = problem.certify(&fields, load.into()).unwrap();
         assert!(certified.worst() <= 1e-8, "{:?}: {}", kinds[index], certified.worst());
         assert!(matches!(problem.certify(&[], load.into()), Err(Refusal::Basis { found: 0, .. })));
-        let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
+        let kept = StoredFields { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
         let recalled = problem.recall(kept, lower.as_deref()).unwrap();
         let from = problem.press(load).starting_from(Some(&recalled)).solve().unwrap();
         assert!(from.worst() <= 1e-8, "{:?}: {}", kinds[index], from.worst());
