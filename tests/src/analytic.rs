@@ -9,7 +9,7 @@ use gfmd_measure::theory::{
     Persson, Westergaard, hertz_line, hertz_point, johnson_area_at_low_load, johnson_area_near_full_contact,
     johnson_full_contact_pressure,
 };
-use gfmd_measure::{Surroundings, contact_area, pressure_statistics};
+use gfmd_measure::{Boundary, contact_area, pressure_statistics};
 use gfmd_response::NormalResponse;
 use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
@@ -81,7 +81,7 @@ fn deviation(solution: &Solution, exact: impl Fn(f64, f64) -> f64) -> f64 {
 }
 
 fn area(solution: &Solution) -> f64 {
-    contact_area(solution.pressure.view(), Surroundings::Repeats).fraction
+    contact_area(solution.pressure.view(), Boundary::Periodic).fraction
 }
 
 fn westergaard() -> Result<Vec<Check>, ValidationError> {
@@ -221,7 +221,7 @@ fn johnson(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
         }
     }
     // The asymptotes hold only near zero and near full load.
-    let low = contact_area(plane(wavy, 384, 0.002 * full)?.pressure.view(), Surroundings::Repeats).corrected_fraction;
+    let low = contact_area(plane(wavy, 384, 0.002 * full)?.pressure.view(), Boundary::Periodic).corrected_fraction;
     let high = 1.0 - area(&plane(wavy, 384, 0.98 * full)?);
     let [mut at_low, mut at_high] = [Worst::new(); 2];
     at_low.compare(low, johnson_area_at_low_load(0.002));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use gfmd_contact::{Load, Solution};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
-use gfmd_measure::{Surroundings, contact_area, elastic_energy_density};
+use gfmd_measure::{Boundary, contact_area, elastic_energy_density};
 use gfmd_response::NormalResponse;
 use ndarray::{Array2, Ix2};
 use serde_json::Value;
@@ -75,7 +75,7 @@ fn active_sets(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
 
 /// The largest error of the pressure over the largest pressure; infinite if the points in contact differ.
 fn compare(worst: &mut Worst, solution: &Solution, expected: &Value, pressures: &[f64]) {
-    let area = contact_area(solution.pressure.view(), Surroundings::Repeats);
+    let area = contact_area(solution.pressure.view(), Boundary::Periodic);
     if area.nodes as f64 != get(expected, "contact_nodes") {
         worst.compare(f64::INFINITY, 0.0);
     }
@@ -99,7 +99,7 @@ fn rough_surface(reference: &Reference) -> Result<Check, ValidationError> {
     let solution = press_on_half_space(&heights, get(&summary, "p0"), 1e-12)?;
     let mut worst = Worst::new();
     compare(&mut worst, &solution, &summary, &pressures);
-    let links = contact_area(solution.pressure.view(), Surroundings::Repeats).boundary_links as f64;
+    let links = contact_area(solution.pressure.view(), Boundary::Periodic).boundary_links as f64;
     worst.compare(links, get(&summary, "boundary_links"));
     Ok(worst.check("rough surface, 256 x 256: node by node", "Polonsky-Keer to 1e-13, active sets", 1e-9))
 }
@@ -118,7 +118,7 @@ fn four_waves() -> Result<Check, ValidationError> {
         (0.05, 3344, 0.161_929_049_1, 0.000_247_824_448),
     ] {
         let solution = press_on_half_space(&heights, pressure, 1e-12)?;
-        worst.compare(contact_area(solution.pressure.view(), Surroundings::Repeats).nodes as f64, f64::from(nodes));
+        worst.compare(contact_area(solution.pressure.view(), Boundary::Periodic).nodes as f64, f64::from(nodes));
         worst.compare(solution.pressure.iter().copied().fold(0.0, f64::max), peak);
         worst.compare(average(&solution.gap), gap);
     }

@@ -38,7 +38,7 @@ use gfmd_run::accuracy;
 use gfmd_run::base::MovedBase;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
-use gfmd_run::resume::{CheckpointArgs, Kept, ResumeArgs};
+use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Places, Prepared, Reached, Series, StateFile, beside,
     fields, keeping,
@@ -301,7 +301,7 @@ impl Loads {
         let kept = match output {
             Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
                 let head = prepared.identity(&config, session);
-                Some(Kept::open(output, head, drives.len(), args.resume, args.checkpoint.every()?)?)
+                Some(UnfinishedRun::open(output, head, drives.len(), args.resume, args.checkpoint.every()?)?)
             }
             _ => None,
         };
@@ -318,7 +318,7 @@ impl Loads {
         contact: &Posed,
         args: &Args,
         config: String,
-        mut kept: Option<&mut Kept>,
+        mut kept: Option<&mut UnfinishedRun>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;

@@ -16,7 +16,7 @@ use crate::progress::Progress;
 use gfmd_report::figures::Shown;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::flow::through;
-use gfmd_run::resume::{Kept, ResumeArgs};
+use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, Ended, Outlet, Places, Prepared, Reached, Series, StateFile, beside, keeping, on_finer_grids,
     resolved,
@@ -73,9 +73,13 @@ impl Course {
         prepared.check_drives(&contact, drives, flag, budget.tolerance)?;
         prepared.warn_of_drives(drives, flag, session);
         let kept = match output {
-            Some(output) if !session.is_in_memory() => {
-                Some(Kept::open(output, prepared.identity(&way.config, session), drives.len(), way.resume, None)?)
-            }
+            Some(output) if !session.is_in_memory() => Some(UnfinishedRun::open(
+                output,
+                prepared.identity(&way.config, session),
+                drives.len(),
+                way.resume,
+                None,
+            )?),
             _ => None,
         };
         keeping(kept, |kept| end(self.follow(&contact, way, kept, session)?), out)
@@ -86,7 +90,7 @@ impl Course {
         &'a self,
         contact: &'a Posed,
         Way { asked, refinement, config, .. }: &Way,
-        mut kept: Option<&mut Kept>,
+        mut kept: Option<&mut UnfinishedRun>,
         session: &'a Session,
     ) -> Result<Followed<'a>, Failure> {
         let Self { prepared, drives, places, output } = self;

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_files::{FileError, Output, target};
-use gfmd_problem::Held;
+use gfmd_problem::MemoryNeed;
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, run_shard};
 use serde::Deserialize;
 
@@ -175,7 +175,7 @@ impl Sweep<'_> {
     }
 
     fn check_grid(&self, point: usize) -> Result<(), Failure> {
-        memory::fits(Held::HARD_WALL, "the grid", self.plan.points[point].grid.points())
+        memory::fits(MemoryNeed::HARD_WALL, "the grid", self.plan.points[point].grid.points())
     }
 
     /// Computes all runs in this process.

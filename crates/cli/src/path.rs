@@ -9,7 +9,7 @@ mod waypoints;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Dynamics, Solver};
+use gfmd_contact::{Boundary, Dynamics, Solver};
 use gfmd_interface::{Path, Refinement, Step};
 use gfmd_law::{Kind, Limit};
 use gfmd_problem::{Facts, Friction, GridError, Posed, Rest, Task};
@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
 use crate::course::{Course, Followed, Way};
+use crate::search::SearchArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
@@ -98,12 +99,9 @@ pub struct Args {
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
     steps: u32,
-    /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    tol: f64,
-    /// Largest number of iterations for one step
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    max_iter: u64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    search: SearchArgs,
     /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy; with friction
     /// also twice the largest change of the shear in a step, as an energy, when its increments are halved, and its root
     /// that of the part of the contact that sticks, when the last one is
@@ -134,10 +132,6 @@ impl Default for Args {
 }
 
 impl Args {
-    fn budget(&self) -> Budget {
-        Budget { tolerance: self.tol, max_iterations: self.max_iter }
-    }
-
     /// The facts of the path, whose surface may be a `line`.
     fn facts(&self, line: bool) -> Facts {
         let friction = (self.friction.map(|_| Friction::Coulomb)).or(self.shear_strength.map(|_| Friction::Tresca));
@@ -177,7 +171,7 @@ impl Args {
             boundary: self.boundary,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
-            budget: self.budget(),
+            budget: self.search.budget(),
             once: false,
         })
     }
@@ -256,7 +250,7 @@ fn ended(
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
     let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
-    head.relaxation = args.prony.told(&args.body)?;
+    head.relaxation = args.prony.relaxation(&args.body)?;
     let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
     let mut report = Report { parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {

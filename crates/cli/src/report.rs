@@ -125,7 +125,7 @@ fn again(kind: Kind, reader: &Reader) -> Option<String> {
         Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
         Kind::Body => Configuration::read::<body::Args>(kind, &text),
     };
-    let words: Vec<String> = config.ok()?.told().iter().map(|word| quoted(word)).collect();
+    let words: Vec<String> = config.ok()?.words().iter().map(|word| quoted(word)).collect();
     Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
 }
 

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Contact, Dynamics, Load, Refusal, SolveError, Solver};
+use gfmd_contact::{Boundary, Contact, Dynamics, Load, Refusal, SolveError, Solver};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
 use gfmd_problem::options::flags::without_flags;
@@ -22,7 +22,7 @@ use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::lower::LowerArgs;
 use gfmd_run::memory::peak_bytes;
-use gfmd_run::resume::{Kept, Part, ResumeArgs};
+use gfmd_run::resume::{Part, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{Asked, Head, Prepared, keeping};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
@@ -32,6 +32,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::ControlArgs;
 use crate::progress::Progress;
+use crate::search::SearchArgs;
 
 pub(crate) use self::check::{again, check};
 use self::file::{StatesFile, fields};
@@ -43,6 +44,7 @@ pub use self::report::{Report, State};
 /// Flags of `slide`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(mut_arg("max_iter", |arg| arg.help("Largest number of iterations for one state")))]
 #[command(after_help = "Examples:
   gfmd slide --n 256 --prony 1e-3:0.3,1e-1:0.3,10:0.3 --p-star 0.05 --velocity 1e-3:1e4:15 --plots rubber
   gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 --direction 30 --json
@@ -71,12 +73,9 @@ pub struct Args {
     /// Direction of the velocity, degrees from x
     #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_negative_numbers = true)]
     direction: f64,
-    /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    tol: f64,
-    /// Largest number of iterations for one state
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    max_iter: u64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    search: SearchArgs,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -98,10 +97,6 @@ impl Default for Args {
 }
 
 impl Args {
-    fn budget(&self) -> Budget {
-        Budget { tolerance: self.tol, max_iterations: self.max_iter }
-    }
-
     /// Gives the problem that the flags ask for to `take`.
     fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
         let (body, prony) = (self.prony.long_term(&self.body)?, self.prony.series()?);
@@ -119,7 +114,7 @@ impl Args {
             boundary: Boundary::Periodic,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
-            budget: self.budget(),
+            budget: self.search.budget(),
             once: false,
         })
     }
@@ -216,7 +211,7 @@ impl Way {
         session: &Session,
     ) -> Result<(Reached, Option<Failure>), Refusal> {
         let start = start.map(|reached| &reached.state);
-        let solved = self.sliding.slide(velocity, load, &args.budget(), start, &mut session.stop());
+        let solved = self.sliding.slide(velocity, load, &args.search.budget(), start, &mut session.stop());
         let failed = |text: String, is_cut: bool| match is_cut {
             true => Failure::Interrupted(text),
             false => Failure::Computation(text),
@@ -234,7 +229,7 @@ impl Way {
         let heated = self.heat.and_then(|heat| match &failure {
             // The temperature of a state that is no result, with the residual that all of its heat leaves.
             Some(_) => heat.certify(grid, velocity, pressure, None).ok(),
-            None => heat.heat(grid, velocity, pressure, &args.budget(), &mut session.stop()).map_or_else(
+            None => heat.heat(grid, velocity, pressure, &args.search.budget(), &mut session.stop()).map_or_else(
                 |error| {
                     failure = Some(failed(error.to_string(), matches!(error, HeatError::Interrupted { .. })));
                     error.into_state()
@@ -250,13 +245,13 @@ impl Way {
         &self,
         args: &Args,
         output: Option<&Output>,
-        mut kept: Option<&mut Kept>,
+        mut kept: Option<&mut UnfinishedRun>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, sliding, velocities, .. } = self;
         let heat = self.heat.as_ref();
         let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, sliding.contact().surface())))?;
-        head.relaxation = args.prony.told(&args.body)?;
+        head.relaxation = args.prony.relaxation(&args.body)?;
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
         let count = self.states().count();
@@ -295,7 +290,7 @@ impl Way {
             };
             let persson = sliding.persson(at.1, reached.state.solution.mean_pressure);
             let seconds = started.elapsed().as_secs_f64();
-            let record = State::new(at.1, &reached, persson, (&prepared.scales(), args.tol), seconds);
+            let record = State::new(at.1, &reached, persson, (&prepared.scales(), args.search.tol), seconds);
             let number = record.heat.map_or(format!("friction {:.4}", record.friction), |heat| {
                 format!("largest rise {:.4e}", heat.max_rise)
             });
@@ -339,7 +334,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let kept = match &output {
         Some(output) if !session.is_in_memory() => {
             let identity = way.prepared.identity(&args.config()?, session);
-            Some(Kept::open(output, identity, way.states().count(), args.resume, None)?)
+            Some(UnfinishedRun::open(output, identity, way.states().count(), args.resume, None)?)
         }
         _ => None,
     };

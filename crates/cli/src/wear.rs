@@ -7,7 +7,7 @@ mod report;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Solver};
+use gfmd_contact::{Boundary, Drive, Dynamics, Solver};
 use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, within};
@@ -24,6 +24,7 @@ use gfmd_run::source::SourceArgs;
 use serde::{Deserialize, Serialize};
 
 use crate::course::{Course, Followed, LoadArgs, Way, counted, legs, lengths};
+use crate::search::SearchArgs;
 
 pub(crate) use self::check::{again, check};
 pub use self::report::Report;
@@ -81,12 +82,9 @@ pub struct Args {
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
     steps: u32,
-    /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    tol: f64,
-    /// Largest number of iterations for one step
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    max_iter: u64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    search: SearchArgs,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -139,7 +137,7 @@ impl Args {
             boundary: self.boundary,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
-            budget: Budget { tolerance: self.tol, max_iterations: self.max_iter },
+            budget: self.search.budget(),
             once: false,
         })
     }

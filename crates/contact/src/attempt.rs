@@ -1,4 +1,4 @@
-use gfmd_relax::{Budget, Ending, Onlooker, Variables as _, Visit, Watch};
+use gfmd_relax::{Budget, Ending, InnerWatch, Variables as _, Visit, Watch};
 
 use crate::{Contact, Effort, Load, Solution};
 
@@ -50,14 +50,14 @@ impl Attempt<'_> {
 
     /// The watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables of the solve
     /// outside of that part; `hides_layer` if those of the part are not the displacement.
-    pub(crate) fn onlooker<F: FnMut(&mut dyn Visit)>(
+    pub(crate) fn part_watch<F: FnMut(&mut dyn Visit)>(
         &mut self,
         hides_layer: bool,
         mut outer: F,
-    ) -> Onlooker<'_, impl FnMut(&mut dyn Visit)> {
+    ) -> InnerWatch<'_, impl FnMut(&mut dyn Visit)> {
         let Self { watch, effort, .. } = self;
         let before = effort.iterations;
-        Onlooker {
+        InnerWatch {
             watch: &mut **watch,
             before,
             hides_layer,

@@ -43,7 +43,7 @@ impl<W: Watch> Watch for Unison<'_, W> {
 
 /// The checkpoint of a search on blocks, before that of the search for their pressure.
 #[derive(Default)]
-struct Kept {
+struct Checkpoint {
     tolerance: f64,
     approach: f64,
     /// True if a certificate has found points beside the blocks that penetrate.
@@ -51,7 +51,7 @@ struct Kept {
     places: Vec<usize>,
 }
 
-impl Kept {
+impl Checkpoint {
     /// Visits it; there are so many places at most.
     fn visit(&mut self, visitor: &mut dyn Visit, most: usize) {
         visitor.numbers(&mut [&mut self.tolerance, &mut self.approach]);
@@ -84,8 +84,8 @@ pub(crate) fn solve(
     let finest = MARGIN * attempt.budget.tolerance;
     let blocks = contact.share.total() / LANES;
     let mut kept = match attempt.load {
-        Load::MeanPressure(_) => Kept::default(),
-        Load::Approach(approach) => Kept { approach, ..Kept::default() },
+        Load::MeanPressure(_) => Checkpoint::default(),
+        Load::Approach(approach) => Checkpoint { approach, ..Checkpoint::default() },
     };
     let most = match attempt.watch.recall().filter(|_| continued) {
         Some(recalled) => {
@@ -117,7 +117,7 @@ pub(crate) fn solve(
         let is_finest = kept.tolerance == finest;
         problem.begin(is_finest, is_finest && !kept.failed);
         let minimum = {
-            let watch = attempt.onlooker(false, |visitor: &mut dyn Visit| {
+            let watch = attempt.part_watch(false, |visitor: &mut dyn Visit| {
                 outer(visitor);
                 kept.visit(visitor, blocks);
             });

@@ -263,11 +263,11 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
             let target = Target { budget, ..target };
             let plain = part == 1;
             let minimum = {
-                let mut onlooker = attempt.onlooker(false, |visitor: &mut dyn Visit| visitor.small(&mut part));
+                let mut part_watch = attempt.part_watch(false, |visitor: &mut dyn Visit| visitor.small(&mut part));
                 if plain {
-                    ProjectedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                    ProjectedCg.minimise(&mut dual, x, &target, &mut part_watch)?
                 } else {
-                    PreconditionedCg.minimise(&mut dual, x, &target, &mut onlooker)?
+                    PreconditionedCg.minimise(&mut dual, x, &target, &mut part_watch)?
                 }
             };
             let is_over = part == 2 || plain && minimum.reached.iteration >= max_iterations;

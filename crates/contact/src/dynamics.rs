@@ -152,7 +152,7 @@ fn run<'a, M: Method>(
             surface.layer().count_certificate(solution.effort.transform_pairs);
             solution.residual.worst()
         },
-        &mut attempt.onlooker(is_shifted, |visitor| {
+        &mut attempt.part_watch(is_shifted, |visitor| {
             if let Some(search) = &mut search {
                 search.visit(visitor);
             }

@@ -1,7 +1,7 @@
 use gfmd_measure::{Scales, Summary};
 use ndarray::{ArrayView2, CowArray, Ix2};
 
-use crate::Effort;
+use crate::{Effort, Solution};
 
 /// The state of a contact at rest, or of an unfinished search. Fields are `[x, y]`.
 pub trait Fields {
@@ -48,24 +48,62 @@ pub trait Fields {
     }
 }
 
-/// The fields of a state whose [`Solution`](crate::Solution) is in `part`: the pressure, the displacement, the gap and the mean pressure.
-macro_rules! fields_of {
-    ($part:ident) => {
-        fn pressure(&self) -> ndarray::CowArray<'_, f64, ndarray::Ix2> {
-            $crate::Fields::pressure(&self.$part)
-        }
+/// A state whose fields are those of a [`Solution`].
+pub trait Solved {
+    /// Fields, loads, residuals and effort.
+    fn solution(&self) -> &Solution;
 
-        fn displacement_z(&self) -> ndarray::ArrayView2<'_, f64> {
-            $crate::Fields::displacement_z(&self.$part)
-        }
+    /// The residual beside those of the solution, with its name.
+    fn further_residual(&self) -> Option<(&'static str, f64)> {
+        None
+    }
 
-        fn gap(&self) -> ndarray::ArrayView2<'_, f64> {
-            $crate::Fields::gap(&self.$part)
-        }
+    /// Elastic energy per area, in stress × length, where it is not that of pressure and displacement.
+    fn stored_energy(&self) -> Option<f64> {
+        None
+    }
 
-        fn mean_pressure(&self) -> f64 {
-            self.$part.mean_pressure
-        }
-    };
+    /// The scales of reduced quantities, where they are not those of the solution.
+    fn reduced_by(&self) -> Option<Scales> {
+        None
+    }
 }
-pub(crate) use fields_of;
+
+impl<S: Solved> Fields for S {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.solution().pressure()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.solution().displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.solution().gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.solution().mean_pressure
+    }
+
+    fn approach(&self) -> f64 {
+        self.solution().approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.solution().effort
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.solution().residuals().into_iter().chain(self.further_residual()).collect()
+    }
+
+    fn scales(&self) -> Scales {
+        self.reduced_by().unwrap_or_else(|| self.solution().scales())
+    }
+
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        let summary = self.solution().summary_in(scales);
+        Summary { elastic_energy: self.stored_energy().unwrap_or(summary.elastic_energy), ..summary }
+    }
+}

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_green::Body;
-use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{
     Bounds, Budget, Damping, Factors, Fire, Landscape, Method, ModeDamped, State, Variables as _, Verlet, Visit, Watch,
     damped_by_parts, relax_until, worst,
@@ -14,12 +13,11 @@ use gfmd_response::{FullResponse, FullTransforms, Hermitian};
 use gfmd_vector::{pass, total, with_contiguous};
 use ndarray::{Array2, ArrayRef2};
 
-use crate::fields::fields_of;
 use crate::layer::STIFFNESS_LENGTH;
 use crate::solution::{Conditions, field};
 use crate::{
-    Drive, Dynamics, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
-    judge,
+    Drive, Dynamics, Effort, Equilibrium, Fields as _, Load, Refusal, Resumable, RigidSurface, Solution, SolveError,
+    Solved, Solver, judge,
 };
 
 /// A rigid rough surface above an elastic one with all components of the displacement, without friction or adhesion
@@ -267,29 +265,13 @@ impl Resumable for FullContact {
     }
 }
 
-impl Fields for FullSolution {
-    fields_of!(normal);
-
-    fn approach(&self) -> f64 {
-        self.normal.approach
+impl Solved for FullSolution {
+    fn solution(&self) -> &Solution {
+        &self.normal
     }
 
-    fn effort(&self) -> Effort {
-        self.normal.effort
-    }
-
-    fn residuals(&self) -> Vec<(&'static str, f64)> {
-        let mut residuals = self.normal.residuals();
-        residuals.push(("lateral_traction", self.lateral_traction));
-        residuals
-    }
-
-    fn scales(&self) -> Scales {
-        self.normal.scales()
-    }
-
-    fn summary_in(&self, scales: &Scales) -> Summary {
-        self.normal.summary_in(scales)
+    fn further_residual(&self) -> Option<(&'static str, f64)> {
+        Some(("lateral_traction", self.lateral_traction))
     }
 }
 

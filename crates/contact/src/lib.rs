@@ -39,7 +39,6 @@
 //! does not take slopes as small; [`Conductors`] touch at the points of any contact. Other crates generate heights
 //! (`gfmd-surface`), have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
-mod boundary;
 mod effort;
 mod equilibrium;
 mod fields;
@@ -72,15 +71,15 @@ mod squeezed;
 mod steep;
 mod stiffness;
 
-pub use boundary::{Boundary, UnknownBoundary};
 pub use conductors::{Conductance, ConductanceError, Conductors};
 pub use contact::Contact;
 pub use dynamics::Dynamics;
 pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
-pub use fields::Fields;
+pub use fields::{Fields, Solved};
 pub use full::{FullContact, FullSolution};
-pub use gfmd_relax::{Budget, Factors, Progress, Tape, Variables, Visit, Watch, Why};
+pub use gfmd_measure::{Boundary, UnknownBoundary};
+pub use gfmd_relax::{Budget, Factors, MemoryCheckpoint, Progress, Variables, Visit, Watch, Why};
 pub use gradient::{Cotangents, Gradient, GradientError};
 pub use hardness::Hardness;
 pub use load::{Drive, Load};

@@ -1,6 +1,6 @@
 //! Contacts whose displacement is very small beside their roughness: they are solved again on a finer scale of lengths.
 
-use gfmd_relax::{Budget, Ending, Onlooker, Variables, Visit, Watch, Why};
+use gfmd_relax::{Budget, Ending, InnerWatch, Variables, Visit, Watch, Why};
 
 use crate::{Effort, Fields, Refusal};
 
@@ -47,8 +47,8 @@ pub(crate) fn refine<S: Refined>(
         let Stage { length_scale, effort } = stage;
         let left = Budget { max_iterations: budget.max_iterations.saturating_sub(effort.iterations), ..*budget };
         let outer = |visitor: &mut dyn Visit| stage.visit(visitor);
-        let mut onlooker = Onlooker { watch: &mut *watch, before: effort.iterations, outer, hides_layer: false };
-        let (mut state, ending) = search(length_scale, left, start.take(), &mut onlooker)?;
+        let mut inner = InnerWatch { watch: &mut *watch, before: effort.iterations, outer, hides_layer: false };
+        let (mut state, ending) = search(length_scale, left, start.take(), &mut inner)?;
         state.effort_mut().add(effort);
         // On a coarse scale a small displacement may not be resolved at all.
         let is_settled = matches!(ending, Ending::Converged | Ending::GaveUp(Why::Rounding | Why::NoDescent));

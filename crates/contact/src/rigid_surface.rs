@@ -2,7 +2,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use gfmd_field::{Grid, Share};
-use gfmd_measure::Surroundings;
+use gfmd_measure::Boundary;
 use gfmd_response::unit_of;
 use gfmd_surface::{Moments, Statistics};
 use gfmd_vector::{contiguous, for_each, once, reduce};
@@ -21,8 +21,7 @@ pub struct RigidSurface {
     rms_height: f64,
     /// The rounding error of a difference of two heights, as they were given.
     rounding: f64,
-    /// False for a patch, which does not repeat.
-    repeats: bool,
+    boundary: Boundary,
     rms_gradient: OnceLock<f64>,
 }
 
@@ -39,7 +38,7 @@ const LEAST: f64 = 1e-100;
 
 impl PartialEq for RigidSurface {
     fn eq(&self, other: &Self) -> bool {
-        self.grid == other.grid && self.clearance == other.clearance && self.repeats == other.repeats
+        self.grid == other.grid && self.clearance == other.clearance && self.boundary == other.boundary
     }
 }
 
@@ -91,8 +90,16 @@ impl RigidSurface {
             return Err(Refusal::RmsHeight { found: rms_height });
         }
         let (share, rms_gradient) = (share.clone(), OnceLock::new());
-        let surface =
-            Self { grid: *grid, share, clearance, mean_clearance, rms_height, rounding, repeats: true, rms_gradient };
+        let surface = Self {
+            grid: *grid,
+            share,
+            clearance,
+            mean_clearance,
+            rms_height,
+            rounding,
+            boundary: Boundary::Periodic,
+            rms_gradient,
+        };
         if !surface.share.is_whole() {
             // All processes take part in its transform, and later not all may ask.
             surface.rms_gradient();
@@ -103,12 +110,12 @@ impl RigidSurface {
     /// The surface as a patch that does not repeat. The step from its last to its first points is no part of it.
     #[must_use]
     pub fn alone(self) -> Self {
-        Self { repeats: false, rms_gradient: OnceLock::new(), ..self }
+        Self { boundary: Boundary::Free, rms_gradient: OnceLock::new(), ..self }
     }
 
-    /// The surroundings of the fields on the surface.
-    pub fn surroundings(&self) -> Surroundings {
-        if self.repeats { Surroundings::Repeats } else { Surroundings::Ends }
+    /// The boundary condition of the fields on the surface.
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
     }
 
     /// The surface with `depth` added to its clearance. Its rms height and gradient stay.
@@ -137,7 +144,7 @@ impl RigidSurface {
             mean_clearance: self.mean_clearance / units.length(),
             rms_height: self.rms_height / units.length(),
             rounding: self.rounding / units.length(),
-            repeats: self.repeats,
+            boundary: self.boundary,
             rms_gradient: if self.share.is_whole() {
                 OnceLock::new()
             } else {
@@ -254,7 +261,7 @@ impl RigidSurface {
             let units = Units::of_surface(self);
             let clearance: Vec<f64> = self.clearance.iter().map(|c| c / units.length()).collect();
             let grid = units.grid(&self.grid);
-            let gradient = if self.repeats {
+            let gradient = if self.boundary == Boundary::Periodic {
                 Moments::over(&clearance, &grid, &self.share).map(|moments| moments.rms_gradient())
             } else {
                 let Ok(clearance) = Array2::from_shape_vec(self.grid.points(), clearance) else { return f64::NAN };

@@ -10,9 +10,8 @@ use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Variables as _, Visit, Watch, worst};
 use gfmd_response::{PlateResponse, PlateTransforms};
 use gfmd_vector::with_contiguous;
-use ndarray::{Array2, ArrayRef2};
+use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
-use crate::fields::fields_of;
 use crate::refine::{Refined, refine};
 use crate::solution::Conditions;
 use crate::{
@@ -296,7 +295,21 @@ impl SqueezedSolution {
 }
 
 impl Fields for SqueezedSolution {
-    fields_of!(upper);
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.upper.pressure()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.upper.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.upper.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.upper.mean_pressure
+    }
 
     fn approach(&self) -> f64 {
         self.approach

@@ -4,17 +4,16 @@ use std::sync::Arc;
 
 use gfmd_field::{Grid, ShapeError, Spline};
 use gfmd_green::Body;
-use gfmd_measure::{Scales, Summary};
+use gfmd_measure::Scales;
 use gfmd_relax::{Anderson, Budget, Divergence, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
 use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
 use gfmd_vector::{contiguous, dot, for_each, with_contiguous};
 use ndarray::{Array2, ArrayRef2};
 
-use crate::fields::fields_of;
 use crate::solution::{Conditions, field};
 use crate::{
-    Contact, Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, RigidSurface, Solution, SolveError, Solver,
-    judge,
+    Contact, Drive, Effort, Equilibrium, Fields as _, Load, Refusal, Resumable, RigidSurface, Solution, SolveError,
+    Solved, Solver, judge,
 };
 
 /// A rigid rough surface above an elastic one, without friction or adhesion, where slopes are not small: a point x of the
@@ -391,28 +390,20 @@ impl Resumable for SteepContact {
     }
 }
 
-impl Fields for SteepSolution {
-    fields_of!(normal);
-
-    fn approach(&self) -> f64 {
-        self.normal.approach
+impl Solved for SteepSolution {
+    fn solution(&self) -> &Solution {
+        &self.normal
     }
 
-    fn effort(&self) -> Effort {
-        self.normal.effort
+    fn further_residual(&self) -> Option<(&'static str, f64)> {
+        Some(("lateral_displacement", self.lateral_residual))
     }
 
-    fn residuals(&self) -> Vec<(&'static str, f64)> {
-        let mut residuals = self.normal.residuals();
-        residuals.push(("lateral_displacement", self.lateral_residual));
-        residuals
+    fn stored_energy(&self) -> Option<f64> {
+        Some(self.elastic_energy)
     }
 
-    fn scales(&self) -> Scales {
-        self.scales
-    }
-
-    fn summary_in(&self, scales: &Scales) -> Summary {
-        Summary { elastic_energy: self.elastic_energy, ..self.normal.summary_in(scales) }
+    fn reduced_by(&self) -> Option<Scales> {
+        Some(self.scales)
     }
 }

@@ -1,7 +1,7 @@
 //! The cells of a grid with their faces, and the equations of those through which something flows.
 
 use gfmd_field::Grid;
-use gfmd_measure::{Patches, Surroundings};
+use gfmd_measure::{Boundary, Patches};
 use ndarray::ArrayView2;
 use rayon::prelude::*;
 
@@ -84,7 +84,7 @@ impl Potential {
 pub(crate) struct Cells<'a> {
     grid: Grid,
     conductivity: &'a [f64],
-    surroundings: Surroundings,
+    boundary: Boundary,
     /// The axis of the gradient.
     axis: usize,
     /// The cells through which something flows.
@@ -97,12 +97,12 @@ impl<'a> Cells<'a> {
     pub(crate) fn new(
         grid: &Grid,
         conductivity: &'a [f64],
-        surroundings: Surroundings,
+        boundary: Boundary,
         numbering: &'a Numbering,
         axis: usize,
     ) -> Self {
         let [dx, dy] = grid.spacing();
-        Self { grid: *grid, conductivity, surroundings, axis, numbering, shape: [dy / dx, dx / dy] }
+        Self { grid: *grid, conductivity, boundary, axis, numbering, shape: [dy / dx, dx / dy] }
     }
 
     /// The width of a face across the gradient.
@@ -132,7 +132,7 @@ impl<'a> Cells<'a> {
         let (n, stride) = if axis == 0 { (points[0], points[1]) } else { (points[1], 1) };
         let at_edge = if far { index + 1 == n } else { index == 0 };
         let (here, distance) = (self.conductivity[cell], spacing[axis]);
-        if at_edge && self.surroundings == Surroundings::Ends {
+        if at_edge && self.boundary == Boundary::Free {
             // The reservoirs lie at the edges along the gradient.
             let face = Face { beside: None, conductance: 2.0 * here * self.shape[axis], distance: 0.5 * distance };
             return (axis == self.axis).then_some(face);
@@ -184,7 +184,7 @@ impl<'a> Cells<'a> {
 
     /// True if the equations of other cells are the same, but for the gradient.
     pub(crate) fn has_equations_of(&self, other: &Self) -> bool {
-        self.surroundings == Surroundings::Repeats && std::ptr::eq(self.numbering, other.numbering)
+        self.boundary == Boundary::Periodic && std::ptr::eq(self.numbering, other.numbering)
     }
 
     /// The flow in the part of cells with the numbers from `start`.
@@ -232,7 +232,7 @@ impl<'a> Cells<'a> {
             sections[part.first..].iter_mut().zip(part.sections).for_each(|(sum, section)| *sum += section);
             missing.extend(part.missing);
         }
-        if self.surroundings == Surroundings::Repeats {
+        if self.boundary == Boundary::Periodic {
             sections[0] = sections[points[self.axis]];
         }
         let area = lengths[0] * lengths[1];
@@ -286,6 +286,6 @@ fn mean(a: f64, b: f64) -> f64 {
 }
 
 /// The patches of cells that conduct.
-pub(crate) fn conducting(conductivity: ArrayView2<f64>, surroundings: Surroundings) -> Patches {
-    Patches::of(conductivity.mapv(|k| k > 0.0).view(), surroundings)
+pub(crate) fn conducting(conductivity: ArrayView2<f64>, boundary: Boundary) -> Patches {
+    Patches::of(conductivity.mapv(|k| k > 0.0).view(), boundary)
 }

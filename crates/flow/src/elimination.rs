@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::graph::{Graph, total};
 use crate::numbering::Numbering;
-use crate::remaining::{Kept, Remaining};
+use crate::remaining::{KeptEdge, Remaining};
 
 /// The factors of the elimination of some nodes, which have the numbers from 0 on; further numbers are those of other nodes.
 #[derive(Default)]
@@ -49,7 +49,7 @@ impl Elimination {
         let start = numbering.border();
         let ranges: Vec<Range<usize>> = numbering.blocks().collect();
         let made = |(place, nodes): (usize, Range<usize>)| Block::of(graph, nodes, start, place as u64 + 1);
-        let made: Vec<(Block, Vec<Kept>)> = ranges.into_par_iter().enumerate().map(made).collect();
+        let made: Vec<(Block, Vec<KeptEdge>)> = ranges.into_par_iter().enumerate().map(made).collect();
         let size = graph.len() - start;
         let mut remaining = Remaining::new(size, size + 1, 0);
         for node in 0..size {
@@ -116,7 +116,7 @@ impl Elimination {
 
 impl Block {
     /// Eliminates some nodes; also returns the edges between places on the border, which begins at the node `start`.
-    fn of(graph: &Graph, nodes: Range<usize>, start: usize, seed: u64) -> (Self, Vec<Kept>) {
+    fn of(graph: &Graph, nodes: Range<usize>, start: usize, seed: u64) -> (Self, Vec<KeptEdge>) {
         let reservoir = (graph.len() - start) as u32;
         let to_border = |node: usize| {
             let outside = (graph.outside(node) > 0.0).then_some(reservoir);

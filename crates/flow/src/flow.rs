@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use gfmd_measure::Surroundings;
+use gfmd_measure::Boundary;
 use ndarray::{Array2, ArrayView2};
 
 use crate::cells::{Balance, Cells, conducting};
@@ -71,7 +71,7 @@ pub enum FlowError {
 ///
 /// # Errors
 /// Unusable conductivities; a balance that is not met to [`TOLERANCE`].
-pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, surroundings: Surroundings) -> Result<Flow, FlowError> {
+pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary) -> Result<Flow, FlowError> {
     let (found, expected) = (conductivity.dim().into(), grid.points());
     if found != expected {
         return Err(FlowError::Shape { found, expected });
@@ -86,15 +86,15 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, surroundings: Surroundin
     let unit = conductivity.iter().copied().fold(0.0, f64::max);
     let scaled: Vec<f64> = conductivity.iter().map(|k| if *k > 0.0 { k / unit } else { 0.0 }).collect();
     let scaled_field = ArrayView2::from_shape(expected, &scaled).map_err(|_| FlowError::Shape { found, expected })?;
-    let patches = conducting(scaled_field, surroundings);
+    let patches = conducting(scaled_field, boundary);
     let percolates = patches.percolate();
     // Usually the same patches conduct along both axes.
     let chosen = [0, 1].map(|axis| patches.patches.iter().map(|patch| patch.percolates[axis]).collect::<Vec<bool>>());
-    let numbering = |axis: usize| Numbering::new(grid, surroundings, &patches, &chosen[axis]);
+    let numbering = |axis: usize| Numbering::new(grid, boundary, &patches, &chosen[axis]);
     let along_x = numbering(0);
     let along_y = (chosen[0] != chosen[1]).then(|| numbering(1));
     let numberings = [&along_x, along_y.as_ref().unwrap_or(&along_x)];
-    let [x, y] = [0, 1].map(|axis| Cells::new(grid, &scaled, surroundings, numberings[axis], axis));
+    let [x, y] = [0, 1].map(|axis| Cells::new(grid, &scaled, boundary, numberings[axis], axis));
     let solved = |cells: &Cells, found, iterations| Solved::new(cells, found, iterations, expected, unit);
     let solved: [Option<Solved>; 2] = if percolates == [true; 2] && x.has_equations_of(&y) {
         let ([of_x, of_y], iterations) = search([&x, &y]);

@@ -8,13 +8,13 @@
 //!
 //! ```
 //! use gfmd_field::Grid;
-//! use gfmd_flow::{Surroundings, flow};
+//! use gfmd_flow::{Boundary, flow};
 //! use ndarray::Array2;
 //!
 //! // Channels along x, of conductivity 1 and 3 in turn.
 //! let grid = Grid::square(16, 1.0)?;
 //! let channels = Array2::from_shape_fn((16, 16), |(_, j)| if j % 4 < 2 { 1.0 } else { 3.0 });
-//! let found = flow(&grid, channels.view(), Surroundings::Repeats)?;
+//! let found = flow(&grid, channels.view(), Boundary::Periodic)?;
 //! let [[along, _], [_, across]] = found.conductivity;
 //! assert!((along - 2.0).abs() < 1e-6 && (across - 1.5).abs() < 1e-6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,5 +37,5 @@ mod search;
 const PART: usize = 1 << 12;
 
 pub use flow::{Flow, FlowError, Path, flow};
-pub use gfmd_measure::Surroundings;
+pub use gfmd_measure::Boundary;
 pub use search::TOLERANCE;

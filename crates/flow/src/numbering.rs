@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use gfmd_field::Grid;
-use gfmd_measure::{Patches, Surroundings};
+use gfmd_measure::{Boundary, Patches};
 
 /// The number of a cell that takes no part.
 pub(crate) const CLOSED: u32 = u32::MAX;
@@ -27,9 +27,9 @@ pub(crate) struct Numbering {
 
 impl Numbering {
     /// Numbers the cells of these patches.
-    pub(crate) fn new(grid: &Grid, surroundings: Surroundings, patches: &Patches, chosen: &[bool]) -> Self {
+    pub(crate) fn new(grid: &Grid, boundary: Boundary, patches: &Patches, chosen: &[bool]) -> Self {
         let points = grid.points();
-        let [rows, columns] = points.map(|n| Axis::new(n, surroundings));
+        let [rows, columns] = points.map(|n| Axis::new(n, boundary));
         let blocks = rows.blocks * columns.blocks;
         let class = |cell: usize, label: u32| {
             let [i, j] = [cell / points[1], cell % points[1]];
@@ -90,8 +90,8 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(points: usize, surroundings: Surroundings) -> Self {
-        Self { points, blocks: (points / BLOCK).max(1), repeats: surroundings == Surroundings::Repeats }
+    fn new(points: usize, boundary: Boundary) -> Self {
+        Self { points, blocks: (points / BLOCK).max(1), repeats: boundary == Boundary::Periodic }
     }
 
     fn block(&self, index: usize) -> usize {

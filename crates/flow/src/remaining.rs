@@ -25,7 +25,7 @@ pub(crate) struct Neighbour {
 }
 
 /// An edge between two nodes that are not eliminated.
-pub(crate) type Kept = (u32, u32, f64);
+pub(crate) type KeptEdge = (u32, u32, f64);
 
 /// The graph that is left. The two directions of an edge have the numbers 2k and 2k + 1. The nodes from `own` on are not eliminated.
 pub(crate) struct Remaining {
@@ -34,7 +34,7 @@ pub(crate) struct Remaining {
     degrees: Vec<u32>,
     own: usize,
     /// The edges between nodes that are not eliminated.
-    pub(crate) kept: Vec<Kept>,
+    pub(crate) kept: Vec<KeptEdge>,
     /// Number of samples taken.
     samples: u64,
 }

@@ -2,7 +2,7 @@
 //! and the stiffness of the law (theory.md, section 8).
 
 use gfmd_relax::{
-    Bounds, Budget, Ending, Fire, Landscape, Method as _, Onlooker, RelaxError, Visit, Watch, Why, relax_until,
+    Bounds, Budget, Ending, Fire, InnerWatch, Landscape, Method as _, RelaxError, Visit, Watch, Why, relax_until,
 };
 use gfmd_response::Transforms;
 use gfmd_vector::{for_each, sum, total};
@@ -53,7 +53,7 @@ pub(crate) fn relax_to_rest(
             &mut state,
             &left,
             &mut |_, state| certify(interface, frame, &state.u).residual.worst(),
-            &mut Onlooker {
+            &mut InnerWatch {
                 before: iterations,
                 outer: |visitor: &mut dyn Visit| {
                     visitor.count(&mut attempt);

@@ -220,8 +220,9 @@ impl FrictionalContact {
                 tolerance: SHARE * budget.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32)),
                 max_iterations: budget.max_iterations.saturating_sub(iterations),
             };
-            let mut onlooker = |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now });
-            let pressed = increment.press(&part, &mut onlooker)?;
+            let mut part_watch =
+                |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now });
+            let pressed = increment.press(&part, &mut part_watch)?;
             if let Ending::GaveUp(_) = pressed.ending {
                 ending = pressed.ending;
                 break;
@@ -229,8 +230,9 @@ impl FrictionalContact {
             if pressed.ending == Ending::Converged {
                 iterations += pressed.reached.iteration;
             }
-            let mut onlooker = |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now });
-            let sheared = increment.shear(&part, &mut onlooker);
+            let mut part_watch =
+                |now: &Progress| watch.see(&Progress { iteration: iterations + now.iteration, ..*now });
+            let sheared = increment.shear(&part, &mut part_watch);
             increment.lift(if round < WHOLE_ROUNDS { 1.0 } else { PART });
             iterations += sheared.steps;
             if pressed.ending == Ending::Interrupted || sheared.ending == Ending::Interrupted {

@@ -1,13 +1,12 @@
 //! A hard wall whose plastic depth stays, along a path.
 
 use gfmd_contact::{
-    Contact, Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Resumable, Solution, SolveError, Solver,
+    Contact, Drive, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, Solution, SolveError, Solved, Solver,
     Visit,
 };
-use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Watch};
 use gfmd_vector::with_contiguous;
-use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
+use ndarray::{Array2, ArrayRef2};
 
 use crate::path::{Loss, Quasistatic, Reading};
 
@@ -116,41 +115,9 @@ fn saturated(solution: &Solution, hardness: &Hardness, stiffest: f64) -> f64 {
     count as f64 / pressure.len() as f64
 }
 
-impl Fields for PlasticState {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.solution.pressure()
-    }
-
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.solution.displacement_z()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.solution.gap()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.solution.mean_pressure()
-    }
-
-    fn approach(&self) -> f64 {
-        self.solution.approach()
-    }
-
-    fn effort(&self) -> Effort {
-        self.solution.effort()
-    }
-
-    fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.solution.residuals()
-    }
-
-    fn scales(&self) -> Scales {
-        self.solution.scales()
-    }
-
-    fn summary_in(&self, scales: &Scales) -> Summary {
-        self.solution.summary_in(scales)
+impl Solved for PlasticState {
+    fn solution(&self) -> &Solution {
+        &self.solution
     }
 }
 

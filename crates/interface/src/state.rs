@@ -155,8 +155,8 @@ impl Fields for State {
     /// over pressure has no meaning then.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let repulsion = self.repulsion();
-        let (displacement, gap, surroundings) = (self.displacement_z(), self.gap(), self.surface.surroundings());
-        let summary = Summary::of(repulsion.view(), displacement, gap, self.mean_pressure, scales, surroundings);
+        let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());
+        let summary = Summary::of(repulsion.view(), displacement, gap, self.mean_pressure, scales, boundary);
         let is_pressed = self.mean_pressure > LEAST_LOAD * summary.max_pressure;
         Summary {
             kappa: if is_pressed { summary.kappa } else { f64::NAN },

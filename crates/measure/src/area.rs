@@ -1,7 +1,7 @@
 use gfmd_vector::{Share, contiguous};
 use ndarray::ArrayView2;
 
-use crate::Surroundings;
+use crate::Boundary;
 
 /// The part of the surface in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,31 +25,26 @@ pub struct ContactArea {
 
 /// Measures the contact of a `[x, y]` pressure field (stress) with this boundary condition. Points with a pressure
 /// above zero are in contact.
-pub fn contact_area(pressure: ArrayView2<f64>, surroundings: Surroundings) -> ContactArea {
+pub fn contact_area(pressure: ArrayView2<f64>, boundary: Boundary) -> ContactArea {
     let (rows, columns) = pressure.dim();
-    contact_area_over(&Share::whole(rows, columns), columns, &contiguous(&pressure), surroundings)
+    contact_area_over(&Share::whole(rows, columns), columns, &contiguous(&pressure), boundary)
 }
 
 /// Measures the contact of a pressure field of which each process has its rows of `columns` values.
-pub(crate) fn contact_area_over(
-    share: &Share,
-    columns: usize,
-    points: &[f64],
-    surroundings: Surroundings,
-) -> ContactArea {
+pub(crate) fn contact_area_over(share: &Share, columns: usize, points: &[f64], boundary: Boundary) -> ContactArea {
     let rows = || points.chunks_exact(columns.max(1));
     let is_last = share.rows().end == share.all_rows().iter().map(|rows| rows.end).max().unwrap_or(0);
     let after = match (rows().next(), rows().last()) {
         (Some(first), Some(last)) => {
             let [_, after] = share.beside(first, last);
             // Pairs of a row with itself are no links.
-            if is_last && surroundings == Surroundings::Ends { last.to_vec() } else { after }
+            if is_last && boundary == Boundary::Free { last.to_vec() } else { after }
         }
         _ => Vec::new(),
     };
-    let around = |row: &[f64]| match surroundings {
-        Surroundings::Repeats => links(&row[..1], &row[columns - 1..]),
-        Surroundings::Ends => 0,
+    let around = |row: &[f64]| match boundary {
+        Boundary::Periodic => links(&row[..1], &row[columns - 1..]),
+        Boundary::Free => 0,
     };
     let (mut nodes, mut boundary_links) = (0, 0);
     for (row, next) in rows().zip(rows().skip(1).chain([&after[..]])) {
@@ -74,7 +69,7 @@ fn links(here: &[f64], there: &[f64]) -> u64 {
 mod tests {
     use super::*;
     use crate::Patches;
-    use Surroundings::{Ends, Repeats};
+    use Boundary::{Free, Periodic};
     use ndarray::Array2;
 
     #[test]
@@ -86,7 +81,7 @@ mod tests {
             })
         };
         let n = 512;
-        let area = contact_area(disc(n, 0.3).view(), Repeats);
+        let area = contact_area(disc(n, 0.3).view(), Periodic);
         // The pixel perimeter of a disc is 8 r, not 2 π r.
         assert!((area.boundary_links as f64 / n as f64 - 8.0 * 0.3).abs() < 4.0 / n as f64);
         let ring = (std::f64::consts::PI - 1.0 + std::f64::consts::LN_2) / 24.0 / n as f64;
@@ -96,7 +91,7 @@ mod tests {
     #[test]
     fn full_and_empty_contact_have_no_boundary() {
         for value in [0.0, 1.0] {
-            let area = contact_area(Array2::from_elem((5, 7), value).view(), Repeats);
+            let area = contact_area(Array2::from_elem((5, 7), value).view(), Periodic);
             assert_eq!((area.boundary_links, area.corrected_fraction, area.fraction), (0, value, value));
         }
     }
@@ -105,11 +100,14 @@ mod tests {
     fn a_transposed_field_has_the_same_contact() {
         let field = Array2::from_shape_fn((5, 7), |(i, j)| (0.9 * i as f64 + 0.4 * (j * j) as f64).sin());
         let copied = Array2::from_shape_fn((7, 5), |(j, i)| field[[i, j]]);
-        assert_eq!(contact_area(field.t(), Repeats), contact_area(copied.view(), Repeats));
-        assert_eq!(contact_area(field.t(), Repeats).boundary_links, contact_area(field.view(), Repeats).boundary_links);
+        assert_eq!(contact_area(field.t(), Periodic), contact_area(copied.view(), Periodic));
         assert_eq!(
-            contact_area(Array2::zeros((0, 3)).view(), Repeats).nodes
-                + contact_area(Array2::zeros((3, 0)).view(), Repeats).nodes,
+            contact_area(field.t(), Periodic).boundary_links,
+            contact_area(field.view(), Periodic).boundary_links
+        );
+        assert_eq!(
+            contact_area(Array2::zeros((0, 3)).view(), Periodic).nodes
+                + contact_area(Array2::zeros((3, 0)).view(), Periodic).nodes,
             0
         );
     }
@@ -118,9 +116,9 @@ mod tests {
     fn links_wrap_around() {
         let mut p = Array2::zeros((4, 6));
         p[[0, 0]] = 1.0;
-        assert_eq!(contact_area(p.view(), Repeats).boundary_links, 4);
+        assert_eq!(contact_area(p.view(), Periodic).boundary_links, 4);
         p[[3, 0]] = 1.0;
-        assert_eq!(contact_area(p.view(), Repeats).boundary_links, 6);
+        assert_eq!(contact_area(p.view(), Periodic).boundary_links, 6);
     }
 
     #[test]
@@ -139,13 +137,13 @@ mod tests {
                     if ends { seam += links } else { inside += links }
                 }
             }
-            let links = |surroundings| contact_area(p.view(), surroundings).boundary_links as u64;
-            assert_eq!((links(Ends), links(Repeats)), (inside, inside + seam));
-            for surroundings in [Ends, Repeats] {
-                let patches = Patches::of(p.mapv(|p| p > 0.0).view(), surroundings).patches;
+            let links = |boundary| contact_area(p.view(), boundary).boundary_links as u64;
+            assert_eq!((links(Free), links(Periodic)), (inside, inside + seam));
+            for boundary in [Free, Periodic] {
+                let patches = Patches::of(p.mapv(|p| p > 0.0).view(), boundary).patches;
                 let of_patches = patches.iter().map(|patch| patch.links.iter().sum::<u64>()).sum::<u64>();
                 // Two neighbours along an axis of two points that repeats are linked twice.
-                assert_eq!(of_patches, links(surroundings), "{rows} x {columns}, {surroundings:?}");
+                assert_eq!(of_patches, links(boundary), "{rows} x {columns}, {boundary:?}");
             }
         }
     }
@@ -154,7 +152,7 @@ mod tests {
     fn a_line_contact_is_not_corrected() {
         let mut p = Array2::zeros((8, 1));
         p[[2, 0]] = 1.0;
-        let area = contact_area(p.view(), Repeats);
+        let area = contact_area(p.view(), Periodic);
         assert_eq!((area.boundary_links, area.corrected_fraction), (2, 0.125));
     }
 }

@@ -373,7 +373,7 @@ fn near_closing(conductivity: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Surroundings, contact_area};
+    use crate::{Boundary, contact_area};
     use ndarray::Array2;
 
     /// Thirty discs of this radius (in points), each at a random place of its cell of the grid: their area over that of
@@ -394,7 +394,7 @@ mod tests {
                 field[[i, j]] += f64::from(u8::from(distance < radius));
             }
         }
-        let found = contact_area(field.view(), Surroundings::Repeats);
+        let found = contact_area(field.view(), Boundary::Periodic);
         let summary = Summary {
             mean_pressure: 0.01,
             p_star: 0.1,

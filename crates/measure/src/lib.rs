@@ -4,11 +4,11 @@
 //! come from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
 //! ```
-//! use gfmd_measure::{Surroundings, contact_area, kappa, theory};
+//! use gfmd_measure::{Boundary, contact_area, kappa, theory};
 //! use ndarray::array;
 //!
 //! let pressure = array![[0.0, 0.0, 0.0, 0.0], [0.0, 2.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
-//! let area = contact_area(pressure.view(), Surroundings::Repeats);
+//! let area = contact_area(pressure.view(), Boundary::Periodic);
 //! assert_eq!(area.nodes, 2);
 //! assert_eq!(area.fraction, 2.0 / 16.0);
 //! assert_eq!(area.boundary_links, 6);
@@ -21,6 +21,7 @@
 //! Not here: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
 
 mod area;
+mod boundary;
 mod distribution;
 mod grid_error;
 mod long_waves;
@@ -33,10 +34,11 @@ mod summary;
 pub mod theory;
 
 pub use area::{ContactArea, contact_area};
+pub use boundary::{Boundary, UnknownBoundary};
 pub use distribution::{Distribution, density_over_decades};
 pub use grid_error::{GridLimit, GridLimits, NoLimit, Refined};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
-pub use patches::{Patch, Patches, Surroundings};
+pub use patches::{Patch, Patches};
 pub use peak::{Peak, top};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, ShapesDiffer, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;

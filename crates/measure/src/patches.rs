@@ -1,13 +1,6 @@
 use ndarray::{Array2, ArrayView2};
 
-/// Boundary condition of a field.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Surroundings {
-    /// Periodic: points at opposite edges are neighbours.
-    Repeats,
-    /// The field does not repeat: points at an edge have no neighbours beyond it.
-    Ends,
-}
+use crate::Boundary;
 
 /// A connected patch of points. Neighbours are those along x and along y, four in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,11 +29,11 @@ pub struct Patches {
 
 impl Patches {
     /// The patches of the points at which the field `belongs` is true.
-    pub fn of(belongs: ArrayView2<bool>, surroundings: Surroundings) -> Self {
+    pub fn of(belongs: ArrayView2<bool>, boundary: Boundary) -> Self {
         let (nx, ny) = belongs.dim();
         let mut groups = Groups::default();
         let mut labels = inside(belongs, &mut groups);
-        if surroundings == Surroundings::Repeats {
+        if boundary == Boundary::Periodic {
             // An axis with one point has no neighbours along it.
             (0..ny).filter(|_| nx > 1).for_each(|j| groups.join([labels[[nx - 1, j]], labels[[0, j]]], [1, 0]));
             (0..nx).filter(|_| ny > 1).for_each(|i| groups.join([labels[[i, ny - 1]], labels[[i, 0]]], [0, 1]));
@@ -67,11 +60,11 @@ impl Patches {
             }
         });
         let mut made = Self { labels, patches };
-        made.measure(surroundings);
+        made.measure(boundary);
         made
     }
 
-    fn measure(&mut self, surroundings: Surroundings) {
+    fn measure(&mut self, boundary: Boundary) {
         let (nx, ny) = self.labels.dim();
         let Self { labels, patches } = self;
         let mut reached = vec![[[false; 2]; 2]; patches.len()];
@@ -83,17 +76,17 @@ impl Patches {
                 for (step, leaves) in [(n - 1, index == 0), (1, index + 1 == n)] {
                     let mut beside = [i, j];
                     beside[axis] = (index + step) % n;
-                    let is_edge = leaves && surroundings == Surroundings::Ends;
+                    let is_edge = leaves && boundary == Boundary::Free;
                     patches[number].links[axis] += u64::from(!is_edge && labels[beside] == 0);
                 }
             }
         }
         for (patch, reached) in patches.iter_mut().zip(reached) {
             for (axis, n) in [nx, ny].into_iter().enumerate() {
-                if surroundings == Surroundings::Ends {
+                if boundary == Boundary::Free {
                     patch.percolates[axis] = n > 1 && reached[axis] == [true; 2];
                 }
-                let winds = surroundings == Surroundings::Repeats && patch.percolates[axis];
+                let winds = boundary == Boundary::Periodic && patch.percolates[axis];
                 let mean = (patch.centre[axis] / patch.points as f64).rem_euclid(n as f64);
                 patch.centre[axis] = if winds { f64::NAN } else { mean };
             }
@@ -233,21 +226,21 @@ mod tests {
         Array2::from_shape_fn((rows.len(), rows[0].len()), |(i, j)| rows[i].as_bytes()[j] == b'#')
     }
 
-    fn found(rows: &[&str], surroundings: Surroundings) -> Patches {
-        Patches::of(drawn(rows).view(), surroundings)
+    fn found(rows: &[&str], boundary: Boundary) -> Patches {
+        Patches::of(drawn(rows).view(), boundary)
     }
 
     #[test]
     fn patches_are_joined_across_the_seam_and_only_if_the_field_repeats() {
         let rows = ["#..#", "....", ".#..", "#..."];
-        let joined = found(&rows, Surroundings::Repeats);
+        let joined = found(&rows, Boundary::Periodic);
         assert_eq!(joined.patches.iter().map(|patch| patch.points).collect::<Vec<_>>(), [3, 1]);
         assert_eq!(joined.labels[[0, 0]], joined.labels[[0, 3]]);
         // Corners at (0, 0), (0, −1) and (−1, 0).
         assert_eq!(joined.patches[0].centre.map(|c| (c * 3.0).round()), [11.0, 11.0]);
         assert_eq!(joined.patches[0].links, [4, 4]);
         assert_eq!(joined.percolate(), [false; 2]);
-        let apart = found(&rows, Surroundings::Ends);
+        let apart = found(&rows, Boundary::Free);
         assert_eq!(apart.patches.iter().map(|patch| patch.points).collect::<Vec<_>>(), [1; 4]);
         let links: Vec<[u64; 2]> = apart.patches.iter().map(|patch| patch.links).collect();
         assert_eq!(links, [[1, 1], [1, 1], [2, 2], [1, 1]]);
@@ -256,34 +249,34 @@ mod tests {
     #[test]
     fn winding_is_told_from_touching_all_edges() {
         let band = ["....", "####", "....", "...."];
-        for surroundings in [Surroundings::Repeats, Surroundings::Ends] {
-            assert_eq!(found(&band, surroundings).percolate(), [false, true]);
+        for boundary in [Boundary::Periodic, Boundary::Free] {
+            assert_eq!(found(&band, boundary).percolate(), [false, true]);
         }
         // Reaches all edges, but winds around none.
         let broken = ["#...", "##..", ".###", "...#"];
-        assert_eq!(found(&broken, Surroundings::Ends).percolate(), [true, true]);
-        assert_eq!(found(&broken, Surroundings::Repeats).percolate(), [false, false]);
+        assert_eq!(found(&broken, Boundary::Free).percolate(), [true, true]);
+        assert_eq!(found(&broken, Boundary::Periodic).percolate(), [false, false]);
         let open = ["..#.", ".##.", ".#..", "...."];
-        assert_eq!(found(&open, Surroundings::Repeats).percolate(), [false, false]);
+        assert_eq!(found(&open, Boundary::Periodic).percolate(), [false, false]);
         // A step of (1, 1) around the cell winds both ways; two bands that meet only as images do not.
         let spiral = ["##...", ".##..", "..##.", "...##", "#...#"];
-        assert_eq!(found(&spiral, Surroundings::Repeats).percolate(), [true, true]);
-        assert_eq!(found(&spiral, Surroundings::Repeats).patches.len(), 1);
+        assert_eq!(found(&spiral, Boundary::Periodic).percolate(), [true, true]);
+        assert_eq!(found(&spiral, Boundary::Periodic).patches.len(), 1);
         let two_around = ["#.#.", "#.#.", "###.", "..#."];
-        let patches = found(&two_around, Surroundings::Repeats);
+        let patches = found(&two_around, Boundary::Periodic);
         assert_eq!((patches.percolate(), patches.patches.len()), ([true, false], 1));
         assert!(patches.patches[0].centre[0].is_nan() && patches.patches[0].centre[1].is_finite());
     }
 
     #[test]
     fn full_empty_and_flat_fields() {
-        let full = Patches::of(Array2::from_elem((3, 5), true).view(), Surroundings::Repeats);
+        let full = Patches::of(Array2::from_elem((3, 5), true).view(), Boundary::Periodic);
         assert_eq!((full.largest(), full.percolate(), full.patches[0].links), (15, [true; 2], [0; 2]));
-        let alone = Patches::of(Array2::from_elem((3, 5), true).view(), Surroundings::Ends);
+        let alone = Patches::of(Array2::from_elem((3, 5), true).view(), Boundary::Free);
         assert_eq!((alone.percolate(), alone.patches[0].links), ([true; 2], [0; 2]));
-        let empty = Patches::of(Array2::from_elem((3, 5), false).view(), Surroundings::Repeats);
+        let empty = Patches::of(Array2::from_elem((3, 5), false).view(), Boundary::Periodic);
         assert_eq!((empty.largest(), empty.percolate()), (0, [false; 2]));
-        let line = found(&["#", "#", ".", "#"], Surroundings::Repeats);
+        let line = found(&["#", "#", ".", "#"], Boundary::Periodic);
         assert_eq!((line.patches.len(), line.percolate(), line.patches[0].links), (1, [false; 2], [2, 0]));
     }
 
@@ -293,8 +286,8 @@ mod tests {
             (0.7 * i as f64 + (0.5 * j as f64).cos()).sin() + (1.3 * j as f64).sin() > 0.4
         });
         let pressure = field.mapv(|touches| if touches { 2.0 } else { 0.0 });
-        let area = crate::contact_area(pressure.view(), Surroundings::Repeats);
-        let patches = Patches::of(field.view(), Surroundings::Repeats);
+        let area = crate::contact_area(pressure.view(), Boundary::Periodic);
+        let patches = Patches::of(field.view(), Boundary::Periodic);
         assert_eq!(
             patches.patches.iter().map(|patch| patch.links[0] + patch.links[1]).sum::<u64>(),
             area.boundary_links as u64
@@ -305,7 +298,7 @@ mod tests {
         }
         // Moved around the cell, the patches are the same.
         let moved = Array2::from_shape_fn((37, 26), |(i, j)| field[[(i + 5) % 37, (j + 11) % 26]]);
-        let moved = Patches::of(moved.view(), Surroundings::Repeats);
+        let moved = Patches::of(moved.view(), Boundary::Periodic);
         let sorted = |patches: &Patches| {
             let mut all: Vec<_> = patches.patches.iter().map(|p| (p.points, p.links, p.percolates)).collect();
             all.sort();

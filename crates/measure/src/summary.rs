@@ -5,7 +5,7 @@ use ndarray::ArrayView2;
 
 use crate::area::contact_area_over;
 use crate::pressure::{InContact, elastic_energy_over};
-use crate::{Surroundings, kappa, reduced_pressure};
+use crate::{Boundary, kappa, reduced_pressure};
 
 /// The scales of reduced quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,11 +59,11 @@ impl Summary {
         gap: ArrayView2<f64>,
         mean_pressure: f64,
         scales: &Scales,
-        surroundings: Surroundings,
+        boundary: Boundary,
     ) -> Self {
         let (rows, columns) = pressure.dim();
         let fields = [pressure, displacement_z, gap];
-        Self::over(&Share::whole(rows, columns), fields, mean_pressure, scales, surroundings)
+        Self::over(&Share::whole(rows, columns), fields, mean_pressure, scales, boundary)
     }
 
     /// Measures `fields` (pressure, displacement, gap) of which each process has the rows of its `share`. All processes
@@ -73,12 +73,12 @@ impl Summary {
         fields: [ArrayView2<f64>; 3],
         mean_pressure: f64,
         scales: &Scales,
-        surroundings: Surroundings,
+        boundary: Boundary,
     ) -> Self {
         let columns = fields[0].ncols();
         let fields = fields.each_ref().map(|field| contiguous(field));
         let [pressure, displacement_z, gap] = fields.each_ref().map(|field| &**field);
-        let area = contact_area_over(share, columns, pressure, surroundings);
+        let area = contact_area_over(share, columns, pressure, boundary);
         let contact = InContact::of(share, pressure);
         let alike = gap.len() == pressure.len();
         let gaps = |range: Range<usize>| gap.get(range).filter(|_| alike).map_or(f64::NAN, |gap| gap.iter().sum());
@@ -142,7 +142,7 @@ mod tests {
         let of = |displacement: [usize; 2], gap: [usize; 2]| {
             let pressure = Array2::from_elem((2, 3), 1.0);
             let [displacement, gap] = [displacement, gap].map(|shape| Array2::from_elem(shape, -0.5));
-            Summary::of(pressure.view(), displacement.view(), gap.view(), 1.0, &scales, Surroundings::Repeats)
+            Summary::of(pressure.view(), displacement.view(), gap.view(), 1.0, &scales, Boundary::Periodic)
         };
         let whole = of([2, 3], [2, 3]);
         assert_eq!((whole.elastic_energy, whole.mean_gap), (0.25, -0.5));

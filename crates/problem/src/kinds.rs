@@ -5,8 +5,8 @@ use gfmd_contact::{
     SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    FrictionState, FrictionalContact, Interface, Kept, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,
-    Trapping,
+    FrictionState, FrictionalContact, Interface, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,
+    StoredFields, Trapping,
 };
 use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
 use gfmd_wear::{WearContact, WearState};
@@ -20,13 +20,13 @@ fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRe
     fields.try_into().map_err(|_| Refusal::Basis { found: fields.len(), expected: N })
 }
 
-/// The approach of kept fields. Where the displacement has no level it has no value in a file; the fields of the state have
+/// The approach of stored fields. Where the displacement has no level it has no value in a file; the fields of the state have
 /// one of their own.
-fn approach(kept: &Kept<'_>, clearance: &[f64]) -> f64 {
-    if !kept.approach.is_nan() {
-        return kept.approach;
+fn approach(stored: &StoredFields<'_>, clearance: &[f64]) -> f64 {
+    if !stored.approach.is_nan() {
+        return stored.approach;
     }
-    let fields = kept.gap.iter().zip(kept.displacement_z);
+    let fields = stored.gap.iter().zip(stored.displacement_z);
     let sum: f64 = clearance.iter().zip(fields).map(|(clearance, (gap, u))| clearance - gap - u).sum();
     sum / clearance.len() as f64
 }
@@ -41,9 +41,9 @@ impl Kind for Contact {
         Contact::certify(self, pressure, drive.load)
     }
 
-    fn recall(&self, kept: Kept<'_>, _: Option<&ArrayRef2<f64>>) -> Result<Solution, Refusal> {
-        let approach = approach(&kept, Contact::surface(self).clearance());
-        Contact::certify(self, kept.pressure, Load::Approach(approach))
+    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<Solution, Refusal> {
+        let approach = approach(&stored, Contact::surface(self).clearance());
+        Contact::certify(self, stored.pressure, Load::Approach(approach))
     }
 
     fn stiffness(&self, state: &Solution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
@@ -68,9 +68,9 @@ impl Kind for FullContact {
         FullContact::certify(self, pressure, drive.load)
     }
 
-    fn recall(&self, kept: Kept<'_>, _: Option<&ArrayRef2<f64>>) -> Result<FullSolution, Refusal> {
-        let mean = kept.pressure.mean().unwrap_or(f64::NAN);
-        FullContact::certify(self, kept.pressure, Load::MeanPressure(mean))
+    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<FullSolution, Refusal> {
+        let mean = stored.pressure.mean().unwrap_or(f64::NAN);
+        FullContact::certify(self, stored.pressure, Load::MeanPressure(mean))
     }
 
     fn stiffness(&self, _: &FullSolution, _: f64) -> Result<Stiffness, NoStiffness> {
@@ -110,9 +110,9 @@ impl Kind for SqueezedContact {
         SqueezedContact::certify(self, all(fields)?, drive.load)
     }
 
-    fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<SqueezedSolution, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<SqueezedSolution, Refusal> {
         let lower = lower.ok_or(Refusal::Basis { found: 1, expected: 2 })?;
-        SqueezedContact::certify(self, [kept.pressure, lower], Load::Approach(kept.approach))
+        SqueezedContact::certify(self, [stored.pressure, lower], Load::Approach(stored.approach))
     }
 
     fn stiffness(&self, _: &SqueezedSolution, _: f64) -> Result<Stiffness, NoStiffness> {
@@ -134,9 +134,9 @@ impl Kind for Interface {
         Interface::certify(self, gap, pressure, drive)
     }
 
-    fn recall(&self, kept: Kept<'_>, _: Option<&ArrayRef2<f64>>) -> Result<State, Refusal> {
-        let approach = approach(&kept, Interface::surface(self).clearance());
-        Interface::recall(self, Kept { approach, ..kept })
+    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<State, Refusal> {
+        let approach = approach(&stored, Interface::surface(self).clearance());
+        Interface::recall(self, StoredFields { approach, ..stored })
     }
 
     fn stiffness(&self, _: &State, _: f64) -> Result<Stiffness, NoStiffness> {

@@ -49,7 +49,7 @@ pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
 pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 pub use grid_error::GridError;
-pub use memory::Held;
+pub use memory::MemoryNeed;
 pub use moduli::Moduli;
 pub use pose::{Given, pose};
 pub use posed::{Kind, NoStiffness, Posed, Rest, State};

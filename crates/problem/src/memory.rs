@@ -5,9 +5,9 @@ use crate::unknown::Unknown;
 
 /// The number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held(pub u64);
+pub struct MemoryNeed(pub u64);
 
-impl Held {
+impl MemoryNeed {
     /// A contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
     /// A contact with a hard wall under one load, which starts from no other one.
@@ -51,24 +51,24 @@ impl Held {
 
 impl Facts {
     /// The memory that the problem needs, which `only` one load without its statistics makes less.
-    pub fn held(&self, only: bool) -> Held {
+    pub fn memory_need(&self, only: bool) -> MemoryNeed {
         let is_free = self.boundary == Boundary::Free;
         match self.task {
-            Task::Loads if self.finite_slope => Held::STEEP,
-            Task::Loads if self.unknown == Unknown::All => Held::WALL_ALL_COMPONENTS,
-            Task::Loads if self.lower.is_some() => Held::SQUEEZED,
-            Task::Loads if self.has_law() && is_free => Held::LAW_FREE,
-            Task::Loads if self.has_law() => Held::LAW,
-            Task::Loads if self.hardness || is_free => Held::FREE,
-            Task::Loads if only => Held::HARD_WALL_ONCE,
-            Task::Loads => Held::HARD_WALL,
-            Task::Path if self.wears && is_free => Held::WEAR_FREE,
-            Task::Path if self.wears => Held::WEAR,
-            Task::Path if self.is_wall_on_path() => Held::FREE,
-            Task::Path if self.moves_sideways() && is_free => Held::ALL_COMPONENTS_FREE,
-            Task::Path if self.moves_sideways() => Held::ALL_COMPONENTS,
-            Task::Path if is_free => Held::PATH_FREE,
-            Task::Path => Held::PATH,
+            Task::Loads if self.finite_slope => MemoryNeed::STEEP,
+            Task::Loads if self.unknown == Unknown::All => MemoryNeed::WALL_ALL_COMPONENTS,
+            Task::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,
+            Task::Loads if self.has_law() && is_free => MemoryNeed::LAW_FREE,
+            Task::Loads if self.has_law() => MemoryNeed::LAW,
+            Task::Loads if self.hardness || is_free => MemoryNeed::FREE,
+            Task::Loads if only => MemoryNeed::HARD_WALL_ONCE,
+            Task::Loads => MemoryNeed::HARD_WALL,
+            Task::Path if self.wears && is_free => MemoryNeed::WEAR_FREE,
+            Task::Path if self.wears => MemoryNeed::WEAR,
+            Task::Path if self.is_wall_on_path() => MemoryNeed::FREE,
+            Task::Path if self.moves_sideways() && is_free => MemoryNeed::ALL_COMPONENTS_FREE,
+            Task::Path if self.moves_sideways() => MemoryNeed::ALL_COMPONENTS,
+            Task::Path if is_free => MemoryNeed::PATH_FREE,
+            Task::Path => MemoryNeed::PATH,
         }
     }
 }

@@ -4,7 +4,7 @@ use gfmd_contact::{
     Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Refusal, Resumable, RigidSurface,
     SolveError, Solver, Stiffness, Visit, Watch,
 };
-use gfmd_interface::{Kept, Loss, Quasistatic, Reading, Trapping};
+use gfmd_interface::{Loss, Quasistatic, Reading, StoredFields, Trapping};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
 
@@ -30,8 +30,8 @@ pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static 
     ///
     /// # Errors
     /// Fields of another size than the grid, or that are missing.
-    fn recall(&self, kept: Kept<'_>, _lower: Option<&ArrayRef2<f64>>) -> Result<Self::State, Refusal> {
-        self.certify(&[kept.pressure], Load::Approach(kept.approach).into())
+    fn recall(&self, stored: StoredFields<'_>, _lower: Option<&ArrayRef2<f64>>) -> Result<Self::State, Refusal> {
+        self.certify(&[stored.pressure], Load::Approach(stored.approach).into())
     }
 
     /// The stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
@@ -201,7 +201,7 @@ trait Erased: Send + Sync {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal>;
     fn basis(&self) -> &'static [&'static str];
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal>;
-    fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal>;
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal>;
     fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
     fn reading(&self, state: &Rest) -> Reading;
@@ -259,8 +259,8 @@ impl<K: Kind> Erased for K {
         Kind::certify(self, fields, drive).map(Rest::new)
     }
 
-    fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
-        Kind::recall(self, kept, lower).map(Rest::new)
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
+        Kind::recall(self, stored, lower).map(Rest::new)
     }
 
     fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness> {
@@ -331,8 +331,8 @@ impl Posed {
     ///
     /// # Errors
     /// Fields of another size than the grid, or that are missing.
-    pub fn recall(&self, kept: Kept<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
-        self.0.recall(kept, lower)
+    pub fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
+        self.0.recall(stored, lower)
     }
 
     /// The stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.

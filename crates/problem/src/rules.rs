@@ -10,10 +10,10 @@ use crate::grid_error::GridError;
 use crate::unknown::Unknown;
 
 /// The flag of a part, its value, and the words for it beside another part.
-type Told = (&'static str, &'static str, &'static str);
+type Words = (&'static str, &'static str, &'static str);
 
 macro_rules! parts {
-    ($($(#[$doc:meta])+ $part:ident: $told:expr, $test:expr;)+) => {
+    ($($(#[$doc:meta])+ $part:ident: $words:expr, $test:expr;)+) => {
         /// A part of a problem that does not go with some others.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Part { $($(#[$doc])+ $part),+ }
@@ -27,8 +27,8 @@ macro_rules! parts {
                 match self { $(Self::$part => { let test: fn(&Facts) -> bool = $test; test(facts) })+ }
             }
 
-            fn told(self, facts: &Facts) -> Told {
-                match self { $(Self::$part => { let told: fn(&Facts) -> Told = $told; told(facts) })+ }
+            fn words(self, facts: &Facts) -> Words {
+                match self { $(Self::$part => { let words: fn(&Facts) -> Words = $words; words(facts) })+ }
             }
         }
     };
@@ -259,7 +259,7 @@ pub struct Clash {
 impl fmt::Display for Clash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Rule { part, with, allowed, why } = self.rule;
-        let ((flag, found, _), (.., with)) = (part.told(&self.facts), with.told(&self.facts));
+        let ((flag, found, _), (.., with)) = (part.words(&self.facts), with.words(&self.facts));
         write!(f, "{flag} is {found}; it must be {allowed} with {with} ({why})")
     }
 }
@@ -293,7 +293,7 @@ impl Facts {
     pub fn check_gradient(&self) -> Result<(), Unusable> {
         let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self));
         found.map_or(Ok(()), |part| {
-            let (flag, found, _) = part.told(self);
+            let (flag, found, _) = part.words(self);
             Err(Unusable::of(format!("{flag} is {found}; it must be left out for derivatives (not implemented)")))
         })
     }
@@ -302,7 +302,7 @@ impl Facts {
 impl Part {
     /// The flag, with its value if it is one of several.
     fn given(self) -> String {
-        let (flag, found, _) = self.told(&Facts::default());
+        let (flag, found, _) = self.words(&Facts::default());
         if found == "given" || self == Self::Law { flag.to_owned() } else { format!("{flag} {found}") }
     }
 
@@ -329,30 +329,30 @@ impl Part {
 /// The rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
 pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
     let facts = Facts::default();
-    let mut told: Vec<(&str, Vec<String>)> = Vec::new();
+    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
     for Rule { part, with, .. } in RULES.iter().filter(|rule| rule.part.is_of(task) && rule.with.is_of(task)) {
-        let (part, (.., with)) = (part.given(), with.told(&facts));
+        let (part, (.., with)) = (part.given(), with.words(&facts));
         let words = format!("no {part}");
-        match told.iter_mut().find(|(other, _)| *other == with) {
+        match groups.iter_mut().find(|(other, _)| *other == with) {
             Some((_, all)) => all.push(words),
-            None => told.push((with, vec![words])),
+            None => groups.push((with, vec![words])),
         }
     }
-    told
+    groups
 }
 
 /// The parts of a path that do not go with wear.
 pub fn rules_of_wear() -> Vec<String> {
     let beside = RULES.iter().filter(|rule| rule.with == Part::Wear).map(|rule| rule.part.given());
     let without = RULES.iter().filter(|rule| rule.part == Part::Wear);
-    beside.chain(without.map(|rule| rule.with.told(&Facts::default()).2.to_owned())).collect()
+    beside.chain(without.map(|rule| rule.with.words(&Facts::default()).2.to_owned())).collect()
 }
 
 /// The rules as a table in Markdown: the part, the other part, the values allowed with it, and the reason.
 pub fn table() -> String {
     let facts = Facts::default();
     let row = |Rule { part, with, allowed, why }: &Rule| {
-        let (given, (.., with)) = (part.given(), with.told(&facts));
+        let (given, (.., with)) = (part.given(), with.words(&facts));
         format!("| {given} | {with} | {allowed} | {why} |\n")
     };
     let head = "| given | with | must be | reason |\n|---|---|---|---|\n";

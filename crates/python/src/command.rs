@@ -78,7 +78,7 @@ pub(crate) fn solve<'py>(
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
     let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
     let memory = Memory::default();
-    let session = Session::guest();
+    let session = Session::embedded();
     let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let (finished, wait) = channel::<()>();
@@ -94,7 +94,7 @@ pub(crate) fn solve<'py>(
             });
             let result = command
                 .outcome(session)
-                .and_then(|Outcome { report, failure }| Ok((report.json(session)?, failure.map(told))));
+                .and_then(|Outcome { report, failure }| Ok((report.json(session)?, failure.map(kind_and_text))));
             drop(finished);
             result
         })
@@ -118,7 +118,7 @@ pub(crate) fn solve<'py>(
 }
 
 /// The kind and the text of a failure with a state.
-pub(crate) fn told(failure: Failure) -> (&'static str, String) {
+pub(crate) fn kind_and_text(failure: Failure) -> (&'static str, String) {
     match failure {
         Failure::Interrupted(text) => ("interrupted", text),
         Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
@@ -191,7 +191,7 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
     let words = of_words(&Line::command(), words).map_err(|failure| refused(py, &failure))?;
     let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
     let done = quick(py, || {
-        let session = Session::guest();
+        let session = Session::embedded();
         let Outcome { report, failure } = line.command.outcome(&session)?;
         failure.map_or(Ok(()), Err)?;
         report.json(&session)
@@ -202,7 +202,7 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
 /// The figures of the page about the result in a file, by their names, as SVG.
 #[pyfunction]
 pub(crate) fn figures(py: Python<'_>, path: &str) -> PyResult<Vec<(String, String)>> {
-    let drawn = quick(py, || gfmd_cli::report::figures(Path::new(path), &Session::guest()))?;
+    let drawn = quick(py, || gfmd_cli::report::figures(Path::new(path), &Session::embedded()))?;
     drawn.map_err(|failure| failed(py, &failure))
 }
 

@@ -9,7 +9,7 @@ use gfmd_contact::{
     Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
 };
 use gfmd_green::Height;
-use gfmd_interface::Kept;
+use gfmd_interface::StoredFields;
 use gfmd_law::{Kind, Law};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs};
@@ -30,7 +30,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use toml::Table;
 
-use crate::command::{arrays, table, told};
+use crate::command::{arrays, kind_and_text, table};
 use crate::failure::{failed, refused, unreached};
 use crate::surface::grid;
 use crate::worker::{quick, run};
@@ -98,7 +98,7 @@ pub(crate) fn described(
 
 /// The parts of a contact that was posed before, when all was told of them that is doubtful.
 pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
-    let prepare = || Prepared::new(&args.asked()?, |line| args.facts(line), &Session::guest());
+    let prepare = || Prepared::new(&args.asked()?, |line| args.facts(line), &Session::embedded());
     tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), prepare)
 }
 
@@ -177,7 +177,7 @@ impl Problem {
     fn new(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>, threads: usize) -> PyResult<Self> {
         let args = described(py, problem, arrays)?;
         let (made, raised) = run(py, threads, None, |_| {
-            let (prepared, contact) = args.pose(&Session::guest())?;
+            let (prepared, contact) = args.pose(&Session::embedded())?;
             let finer = Finer::pose(&args, &prepared)?;
             Ok::<_, Failure>((prepared, contact, Mutex::new(finer)))
         })?;
@@ -245,7 +245,7 @@ impl Problem {
         };
         let text = json::to_string(&record).map_err(|error| refused(py, &error))?;
         let raised = raised.map(|error| error.into_value(py).into_any());
-        Ok((self.state(rest, Some(record)), text, failure.map(told), raised))
+        Ok((self.state(rest, Some(record)), text, failure.map(kind_and_text), raised))
     }
 
     /// The number of a quantity with a unit, of this kind, in the units of the problem.
@@ -360,7 +360,7 @@ impl Problem {
     fn slopes(&self, largest: f64) -> Option<String> {
         let Prepared { facts, surface, body, .. } = &self.prepared;
         let slopes = Slopes::of(surface.rms_gradient(), || surface.max_slope(), facts)?;
-        Some(slopes.told(largest / body.contact_modulus()))
+        Some(slopes.message(largest / body.contact_modulus()))
     }
 
     /// The state of a contact with these fields, to start from.
@@ -379,7 +379,7 @@ impl Problem {
         let made = quick(py, || {
             let own = self.prepared.lift().map(|lift| &displacement - lift);
             let displacement = own.as_ref().map_or(displacement, |own| own.view());
-            let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
+            let kept = StoredFields { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
             self.contact.recall(kept, lower.as_deref()).map_err(|error: Refusal| Failure::input("start", error))
         })?;
         made.map(|rest| self.state(rest, None)).map_err(|failure| failed(py, &failure))

@@ -54,7 +54,7 @@ pub(crate) fn save(
     }
     let written = quick(py, || {
         let output = Output::claim(Path::new(path)).map_err(|error| Failure::input("path", error))?;
-        let session = Session::guest();
+        let session = Session::embedded();
         let provenance = session.provenance(config);
         let mut file = StateFile::of(Some(&output), &provenance, &prepared, records.len(), (Chosen::All, &session))?;
         for (index, fields) in fields.iter().enumerate() {

@@ -269,7 +269,7 @@ pub(crate) fn surface_report(
     let boundary: Boundary = boundary.parse().map_err(|error| refused(py, &error))?;
     let heights = heights.as_array().to_owned();
     let grid = grid(py, heights.dim().into(), lengths)?;
-    let done = quick(py, || write_report(&heights, &grid, words, boundary, Path::new(path), &Session::guest()))?;
+    let done = quick(py, || write_report(&heights, &grid, words, boundary, Path::new(path), &Session::embedded()))?;
     done.map_err(|failure| failed(py, &failure))
 }
 

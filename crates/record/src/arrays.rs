@@ -1,10 +1,11 @@
 //! The fields of a state, each once.
 
 use gfmd_contact::Fields as _;
-use gfmd_problem::{Facts, Rest, Task};
+use gfmd_problem::{Facts, Rest};
 use ndarray::{Axis, CowArray, Ix2};
 
 use crate::column::{Meaning, meaning};
+use crate::when::{any, between, hardness, path};
 
 /// A field of a state, one number for each point `[x, y]`.
 #[derive(Clone, Copy, Debug)]
@@ -22,31 +23,28 @@ pub struct Array {
 }
 
 impl Array {
+    const fn new(
+        name: &'static str,
+        unit: &'static str,
+        meanings: &'static [Meaning],
+        value: for<'a> fn(&'a Rest, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
+    ) -> Self {
+        Self { name, unit, meanings, present: any, value }
+    }
+
+    const fn with(self, present: fn(&Facts) -> bool) -> Self {
+        Self { present, ..self }
+    }
+
     /// The definition in a problem.
     pub fn meaning(&self, facts: &Facts) -> &'static str {
         meaning(self.meanings, facts)
     }
 }
 
-fn any(_: &Facts) -> bool {
-    true
-}
-
-fn path(facts: &Facts) -> bool {
-    facts.task == Task::Path
-}
-
 /// True if the pressure alone tells the points in contact: without a law it is that of a wall.
 fn wall(facts: &Facts) -> bool {
     !facts.has_law()
-}
-
-fn hardness(facts: &Facts) -> bool {
-    facts.hardness
-}
-
-fn lower(facts: &Facts) -> bool {
-    facts.lower.is_some()
 }
 
 /// True if loads have a lateral displacement.
@@ -69,103 +67,77 @@ fn shear_of<'a>(rest: &'a Rest, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
 
 /// All fields, in the order of a journal.
 pub const ARRAYS: &[Array] = &[
-    Array {
-        name: "pressure",
-        unit: "stress",
-        meanings: &[(any, "pressure on the elastic surface, compression positive; attraction is negative")],
-        present: any,
+    Array::new(
+        "pressure",
+        "stress",
+        &[(any, "pressure on the elastic surface, compression positive; attraction is negative")],
         // A path without a law has the pressure of the wall: exactly zero where nothing touches.
-        value: |rest, facts| Some(if path(facts) && wall(facts) { rest.repulsion() } else { rest.pressure() }),
-    },
-    Array {
-        name: "displacement_z",
-        unit: "length",
-        meanings: &[(any, "normal displacement of the elastic surface, negative downwards")],
-        present: any,
-        value: |rest, _| Some(rest.displacement_z().into()),
-    },
-    Array {
-        name: "gap",
-        unit: "length",
-        meanings: &[(any, "distance between the surfaces")],
-        present: any,
-        value: |rest, _| Some(rest.gap().into()),
-    },
-    Array {
-        name: "plastic_depth",
-        unit: "length",
-        meanings: &[
+        |rest, facts| Some(if path(facts) && wall(facts) { rest.repulsion() } else { rest.pressure() }),
+    ),
+    Array::new(
+        "displacement_z",
+        "length",
+        &[(any, "normal displacement of the elastic surface, negative downwards")],
+        |rest, _| Some(rest.displacement_z().into()),
+    ),
+    Array::new("gap", "length", &[(any, "distance between the surfaces")], |rest, _| Some(rest.gap().into())),
+    Array::new(
+        "plastic_depth",
+        "length",
+        &[
             (path, "depth by which the surfaces were pressed into each other so far"),
             (any, "depth by which the surfaces are pressed into each other beyond touching"),
         ],
-        present: hardness,
-        value: |rest, _| rest.plastic_depth().map(|depth| depth.view().into()),
-    },
-    Array {
-        name: "wear_depth",
-        unit: "length",
-        meanings: &[(any, "depth that both surfaces have lost so far")],
-        present: |facts| facts.wears,
-        value: |rest, _| rest.worn().map(|state| state.depth.view().into()),
-    },
-    Array {
-        name: "displacement_x",
-        unit: "length",
-        meanings: &[(any, "displacement of the elastic surface along x")],
-        present: lateral,
-        value: |rest, _| axis_of(rest, 0),
-    },
-    Array {
-        name: "displacement_y",
-        unit: "length",
-        meanings: &[(any, "displacement of the elastic surface along y")],
-        present: |facts| lateral(facts) && !facts.line,
-        value: |rest, _| axis_of(rest, 1),
-    },
-    Array {
-        name: "shear_x",
-        unit: "stress",
-        meanings: &[(any, "shear traction on the elastic surface along x")],
-        present: shear,
-        value: |rest, _| shear_of(rest, 0),
-    },
-    Array {
-        name: "shear_y",
-        unit: "stress",
-        meanings: &[(any, "shear traction on the elastic surface along y")],
-        present: |facts| shear(facts) && !facts.line,
-        value: |rest, _| shear_of(rest, 1),
-    },
-    Array {
-        name: "lower_pressure",
-        unit: "stress",
-        meanings: &[(any, "pressure on the lower face of the slab")],
-        present: lower,
-        value: |rest, _| rest.lower().map(|lower| lower.pressure.view().into()),
-    },
-    Array {
-        name: "lower_displacement_z",
-        unit: "length",
-        meanings: &[(any, "normal displacement of the lower face of the slab, positive upwards")],
-        present: lower,
-        value: |rest, _| rest.lower().map(|lower| (-&lower.displacement).into()),
-    },
-    Array {
-        name: "lower_gap",
-        unit: "length",
-        meanings: &[(any, "distance between the lower face of the slab and the lower surface")],
-        present: lower,
-        value: |rest, _| rest.lower().map(|lower| lower.gap.view().into()),
-    },
-    Array {
-        name: "repulsion",
-        unit: "stress",
-        meanings: &[(any, "repulsive pressure, without attraction; positive at the points in contact")],
+        |rest, _| rest.plastic_depth().map(|depth| depth.view().into()),
+    )
+    .with(hardness),
+    Array::new("wear_depth", "length", &[(any, "depth that both surfaces have lost so far")], |rest, _| {
+        rest.worn().map(|state| state.depth.view().into())
+    })
+    .with(|facts| facts.wears),
+    Array::new("displacement_x", "length", &[(any, "displacement of the elastic surface along x")], |rest, _| {
+        axis_of(rest, 0)
+    })
+    .with(lateral),
+    Array::new("displacement_y", "length", &[(any, "displacement of the elastic surface along y")], |rest, _| {
+        axis_of(rest, 1)
+    })
+    .with(|facts| lateral(facts) && !facts.line),
+    Array::new("shear_x", "stress", &[(any, "shear traction on the elastic surface along x")], |rest, _| {
+        shear_of(rest, 0)
+    })
+    .with(shear),
+    Array::new("shear_y", "stress", &[(any, "shear traction on the elastic surface along y")], |rest, _| {
+        shear_of(rest, 1)
+    })
+    .with(|facts| shear(facts) && !facts.line),
+    Array::new("lower_pressure", "stress", &[(any, "pressure on the lower face of the slab")], |rest, _| {
+        rest.lower().map(|lower| lower.pressure.view().into())
+    })
+    .with(between),
+    Array::new(
+        "lower_displacement_z",
+        "length",
+        &[(any, "normal displacement of the lower face of the slab, positive upwards")],
+        |rest, _| rest.lower().map(|lower| (-&lower.displacement).into()),
+    )
+    .with(between),
+    Array::new(
+        "lower_gap",
+        "length",
+        &[(any, "distance between the lower face of the slab and the lower surface")],
+        |rest, _| rest.lower().map(|lower| lower.gap.view().into()),
+    )
+    .with(between),
+    Array::new(
+        "repulsion",
+        "stress",
+        &[(any, "repulsive pressure, without attraction; positive at the points in contact")],
         // Beside that of a wall the pressure is an attraction, and where a law without a wall vanishes, its sign is that of
         // rounding errors.
-        present: |facts| !path(facts) && !wall(facts),
-        value: |rest, _| Some(rest.repulsion()),
-    },
+        |rest, _| Some(rest.repulsion()),
+    )
+    .with(|facts| !path(facts) && !wall(facts)),
 ];
 
 /// The fields of the states of a problem.

@@ -38,6 +38,7 @@ mod json;
 mod record;
 mod statistics;
 mod table;
+mod when;
 
 pub use arrays::{ARRAYS, Array, arrays, repulsion};
 pub use at::{At, Measured, NOT_SOLVED, OnFinerGrid};

@@ -153,7 +153,7 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
     let undefined = cells().filter(|(column, cell)| matches!(cell, Cell::Undefined(_)) && shown(column.name));
     let undefined: BTreeMap<&str, &'static Column> = undefined.map(|(column, _)| (column.name, *column)).collect();
     // A reason, with its columns and the numbers whose error by the grid is not known.
-    let mut told: Vec<(String, [Vec<&str>; 2])> = Vec::new();
+    let mut listed: Vec<(String, [Vec<&str>; 2])> = Vec::new();
     for column in undefined.into_values() {
         let (list, named) = match (column.origin, column.limit_of()) {
             (Origin::Grid, None) => continue,
@@ -161,9 +161,9 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
             (_, None) => (0, column.name),
         };
         let Some(reason) = reasons(rows, column.name, name) else { continue };
-        match told.iter_mut().find(|(known, _)| *known == reason) {
+        match listed.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, columns)) => columns[list].push(named),
-            None => told.push((reason, from_fn(|other| if other == list { vec![named] } else { Vec::new() }))),
+            None => listed.push((reason, from_fn(|other| if other == list { vec![named] } else { Vec::new() }))),
         }
     }
     let line = |(reason, [columns, limits]): (String, [Vec<&str>; 2])| {
@@ -175,7 +175,7 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
         let named: Vec<String> = columns.into_iter().map(ToOwned::to_owned).chain(limits).collect();
         format!("no {}: {reason}", named.join(", "))
     };
-    told.into_iter().map(line).collect()
+    listed.into_iter().map(line).collect()
 }
 
 #[cfg(test)]
@@ -196,18 +196,18 @@ mod tests {
             row(&[("stiffness", no("all")), ("stiffness_error", no("all")), ("kappa", no("pulled"))]),
             row(&[("stiffness", no("all")), ("stiffness_error", no("all")), ("kappa", no("pulled"))]),
         ];
-        let told = |name: &str| reasons(&rows, name, ["load", "loads"]);
-        assert_eq!(told("stiffness").as_deref(), Some("all"));
-        assert_eq!(told("kappa").as_deref(), Some("loads 1, 2: pulled"));
+        let listed = |name: &str| reasons(&rows, name, ["load", "loads"]);
+        assert_eq!(listed("stiffness").as_deref(), Some("all"));
+        assert_eq!(listed("kappa").as_deref(), Some("loads 1, 2: pulled"));
         assert_eq!(reasons(&rows[1..2], "kappa", ["load", "loads"]).as_deref(), Some("pulled"));
-        assert_eq!(told("mean_gap"), None);
+        assert_eq!(listed("mean_gap"), None);
         let mixed = "load 0: closed; a remark; loads 1, 2: pulled: far";
         assert_eq!(reason_of(mixed, 0).as_deref(), Some("closed; a remark"));
         assert_eq!(reason_of(mixed, 2).as_deref(), Some("pulled: far"));
         assert_eq!(reason_of(mixed, 3), None);
         assert_eq!(reason_of("infinite: in full contact", 3).as_deref(), Some("infinite: in full contact"));
-        let told = lines(&rows, ["load", "loads"], |_| true);
-        assert_eq!(told, ["no kappa: loads 1, 2: pulled", "no stiffness, stiffness_error: all"]);
+        let listed = lines(&rows, ["load", "loads"], |_| true);
+        assert_eq!(listed, ["no kappa: loads 1, 2: pulled", "no stiffness, stiffness_error: all"]);
         assert_eq!(lines(&rows, ["load", "loads"], |column| column == "kappa").len(), 1);
         assert!(rows[0].overflow().is_none() && row(&[("kappa", Cell::Real(f64::NAN))]).overflow().is_some());
     }

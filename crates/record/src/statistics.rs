@@ -150,7 +150,7 @@ pub const STATISTICS: &[Statistic] = &[
 
 /// The patches of the points that are repelled.
 pub fn patches(repulsion: ArrayView2<'_, f64>, boundary: Boundary) -> Patches {
-    Patches::of(repulsion.mapv(|p| p > 0.0).view(), boundary.surroundings())
+    Patches::of(repulsion.mapv(|p| p > 0.0).view(), boundary)
 }
 
 /// A field of which no statistics are made.

@@ -1,7 +1,7 @@
 use gfmd_vector::{Serialise, Share};
 
 use crate::quadratic::{
-    Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
+    Iterate, LEAST_DESCENT, Minimum, OptimalitySums, Quadratic, Target, add_linear, rescale, step_length, turn,
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 
@@ -94,7 +94,7 @@ impl PolonskyKeer {
 
 /// Sums over one iterate.
 struct Sweep {
-    judged: Judged,
+    judged: OptimalitySums,
     /// Σ g² over x > 0.
     squares: f64,
     /// Σ d over x > 0.
@@ -105,16 +105,16 @@ struct Sweep {
 }
 
 impl Serialise for Sweep {
-    const WORDS: usize = Judged::WORDS + 4;
+    const WORDS: usize = OptimalitySums::WORDS + 4;
 
     fn put(&self, words: &mut [u64]) {
-        self.judged.put(&mut words[..Judged::WORDS]);
-        [self.squares, self.direction, self.entering, self.entrants].put(&mut words[Judged::WORDS..]);
+        self.judged.put(&mut words[..OptimalitySums::WORDS]);
+        [self.squares, self.direction, self.entering, self.entrants].put(&mut words[OptimalitySums::WORDS..]);
     }
 
     fn get(words: &[u64]) -> Self {
-        let [squares, direction, entering, entrants] = Serialise::get(&words[Judged::WORDS..]);
-        Self { judged: Judged::get(&words[..Judged::WORDS]), squares, direction, entering, entrants }
+        let [squares, direction, entering, entrants] = Serialise::get(&words[OptimalitySums::WORDS..]);
+        Self { judged: OptimalitySums::get(&words[..OptimalitySums::WORDS]), squares, direction, entering, entrants }
     }
 }
 
@@ -123,7 +123,8 @@ fn shift(share: &Share, gradient: &mut [f64], x: &[f64], direction: &[f64], mult
     share.pass(
         [gradient],
         &|start, [g]| {
-            let mut sums = Sweep { judged: Judged::EMPTY, squares: 0.0, direction: 0.0, entering: 0.0, entrants: 0.0 };
+            let mut sums =
+                Sweep { judged: OptimalitySums::EMPTY, squares: 0.0, direction: 0.0, entering: 0.0, entrants: 0.0 };
             for ((g, x), d) in g.iter_mut().zip(&x[start..]).zip(&direction[start..]) {
                 *g -= multiplier;
                 sums.judged.see(*x, *g);
@@ -138,7 +139,7 @@ fn shift(share: &Share, gradient: &mut [f64], x: &[f64], direction: &[f64], mult
             sums
         },
         &|a, b| Sweep {
-            judged: Judged::merge(a.judged, b.judged),
+            judged: OptimalitySums::merge(a.judged, b.judged),
             squares: a.squares + b.squares,
             direction: a.direction + b.direction,
             entering: a.entering + b.entering,

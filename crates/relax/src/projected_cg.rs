@@ -1,7 +1,7 @@
 use gfmd_vector::{Serialise, Share, add, for_each};
 
 use crate::quadratic::{
-    Iterate, Judged, LEAST_DESCENT, Minimum, Quadratic, Target, add_linear, rescale, step_length, turn,
+    Iterate, LEAST_DESCENT, Minimum, OptimalitySums, Quadratic, Target, add_linear, rescale, step_length, turn,
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 
@@ -100,7 +100,7 @@ fn is_free(x: f64, residual: f64) -> bool {
 
 /// Sums over one iterate.
 struct Sweep {
-    judged: Judged,
+    judged: OptimalitySums,
     /// Σ r over the free set.
     residual: f64,
     /// Number of free variables.
@@ -108,16 +108,16 @@ struct Sweep {
 }
 
 impl Serialise for Sweep {
-    const WORDS: usize = Judged::WORDS + 2;
+    const WORDS: usize = OptimalitySums::WORDS + 2;
 
     fn put(&self, words: &mut [u64]) {
-        self.judged.put(&mut words[..Judged::WORDS]);
-        [self.residual, self.free].put(&mut words[Judged::WORDS..]);
+        self.judged.put(&mut words[..OptimalitySums::WORDS]);
+        [self.residual, self.free].put(&mut words[OptimalitySums::WORDS..]);
     }
 
     fn get(words: &[u64]) -> Self {
-        let [residual, free] = Serialise::get(&words[Judged::WORDS..]);
-        Self { judged: Judged::get(&words[..Judged::WORDS]), residual, free }
+        let [residual, free] = Serialise::get(&words[OptimalitySums::WORDS..]);
+        Self { judged: OptimalitySums::get(&words[..OptimalitySums::WORDS]), residual, free }
     }
 }
 
@@ -126,7 +126,7 @@ fn restrict(share: &Share, gradient: &mut [f64], x: &[f64], multiplier: f64) -> 
     share.pass(
         [gradient],
         &|start, [g]| {
-            let mut sums = Sweep { judged: Judged::EMPTY, residual: 0.0, free: 0.0 };
+            let mut sums = Sweep { judged: OptimalitySums::EMPTY, residual: 0.0, free: 0.0 };
             for (g, x) in g.iter_mut().zip(&x[start..]) {
                 let value = *g - multiplier;
                 sums.judged.see(*x, value);
@@ -138,7 +138,7 @@ fn restrict(share: &Share, gradient: &mut [f64], x: &[f64], multiplier: f64) -> 
             sums
         },
         &|a, b| Sweep {
-            judged: Judged::merge(a.judged, b.judged),
+            judged: OptimalitySums::merge(a.judged, b.judged),
             residual: a.residual + b.residual,
             free: a.free + b.free,
         },

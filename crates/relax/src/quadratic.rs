@@ -192,13 +192,13 @@ pub(crate) fn turn(
 
 /// Sums over one iterate for its residuals, with gradients less the multiplier.
 #[derive(Clone, Copy)]
-pub(crate) struct Judged {
+pub(crate) struct OptimalitySums {
     pub(crate) x: f64,
     pub(crate) x_gradient: f64,
     pub(crate) lowest: f64,
 }
 
-impl Serialise for Judged {
+impl Serialise for OptimalitySums {
     const WORDS: usize = 3;
 
     fn put(&self, words: &mut [u64]) {
@@ -211,7 +211,7 @@ impl Serialise for Judged {
     }
 }
 
-impl Judged {
+impl OptimalitySums {
     pub(crate) const EMPTY: Self = Self { x: 0.0, x_gradient: 0.0, lowest: f64::INFINITY };
 
     pub(crate) fn see(&mut self, x: f64, gradient: f64) {

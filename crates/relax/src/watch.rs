@@ -52,7 +52,7 @@ pub trait Watch {
 
 /// A watcher of a part of a search: it counts the iterations before that part, and writes the variables of the whole
 /// before those of the part.
-pub struct Onlooker<'a, F: FnMut(&mut dyn Visit)> {
+pub struct InnerWatch<'a, F: FnMut(&mut dyn Visit)> {
     /// The watcher of the whole search.
     pub watch: &'a mut dyn Watch,
     /// Number of iterations before this part.
@@ -63,7 +63,7 @@ pub struct Onlooker<'a, F: FnMut(&mut dyn Visit)> {
     pub hides_layer: bool,
 }
 
-impl<F: FnMut(&mut dyn Visit)> Watch for Onlooker<'_, F> {
+impl<F: FnMut(&mut dyn Visit)> Watch for InnerWatch<'_, F> {
     fn see(&mut self, now: &Progress) -> ControlFlow<()> {
         self.watch.see(&Progress { iteration: self.before + now.iteration, ..*now })
     }

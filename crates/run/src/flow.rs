@@ -24,7 +24,7 @@ pub fn through(
     Zip::from(&mut cubes).and(gap).and(pressure).for_each(|cube, gap, p| {
         *cube = if *p > 0.0 || *gap <= 0.0 { 0.0 } else { (gap / scale).powi(3) };
     });
-    match flow(&surface.grid, cubes.view(), surface.boundary.surroundings()) {
+    match flow(&surface.grid, cubes.view(), surface.boundary) {
         Err(FlowError::NotConverged { state, .. }) => {
             warn(format!("the residual of the flow is {:.1e}", state.residual));
             Ok(*state)

@@ -1,17 +1,17 @@
-//! Memory: the need of each problem, and the use of this process.
+//! MemoryNeed: the need of each problem, and the use of this process.
 
-use gfmd_problem::Held;
+use gfmd_problem::MemoryNeed;
 
 use crate::failure::Failure;
 
 /// The synthesis of a surface: heights, half spectrum, workspace of the transform.
-pub const SURFACE: Held = Held(5);
+pub const SURFACE: MemoryNeed = MemoryNeed(5);
 /// A punch.
-pub const PUNCH: Held = Held(48);
+pub const PUNCH: MemoryNeed = MemoryNeed(48);
 /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
-pub const BODY: Held = Held(36);
+pub const BODY: MemoryNeed = MemoryNeed(36);
 /// The relaxation of a free surface.
-pub const DAMPING: Held = Held(40);
+pub const DAMPING: MemoryNeed = MemoryNeed(40);
 
 /// The number of fields that are under way between processes, rounded up.
 const LETTERS: u64 = 1;
@@ -34,16 +34,21 @@ impl Processes {
 ///
 /// # Errors
 /// A need of more memory than is available.
-pub fn fits(held: Held, name: &str, points: [usize; 2]) -> Result<(), Failure> {
-    fits_with(0, held, name, points, Processes::ALONE)
+pub fn fits(need: MemoryNeed, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+    fits_with(0, need, name, points, Processes::ALONE)
 }
 
 /// The check of [`fits`] for the memory of all processes of this machine.
 ///
 /// # Errors
 /// A need of more memory than is available.
-pub(crate) fn fits_shared(held: Held, name: &str, points: [usize; 2], processes: Processes) -> Result<(), Failure> {
-    fits_with(0, held, name, points, processes)
+pub(crate) fn fits_shared(
+    need: MemoryNeed,
+    name: &str,
+    points: [usize; 2],
+    processes: Processes,
+) -> Result<(), Failure> {
+    fits_with(0, need, name, points, processes)
 }
 
 /// All that these processes of this machine hold, in bytes: the rest of a problem, and freed memory that the allocator
@@ -58,18 +63,18 @@ pub(crate) fn resident(processes: Processes) -> u64 {
 /// A need of more memory than is available.
 pub(crate) fn fits_with(
     there: u64,
-    held: Held,
+    need: MemoryNeed,
     name: &str,
     points: [usize; 2],
     processes: Processes,
 ) -> Result<(), Failure> {
     let ([nx, ny], Processes { here, all }) = (points, processes);
-    let (held, whose) = if all > 1 {
-        (Held(held.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
+    let (need, whose) = if all > 1 {
+        (MemoryNeed(need.0 + LETTERS), format!(", shared by {all} processes, {here} of them on this machine,"))
     } else {
-        (held, String::new())
+        (need, String::new())
     };
-    let needed = u128::from(held.bytes(points)) * here as u128 / all.max(1) as u128;
+    let needed = u128::from(need.bytes(points)) * here as u128 / all.max(1) as u128;
     check(name, &format!("{nx} x {ny} points{whose}"), u64::try_from(needed).unwrap_or(u64::MAX), there)
 }
 
@@ -129,15 +134,15 @@ const RESIDENT: &str = "VmRSS:";
 /// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the
 /// size of its pages.
 fn own_size(name: &str) -> Option<u64> {
-    told_by_linux("/proc/self/status", name)
+    bytes_of_linux("/proc/self/status", name)
 }
 
 fn of_machine() -> Option<u64> {
-    told_by_linux("/proc/meminfo", "MemAvailable:")
+    bytes_of_linux("/proc/meminfo", "MemAvailable:")
 }
 
 /// The bytes that a file of Linux tells under a name.
-fn told_by_linux(file: &str, name: &str) -> Option<u64> {
+fn bytes_of_linux(file: &str, name: &str) -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;
     }
@@ -149,7 +154,7 @@ fn told_by_linux(file: &str, name: &str) -> Option<u64> {
 /// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
     // The number of `getrusage` on Linux is at least the memory of the process that started this one.
-    if let Some(bytes) = told_by_linux("/proc/self/status", "VmHWM:") {
+    if let Some(bytes) = bytes_of_linux("/proc/self/status", "VmHWM:") {
         return bytes;
     }
     #[cfg(unix)]
@@ -169,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_grid_whose_bytes_no_integer_holds_is_refused() {
-        let all = [SURFACE, Held::HARD_WALL, Held::LAW, Held::ALL_COMPONENTS, PUNCH, BODY, DAMPING];
+        let all = [SURFACE, MemoryNeed::HARD_WALL, MemoryNeed::LAW, MemoryNeed::ALL_COMPONENTS, PUNCH, BODY, DAMPING];
         for fields in all {
             for points in [[1 << 31; 2], [1 << 33, 1 << 28], [usize::MAX, 1]] {
                 assert!(fields.bytes(points) > 1 << 60, "{fields:?} {points:?}");
@@ -177,17 +182,17 @@ mod tests {
             }
         }
         let shared = Processes { here: 2, all: 4 };
-        let refused =
-            fits_shared(Held::HARD_WALL, "the grid", [1 << 20, 1 << 20], shared).map_err(|error| error.to_string());
+        let refused = fits_shared(MemoryNeed::HARD_WALL, "the grid", [1 << 20, 1 << 20], shared)
+            .map_err(|error| error.to_string());
         let needed = "shared by 4 processes, 2 of them on this machine, need 57344.0 GiB";
         assert!(available_bytes().is_none() || refused.is_err_and(|error| error.contains(needed)));
-        let held = fits_with(u64::MAX, Held::HARD_WALL, "the grid", [1 << 20, 1 << 20], Processes::ALONE);
+        let held = fits_with(u64::MAX, MemoryNeed::HARD_WALL, "the grid", [1 << 20, 1 << 20], Processes::ALONE);
         assert!(held.is_ok(), "what is held already need not be available");
         for count in [1 << 40, u64::MAX] {
             assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());
         }
         assert!(check_count("--steps", "steps", 1000, 64).is_ok());
-        assert_eq!(Held::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
+        assert_eq!(MemoryNeed::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
     }
 
     /// The system's own table of the addresses of this process, in bytes, is the reference.

@@ -75,7 +75,7 @@ pub struct Part<'a> {
 }
 
 /// The files beside an output that is being computed.
-pub struct Kept<'a> {
+pub struct UnfinishedRun<'a> {
     output: &'a Output,
     /// Identifies the run.
     head: Vec<u8>,
@@ -96,7 +96,7 @@ pub struct Kept<'a> {
     every: Option<Duration>,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> UnfinishedRun<'a> {
     /// Finds what is kept of the run that `head` identifies, of at most `parts` parts.
     ///
     /// # Errors
@@ -362,7 +362,7 @@ mod tests {
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = |resume| ResumeArgs { resume };
         let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3].into()] };
-        let mut kept = Kept::open(&output, "one".into(), 4, args(false), None).unwrap();
+        let mut kept = UnfinishedRun::open(&output, "one".into(), 4, args(false), None).unwrap();
         assert_eq!(kept.finished(), 0);
         kept.add(&part(0.0));
         kept.keep_state(|visitor| visitor.number(&mut 0.5)).unwrap();
@@ -372,12 +372,12 @@ mod tests {
         kept.checkpoint(&mut |visitor| visitor.field(&mut [2.5; 2])).unwrap();
         drop(kept);
 
-        let refused = Kept::open(&output, "one".into(), 4, args(false), None).err().unwrap().to_string();
+        let refused = UnfinishedRun::open(&output, "one".into(), 4, args(false), None).err().unwrap().to_string();
         assert!(refused.contains("a.h5.journal") && refused.contains("--resume"), "{refused}");
-        let other = Kept::open(&output, "two".into(), 4, args(true), None).err().unwrap();
+        let other = UnfinishedRun::open(&output, "two".into(), 4, args(true), None).err().unwrap();
         assert!(other.status() == 2 && other.to_string().contains("another configuration"), "{other}");
 
-        let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
+        let mut kept = UnfinishedRun::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 2);
         assert_eq!(kept.part(1).unwrap().fields, [vec![1.0; 3]]);
         let number = kept.state().unwrap().restore(|visitor| {
@@ -395,7 +395,7 @@ mod tests {
         kept.keep_state(|visitor| visitor.number(&mut 2.5)).unwrap();
         kept.flush().unwrap();
         drop(kept);
-        let mut kept = Kept::open(&output, "one".into(), 4, args(true), None).unwrap();
+        let mut kept = UnfinishedRun::open(&output, "one".into(), 4, args(true), None).unwrap();
         assert_eq!(kept.finished(), 3);
         assert!(kept.running().is_none());
         std::fs::write(folder.path().join("a.h5.state.part"), "cut off by a kill").unwrap();
@@ -420,7 +420,7 @@ mod tests {
         let inner = folder.path().join("inner");
         std::fs::create_dir(&inner).unwrap();
         let output = Output::claim(inner.join("a.h5")).unwrap();
-        let mut kept = Kept::open(&output, "one".into(), 4, ResumeArgs { resume: false }, None).unwrap();
+        let mut kept = UnfinishedRun::open(&output, "one".into(), 4, ResumeArgs { resume: false }, None).unwrap();
         assert_eq!(kept.remark(), "");
         kept.add(&Part { text: "0".into(), fields: vec![] });
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
@@ -438,7 +438,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = ResumeArgs { resume: true };
-        let mut kept = Kept::open(&output, "one".into(), 4, args, None).unwrap();
+        let mut kept = UnfinishedRun::open(&output, "one".into(), 4, args, None).unwrap();
         kept.add(&Part { text: "0".into(), fields: vec![] });
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
@@ -449,7 +449,8 @@ mod tests {
             let mut bad = good.clone();
             bad[position] ^= 1;
             std::fs::write(&path, &bad).unwrap();
-            let refused = Kept::open(&output, "one".into(), 4, args, None).err().expect("a flipped bit is noticed");
+            let refused =
+                UnfinishedRun::open(&output, "one".into(), 4, args, None).err().expect("a flipped bit is noticed");
             assert!(refused.status() == 2 && refused.to_string().contains("a.h5.state"), "{position}: {refused}");
         }
     }

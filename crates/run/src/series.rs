@@ -24,7 +24,7 @@ use gfmd_record::{At, Record};
 use crate::convergence::NotConverged;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use crate::resume::{Kept, Part};
+use crate::resume::{Part, UnfinishedRun};
 use crate::session::Session;
 use crate::trace::Tracer;
 
@@ -144,7 +144,7 @@ pub struct Ended {
 
 impl Ended {
     /// True if the run goes on later from what is kept, and has no file yet.
-    pub fn is_kept(&self, kept: Option<&Kept>) -> bool {
+    pub fn is_kept(&self, kept: Option<&UnfinishedRun>) -> bool {
         matches!(self.failure, Some(Failure::Interrupted(_))) && kept.is_some()
     }
 }
@@ -169,7 +169,7 @@ impl Series<'_> {
         &self,
         path: &mut Path<'_, Posed>,
         first: impl FnOnce() -> Result<Option<Rest>, Failure>,
-        (file, mut kept): (Option<&mut StateFile>, Option<&mut Kept>),
+        (file, mut kept): (Option<&mut StateFile>, Option<&mut UnfinishedRun>),
         progress: &dyn Progress,
         outlet: &mut dyn Outlet,
     ) -> Result<Ended, Failure> {
@@ -225,7 +225,7 @@ impl Series<'_> {
             let at = prepared.at(state, tolerance);
             let record =
                 outlet.record(Reached { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
-            progress.advance(1.0, &told(&record));
+            progress.advance(1.0, &progress_line(&record));
             check_range(&place, &record)?;
             if let Some(why) = why {
                 let unmet = NotConverged::new(index, state, tolerance, &why, history);
@@ -257,7 +257,7 @@ impl Series<'_> {
     /// Takes over the parts that are kept, and continues the path from the last one.
     fn recall(
         &self,
-        kept: &mut Kept,
+        kept: &mut UnfinishedRun,
         file: &mut StateFile,
         path: &mut Path<'_, Posed>,
         progress: &dyn Progress,
@@ -290,7 +290,7 @@ impl Series<'_> {
 }
 
 /// A record as a line of progress.
-fn told(record: &Record) -> String {
+fn progress_line(record: &Record) -> String {
     format!("p* {:.3e}, area {:.4}", record.number("p_star"), record.number("area_fraction"))
 }
 
@@ -307,8 +307,8 @@ fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
 /// Runs a command that keeps its parts beside its output. What an interruption or a failure leaves is flushed and named in the
 /// message; of a run that has ended nothing stays but its output, which `out` tells.
 pub fn keeping<R>(
-    mut kept: Option<Kept>,
-    run: impl FnOnce(Option<&mut Kept>) -> Result<Outcome<R>, Failure>,
+    mut kept: Option<UnfinishedRun>,
+    run: impl FnOnce(Option<&mut UnfinishedRun>) -> Result<Outcome<R>, Failure>,
     out: impl FnOnce(&R) -> Option<&PathBuf>,
 ) -> Result<Outcome<R>, Failure> {
     let outcome = run(kept.as_mut());
@@ -316,13 +316,13 @@ pub fn keeping<R>(
         // The failure is the news; a disk that is full keeps what it has.
         let _ = kept.flush();
     }
-    let remark = kept.as_ref().map_or_else(String::new, Kept::remark);
+    let remark = kept.as_ref().map_or_else(String::new, UnfinishedRun::remark);
     let Outcome { report, failure } = outcome.map_err(|failure| failure.with(&remark))?;
     let written = out(&report).map_or_else(String::new, |out| format!("; kept in {}", out.display()));
     let failure = match (failure, kept) {
         (Some(interrupted @ Failure::Interrupted(_)), Some(_)) => Some(interrupted.with(&remark)),
         (failure, kept) => {
-            kept.into_iter().for_each(Kept::remove);
+            kept.into_iter().for_each(UnfinishedRun::remove);
             failure.map(|failure| failure.with(&written))
         }
     };

@@ -10,7 +10,7 @@ use gfmd_contact::{Contact, Progress, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
 use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
-use gfmd_problem::Held;
+use gfmd_problem::MemoryNeed;
 use gfmd_vector::Ranks;
 use ndarray::Array2;
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct Session {
     /// The number of those on this machine.
     here: usize,
     /// True if the process is that of a caller, who holds other things in memory, too.
-    is_guest: bool,
+    is_embedded: bool,
 }
 
 impl Session {
@@ -56,13 +56,13 @@ impl Session {
             memory: None,
             ranks: None,
             here: 1,
-            is_guest: false,
+            is_embedded: false,
         }
     }
 
     /// A session that prints nothing, in the process of a caller, who holds other things in memory, too.
-    pub fn guest() -> Self {
-        Self { is_guest: true, ..Self::silent() }
+    pub fn embedded() -> Self {
+        Self { is_embedded: true, ..Self::silent() }
     }
 
     /// Refuses a problem on a grid that needs more memory than there is, of which it has its `heights` already. The
@@ -70,9 +70,9 @@ impl Session {
     ///
     /// # Errors
     /// At all processes, a need of more memory than is available.
-    pub(crate) fn fits(&self, held: Held, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
-        let there = if self.is_guest { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
-        self.agree(memory::fits_with(there, held, "the grid", grid.points(), self.processes()))
+    pub(crate) fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+        let there = if self.is_embedded { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
+        self.agree(memory::fits_with(there, need, "the grid", grid.points(), self.processes()))
     }
 
     /// The same session on several processes, of which so many are on this machine.

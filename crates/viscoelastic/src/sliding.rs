@@ -1,15 +1,14 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Boundary, Budget, Contact, Effort, Equilibrium as _, Fields, Load, Refusal, Residual, Solution, SolveError, Solver,
+    Boundary, Budget, Contact, Effort, Equilibrium as _, Load, Refusal, Residual, Solution, SolveError, Solved, Solver,
     Watch, judge,
 };
 use gfmd_field::{Grid, Transform, Workspace};
 use gfmd_green::Body;
-use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Anderson, Ending, Why};
 use gfmd_vector::{contiguous, for_each, lower, reduce};
-use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -469,40 +468,8 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Fields for SlidingState {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.solution.pressure()
-    }
-
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.solution.displacement_z()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.solution.gap()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.solution.mean_pressure
-    }
-
-    fn approach(&self) -> f64 {
-        self.solution.approach
-    }
-
-    fn effort(&self) -> Effort {
-        self.solution.effort
-    }
-
-    fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.solution.residuals()
-    }
-
-    fn scales(&self) -> Scales {
-        self.solution.scales()
-    }
-
-    fn summary_in(&self, scales: &Scales) -> Summary {
-        self.solution.summary_in(scales)
+impl Solved for SlidingState {
+    fn solution(&self) -> &Solution {
+        &self.solution
     }
 }

@@ -1,7 +1,6 @@
-use gfmd_contact::{Effort, Fields, Solution};
+use gfmd_contact::{Solution, Solved};
 use gfmd_field::{Grid, Transform};
-use gfmd_measure::{Scales, Summary};
-use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+use ndarray::Array2;
 
 use crate::history::History;
 
@@ -48,40 +47,12 @@ impl ViscoelasticState {
     }
 }
 
-impl Fields for ViscoelasticState {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.solution.pressure()
+impl Solved for ViscoelasticState {
+    fn solution(&self) -> &Solution {
+        &self.solution
     }
 
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.solution.displacement_z()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.solution.gap()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.solution.mean_pressure
-    }
-
-    fn approach(&self) -> f64 {
-        self.solution.approach
-    }
-
-    fn effort(&self) -> Effort {
-        self.solution.effort
-    }
-
-    fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.solution.residuals()
-    }
-
-    fn scales(&self) -> Scales {
-        self.solution.scales()
-    }
-
-    fn summary_in(&self, scales: &Scales) -> Summary {
-        Summary { elastic_energy: self.elastic_energy, ..self.solution.summary_in(scales) }
+    fn stored_energy(&self) -> Option<f64> {
+        Some(self.elastic_energy)
     }
 }

@@ -1,6 +1,5 @@
-use gfmd_contact::{Effort, Fields, Solution};
-use gfmd_measure::{Scales, Summary};
-use ndarray::{Array2, ArrayView2, CowArray, Ix2};
+use gfmd_contact::{Solution, Solved};
+use ndarray::Array2;
 
 /// A state of surfaces that wear, after one sliding distance.
 #[derive(Clone, Debug)]
@@ -26,40 +25,8 @@ pub struct WearState {
     pub dissipated_error: f64,
 }
 
-impl Fields for WearState {
-    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.solution.pressure()
-    }
-
-    fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.solution.displacement_z()
-    }
-
-    fn gap(&self) -> ArrayView2<'_, f64> {
-        self.solution.gap()
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.solution.mean_pressure
-    }
-
-    fn approach(&self) -> f64 {
-        self.solution.approach
-    }
-
-    fn effort(&self) -> Effort {
-        self.solution.effort
-    }
-
-    fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.solution.residuals()
-    }
-
-    fn scales(&self) -> Scales {
-        self.solution.scales()
-    }
-
-    fn summary_in(&self, scales: &Scales) -> Summary {
-        self.solution.summary_in(scales)
+impl Solved for WearState {
+    fn solution(&self) -> &Solution {
+        &self.solution
     }
 }

@@ -27,9 +27,9 @@ fn a_configuration_is_a_problem_and_flags() {
         "--surface=/dev/zero",
         "--young=2.0",
     ];
-    let mut told = found.told();
-    told.sort();
-    assert_eq!(told, wanted);
+    let mut words = found.words();
+    words.sort();
+    assert_eq!(words, wanted);
     assert!(found.has("surface") && !found.has("plots"));
     // Files are named by what stands in the result alone.
     let (young, surface) = ("young".to_owned(), Table::from_iter([("surface".to_owned(), "r.h5:/h".into())]));
@@ -83,9 +83,9 @@ fn other_keys_and_other_types_are_refused_in_one_line() {
 #[test]
 fn what_a_command_says_of_itself_is_read_again() {
     fn again<A: DeserializeOwned + serde::Serialize + Default>() {
-        let told = toml::to_string(&A::default()).unwrap();
-        let read: A = flags::of_table(told.parse().unwrap()).unwrap();
-        assert_eq!(toml::to_string(&read).unwrap(), told);
+        let words = toml::to_string(&A::default()).unwrap();
+        let read: A = flags::of_table(words.parse().unwrap()).unwrap();
+        assert_eq!(toml::to_string(&read).unwrap(), words);
     }
     again::<contact::Args>();
     again::<path::Args>();

@@ -138,7 +138,7 @@ impl Loads {
         let record = Record::of(&At { facts: &plain, ..self.prepared.at(&state, budget.tolerance) });
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
-        let open = Patches::of(conducting.view(), surface.boundary.surroundings()).percolate();
+        let open = Patches::of(conducting.view(), surface.boundary).percolate();
         progress.advance(
             0.0,
             &format!(

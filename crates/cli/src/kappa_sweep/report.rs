@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
-use gfmd_problem::Held;
+use gfmd_problem::MemoryNeed;
 use gfmd_surface::Discretisation;
 use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Point, Shard, Study};
 use serde::Serialize;
@@ -382,7 +382,7 @@ impl PlanReport {
             points.push(PlannedPoint {
                 cell: Cell::new(plan, point),
                 realisations: runs.len(),
-                memory_bytes: Held::HARD_WALL.bytes(point.grid.points()).saturating_mul(side_by_side as u64),
+                memory_bytes: MemoryNeed::HARD_WALL.bytes(point.grid.points()).saturating_mul(side_by_side as u64),
                 seconds: plan.work(point) * pair * runs.len() as f64,
             });
         }

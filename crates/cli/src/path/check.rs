@@ -1,10 +1,10 @@
 //! The check of the file of a path.
 
-use gfmd_contact::{Boundary, Load};
+use gfmd_contact::Boundary;
 use gfmd_files::Reader;
-use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_law::Limit;
-use gfmd_record::{At, Measured, Record};
+use gfmd_problem::Rest;
+use gfmd_record::At;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::Path;
@@ -41,24 +41,14 @@ pub(crate) fn check(
         path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
     })?;
     let contact = prepared.pose(&args.source, &prepared.law)?;
-    let stored = Stored::new(reader, prepared, &contact, args.tol)?;
+    let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
     let check = StepCheck { args: &args, stored: &stored };
     for (index, drive) in way.drives.iter().enumerate() {
-        check.columns(index, comparison);
-        let number = |name: &str| stored.number(name, index);
-        if number("converged") != 1.0 {
+        if !stored.compare_step(index, *drive, comparison) {
             continue;
         }
-        comparison.at_most(&format!("residual of step {index}"), number("residual"), args.tol);
-        match drive.load {
-            // The load is met to the tolerance.
-            Load::MeanPressure(asked) => comparison.at_most(
-                &format!("load of step {index}"),
-                (number("mean_pressure") - asked).abs() / asked.abs().max(prepared.unit_pressure()),
-                10.0 * args.tol,
-            ),
-            Load::Approach(asked) => comparison.number("/path/displacement", number("displacement"), asked, 0.0),
-        }
+        check.columns(index, comparison);
+        let number = |name: &str| stored.number(name, index);
         comparison.number("/path/lateral_x", number("lateral_x"), drive.lateral[0], 0.0);
         comparison.number("/path/lateral_y", number("lateral_y"), drive.lateral[1], 0.0);
         if prepared.prony.is_some() {
@@ -72,14 +62,9 @@ pub(crate) fn check(
             check.relaxing((waypoint, index), index + 1 == way.drives.len(), comparison)?;
         } else if prepared.facts.moves_sideways() {
             check.tractions(waypoint, index, comparison)?;
-        } else if let Some(state) = stored.state(waypoint, *drive)? {
-            stored.compare_fields(waypoint, &state, comparison)?;
-            let (reading, step) = (contact.reading(&state), Step::default());
-            let at = stored.at(index, &state);
-            let flow = leak(prepared, &state, &at, |_| {})?;
-            let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-            let at = At { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
-            stored.compare_record(index, (&Record::of(&at), &state), comparison);
+        } else {
+            let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+            stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
         }
     }
     Ok(())
@@ -92,24 +77,16 @@ struct StepCheck<'a> {
 }
 
 impl StepCheck<'_> {
-    /// Compares the scalars of a step that follow from others, of this step and of the one before.
+    /// Compares the scalars of a converged step that follow from others, of this step and of the one before.
     fn columns(&self, step: usize, comparison: &mut Comparison) {
         let now = |name: &str| self.stored.number(name, step);
-        let [residual, pressure] = ["residual", "mean_pressure"].map(now);
-        // A step that was not made has no numbers.
-        if pressure.is_nan() && residual.is_nan() && now("converged").is_nan() {
-            return;
-        }
-        let converged = f64::from(u8::from(residual <= self.args.tol));
-        let Prepared { facts, .. } = self.stored.prepared;
-        comparison.number("/path/converged", now("converged"), converged, 0.0);
-        comparison.number("/path/p_star", now("p_star"), pressure / self.stored.prepared.unit_pressure(), 0.0);
-        if facts.relaxes.is_some() && now("converged") == 1.0 && now("extra_solves") == 0.0 {
+        let facts = &self.stored.prepared.facts;
+        if facts.relaxes.is_some() && now("extra_solves") == 0.0 {
             self.balance(step, comparison);
         }
         // Without further solves the loss is the balance of the work, by the trapezoidal rule, and the energy.
         let has_energy = facts.solves_a_law() && !now("interface_energy").is_nan();
-        if step == 0 || !has_energy || now("extra_solves") != 0.0 || now("converged") != 1.0 {
+        if step == 0 || !has_energy || now("extra_solves") != 0.0 {
             return;
         }
         let before = |name: &str| self.stored.number(name, step - 1);
@@ -179,12 +156,12 @@ impl StepCheck<'_> {
         let found: Vec<f64> = heights.iter().zip(&displacement).map(|(h, u)| highest - h - u - approach).collect();
         comparison.values("/fields/gap", &flat(&gap), &found, height);
         let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
-        comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.tol);
+        comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.search.tol);
         comparison.at_most("/fields/pressure (tension)", -least(&pressure), 0.0);
         let pressed = pressure.sum();
         let closed = (&pressure * &gap).sum().abs();
         let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
-        comparison.at_most("/fields/gap (in contact)", open, args.tol);
+        comparison.at_most("/fields/gap (in contact)", open, args.search.tol);
         let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / pressure.len() as f64;
         let mean = |field: &Array2<f64>| field.mean().unwrap_or(f64::NAN);
         let largest = pressure.iter().copied().fold(0.0, f64::max);
@@ -194,7 +171,7 @@ impl StepCheck<'_> {
         comparison.number("/path/mean_gap", number("mean_gap"), mean(&gap), height);
         if is_last {
             let fields = (&pressure, &displacement, number("elastic_energy"));
-            memory::check(file.reader, file.prepared, fields, 100.0 * args.tol, comparison)?;
+            memory::check(file.reader, file.prepared, fields, 100.0 * args.search.tol, comparison)?;
         }
         Ok(())
     }
@@ -236,13 +213,13 @@ impl StepCheck<'_> {
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
         let height = file.height();
         let stored_displacement = flat(&field("displacement_z")?);
-        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.tol);
+        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.search.tol);
         let worst = apart(&displacement[lateral..], &stored_displacement) / height;
-        comparison.at_most("/fields/displacement_z", worst, 100.0 * args.tol);
+        comparison.at_most("/fields/displacement_z", worst, 100.0 * args.search.tol);
         let law = limit.is_none().then_some(law);
         if law.is_none_or(|law| law.has_wall()) {
             let below = -gap.iter().copied().fold(0.0, f64::min) / height;
-            comparison.at_most("/fields/gap (penetration)", below, args.tol);
+            comparison.at_most("/fields/gap (penetration)", below, args.search.tol);
         }
         let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
         match law {
@@ -250,7 +227,7 @@ impl StepCheck<'_> {
             Some(_) => comparison.at_most(
                 "/path/mean_pressure",
                 (stored("mean_pressure") - mean_pressure).abs() / unit_pressure,
-                100.0 * args.tol,
+                100.0 * args.search.tol,
             ),
             None => comparison.number("/path/mean_pressure", stored("mean_pressure"), mean_pressure, 0.0),
         }
@@ -259,7 +236,7 @@ impl StepCheck<'_> {
         let approaches =
             surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
         let approach = approaches.sum::<f64>() / points as f64;
-        comparison.at_most("/path/displacement", (stored("displacement") - approach).abs() / height, args.tol);
+        comparison.at_most("/path/displacement", (stored("displacement") - approach).abs() / height, args.search.tol);
         if let Some(limit) = *limit {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
             let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
@@ -277,7 +254,7 @@ impl StepCheck<'_> {
         let magnitude = |i: usize| shear.chunks_exact(points).map(|s| s[i] * s[i]).sum::<f64>().sqrt();
         let excess = (0..points).map(|i| magnitude(i) - limits[i]).fold(0.0, f64::max);
         if strongest > 0.0 {
-            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.tol);
+            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.search.tol);
         }
     }
 }

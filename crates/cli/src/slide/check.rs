@@ -57,7 +57,7 @@ pub(crate) fn check(
         }
         let (state, solution) = (&reached.state, &reached.state.solution);
         let persson = way.sliding.persson(at.1, solution.mean_pressure);
-        let record = State::new(at.1, &reached, persson, (&way.prepared.scales(), args.tol), f64::NAN);
+        let record = State::new(at.1, &reached, persson, (&way.prepared.scales(), args.search.tol), f64::NAN);
         for ((name, .., value), column) in SCALARS.iter().zip(&columns) {
             if OF_THE_SEARCH.contains(name) {
                 continue;
@@ -77,12 +77,12 @@ pub(crate) fn check(
         }
         if record.converged {
             let heat = record.heat.map_or(0.0, |heat| heat.residual);
-            comparison.at_most(&format!("residual of state {index}"), worst([state.worst(), heat]), args.tol);
+            comparison.at_most(&format!("residual of state {index}"), worst([state.worst(), heat]), args.search.tol);
         }
         // The load is met to the tolerance.
         if let Load::MeanPressure(asked) = at.0 {
             let apart = (solution.mean_pressure - asked).abs() / asked;
-            comparison.at_most(&format!("load of state {index}"), apart, args.tol);
+            comparison.at_most(&format!("load of state {index}"), apart, args.search.tol);
         }
     }
     Ok(())

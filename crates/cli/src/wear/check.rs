@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use gfmd_contact::Load;
 use gfmd_files::Reader;
-use gfmd_interface::{Quasistatic as _, Step};
-use gfmd_record::{At, Measured, Record};
+use gfmd_problem::Rest;
+use gfmd_record::At;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
     Comparison, Configuration, Kind, compare_heights, layout, regenerated, repeated_problem, stored_problem,
@@ -38,32 +37,14 @@ pub(crate) fn check(
         path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
     })?;
     let contact = prepared.pose(&args.source, &prepared.law)?;
-    let stored = Stored::new(reader, prepared, &contact, args.tol)?;
+    let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
     let (mut volume, mut before) = (0.0, [0.0; 4]);
     for (index, drive) in course.drives.iter().enumerate() {
         let number = |name: &str| stored.number(name, index);
-        let [pressure, approach, energy, residual] =
-            ["mean_pressure", "displacement", "elastic_energy", "residual"].map(number);
-        // A step that was not made has no numbers.
-        if pressure.is_nan() && residual.is_nan() && number("converged").is_nan() {
+        if !stored.compare_step(index, *drive, comparison) {
             continue;
         }
-        let converged = f64::from(u8::from(residual <= args.tol));
-        comparison.number("/wear/converged", number("converged"), converged, 0.0);
-        comparison.number("/wear/p_star", number("p_star"), pressure / prepared.unit_pressure(), 0.0);
-        if number("converged") != 1.0 {
-            continue;
-        }
-        comparison.at_most(&format!("residual of step {index}"), residual, args.tol);
-        match drive.load {
-            // The load is met to the tolerance.
-            Load::MeanPressure(asked) => comparison.at_most(
-                &format!("load of step {index}"),
-                (pressure - asked).abs() / asked.max(prepared.unit_pressure()),
-                10.0 * args.tol,
-            ),
-            Load::Approach(asked) => comparison.number("/wear/displacement", approach, asked, 0.0),
-        }
+        let [pressure, approach, energy] = ["mean_pressure", "displacement", "elastic_energy"].map(number);
         comparison.number("/wear/distance", number("distance"), drive.distance, 0.0);
         let [pressure_before, approach_before, energy_before, distance_before] = before;
         let moved = drive.distance - distance_before;
@@ -76,17 +57,11 @@ pub(crate) fn check(
         comparison.number("/wear/dissipated_error", number("dissipated_error"), missing, scale);
         before = [pressure, approach, energy, drive.distance];
         let Some(waypoint) = course.places.of(index) else { continue };
-        if let Some(state) = stored.state(waypoint, *drive)? {
-            stored.compare_fields(waypoint, &state, comparison)?;
+        let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+        if stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?.is_some() {
             let field = stored.field("pressure", waypoint)?;
             let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
             comparison.number("/wear/dissipated", lost, coefficient * moved * squares, 0.0);
-            let (reading, step) = (contact.reading(&state), Step::default());
-            let at = stored.at(index, &state);
-            let flow = leak(prepared, &state, &at, |_| {})?;
-            let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-            let at = At { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
-            stored.compare_record(index, (&Record::of(&at), &state), comparison);
         }
     }
     Ok(())

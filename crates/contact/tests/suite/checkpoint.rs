@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Budget, Contact, Equilibrium, FullContact, Load, Progress, Resumable, Solution, Solver, Tape, Visit, Watch,
+    Budget, Contact, Equilibrium, FullContact, Load, MemoryCheckpoint, Progress, Resumable, Solution, Solver, Visit,
+    Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
@@ -14,7 +15,7 @@ use gfmd_surface::{Discretisation, SelfAffine};
 struct Keeper {
     at: Option<usize>,
     calls: usize,
-    kept: Tape,
+    kept: MemoryCheckpoint,
     resumes: bool,
     first: Option<u64>,
 }
@@ -155,10 +156,10 @@ fn all_components_continue_bit_for_bit() {
             assert!(second.kept.is_at_end() && second.calls == whole.calls - at, "{solver}, {at}");
             assert!(resumed == expected, "{solver}, checkpoint {at} of {}", whole.calls);
         }
-        let mut tape = Tape::default();
-        contact.keep(&mut expected, &mut tape);
-        tape.rewind();
-        assert!(contact.restore(load.into(), &mut tape).unwrap() == expected && tape.is_at_end());
+        let mut checkpoint = MemoryCheckpoint::default();
+        contact.keep(&mut expected, &mut checkpoint);
+        checkpoint.rewind();
+        assert!(contact.restore(load.into(), &mut checkpoint).unwrap() == expected && checkpoint.is_at_end());
     }
 }
 
@@ -168,16 +169,16 @@ fn a_state_that_is_kept_is_the_state_of_the_next_load() {
     let budget = Budget::default();
     let load = Load::MeanPressure(0.01);
     let mut first = contact.press(load).solve().unwrap();
-    let mut tape = Tape::default();
-    contact.keep(&mut first, &mut tape);
-    tape.rewind();
-    let restored = contact.restore(load.into(), &mut tape).unwrap();
-    assert!(same(&restored, &first) && tape.is_at_end());
+    let mut checkpoint = MemoryCheckpoint::default();
+    contact.keep(&mut first, &mut checkpoint);
+    checkpoint.rewind();
+    let restored = contact.restore(load.into(), &mut checkpoint).unwrap();
+    assert!(same(&restored, &first) && checkpoint.is_at_end());
     let next = |start: &Solution| {
         contact.equilibrate(Load::MeanPressure(0.03).into(), Solver::Auto, &budget, Some(start), &mut ()).unwrap()
     };
     assert!(same(&next(&restored), &next(&first)));
-    assert!(contact.restore(Load::MeanPressure(-1.0).into(), &mut Tape::default()).is_err());
+    assert!(contact.restore(Load::MeanPressure(-1.0).into(), &mut MemoryCheckpoint::default()).is_err());
 }
 
 #[test]
@@ -188,9 +189,9 @@ fn a_state_of_another_layout_is_kept_as_it_is() {
     let mut turned = solved.clone();
     turned.pressure = solved.pressure.t().as_standard_layout().into_owned().reversed_axes();
     assert!(turned.pressure.as_slice().is_none());
-    let mut tape = Tape::default();
-    contact.keep(&mut turned, &mut tape);
-    tape.rewind();
-    let restored = contact.restore(load.into(), &mut tape).unwrap();
-    assert!(tape.is_at_end() && same(&restored, &solved));
+    let mut checkpoint = MemoryCheckpoint::default();
+    contact.keep(&mut turned, &mut checkpoint);
+    checkpoint.rewind();
+    let restored = contact.restore(load.into(), &mut checkpoint).unwrap();
+    assert!(checkpoint.is_at_end() && same(&restored, &solved));
 }

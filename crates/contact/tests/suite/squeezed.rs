@@ -1,8 +1,8 @@
 //! A slab between two rough surfaces: limits that are contacts of one surface, exact identities, and refusals.
 
 use gfmd_contact::{
-    Budget, Contact, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, SqueezedContact,
-    SqueezedSolution, Tape,
+    Budget, Contact, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver,
+    SqueezedContact, SqueezedSolution,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Base, Body, Material};
@@ -212,10 +212,10 @@ fn a_state_is_kept_and_restored_and_is_a_start() {
     let contact = squeezed(&slab(0.3, 0.05), &heights(1), &heights(3));
     let load = Load::MeanPressure(0.01);
     let mut state = contact.press(load).solve().unwrap();
-    let mut tape = Tape::default();
-    contact.keep(&mut state, &mut tape);
-    tape.rewind();
-    let restored = contact.restore(load.into(), &mut tape).unwrap();
+    let mut checkpoint = MemoryCheckpoint::default();
+    contact.keep(&mut state, &mut checkpoint);
+    checkpoint.rewind();
+    let restored = contact.restore(load.into(), &mut checkpoint).unwrap();
     assert!(restored.upper.pressure == state.upper.pressure && restored.lower.pressure == state.lower.pressure);
     assert_eq!((restored.effort, restored.approach), (state.effort, state.approach));
     let further = contact.press(Load::MeanPressure(0.011)).starting_from(Some(&state)).solve().unwrap();

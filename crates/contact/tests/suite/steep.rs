@@ -1,7 +1,7 @@
 //! Contact with finite slopes: identities and limits. Dense solutions are compared in `tests/src/steep.rs`.
 
 use gfmd_contact::{
-    Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, SteepContact, Tape,
+    Contact, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver, SteepContact,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
@@ -110,10 +110,10 @@ fn a_state_follows_from_its_pressure_to_the_last_bit() {
     let contact = SteepContact::new(&body(0.1), &grid, &heights).unwrap();
     let load = Load::MeanPressure(0.02);
     let mut state = contact.press(load).solve().unwrap();
-    let mut tape = Tape::default();
-    contact.keep(&mut state, &mut tape);
-    tape.rewind();
-    let restored = contact.restore(load.into(), &mut tape).unwrap();
+    let mut checkpoint = MemoryCheckpoint::default();
+    contact.keep(&mut state, &mut checkpoint);
+    checkpoint.rewind();
+    let restored = contact.restore(load.into(), &mut checkpoint).unwrap();
     assert_eq!(restored, state);
     let certified = contact.certify(&state.normal.pressure, load).unwrap();
     assert_eq!(certified.normal.gap, state.normal.gap);

@@ -2,19 +2,19 @@
 
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
-use gfmd_flow::{Flow, FlowError, Surroundings, TOLERANCE, flow};
+use gfmd_flow::{Boundary, Flow, FlowError, TOLERANCE, flow};
 use ndarray::Array2;
 
-const BOTH: [Surroundings; 2] = [Surroundings::Repeats, Surroundings::Ends];
+const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Free];
 
 fn square(n: usize) -> Grid {
     Grid::square(n, 1.0).unwrap()
 }
 
-fn solved(k: &Array2<f64>, surroundings: Surroundings) -> Flow {
+fn solved(k: &Array2<f64>, boundary: Boundary) -> Flow {
     let (nx, ny) = k.dim();
     let grid = Grid::new([nx, ny], [1.0, ny as f64 / nx as f64]).unwrap();
-    let found = flow(&grid, k.view(), surroundings).unwrap();
+    let found = flow(&grid, k.view(), boundary).unwrap();
     assert!(found.residual <= TOLERANCE);
     found
 }
@@ -33,12 +33,12 @@ fn layers_in_series_and_side_by_side_are_exact() {
     let k = |i: usize| [1.0, 3.0, 0.01, 7.0][i / 3 % 4];
     let mean = (1.0 + 3.0 + 0.01 + 7.0) / 4.0;
     let harmonic = 4.0 / (1.0 + 1.0 / 3.0 + 100.0 + 1.0 / 7.0);
-    for surroundings in BOTH {
-        let along_y = solved(&Array2::from_shape_fn((24, 20), |(i, _)| k(i)), surroundings);
+    for boundary in BOTH {
+        let along_y = solved(&Array2::from_shape_fn((24, 20), |(i, _)| k(i)), boundary);
         assert_relative_eq!(along_y.conductivity[0][0], harmonic, max_relative = 1e-8);
         assert_relative_eq!(along_y.conductivity[1][1], mean, max_relative = 1e-8);
         assert!(along_y.conductivity[0][1].abs() < 1e-8 && along_y.conductivity[1][0].abs() < 1e-8);
-        let uniform = solved(&Array2::from_elem((5, 8), 3.0), surroundings);
+        let uniform = solved(&Array2::from_elem((5, 8), 3.0), boundary);
         assert_relative_eq!(uniform.conductivity[0][0], 3.0, max_relative = 1e-14);
         // Flux, times unit: everywhere the mean.
         let path = uniform.paths[0].as_ref().unwrap();
@@ -55,7 +55,7 @@ fn a_chequerboard_approaches_the_geometric_mean() {
                 (n, n),
                 |(i, j)| if (2 * i / n + 2 * j / n).is_multiple_of(2) { 1.0 } else { contrast },
             );
-        let found = flow(&square(n), board.view(), Surroundings::Repeats).unwrap();
+        let found = flow(&square(n), board.view(), Boundary::Periodic).unwrap();
         found.conductivity[0][0] / contrast.sqrt() - 1.0
     });
     // The corners slow it down.
@@ -73,39 +73,39 @@ fn random_mixtures_have_the_conductivities_of_duality_and_of_effective_media() {
     let grains = Array2::from_shape_fn((n / 8, n / 8), |_| number());
     let field = Array2::from_shape_fn((n, n), |(i, j)| grains[[i / 8, j / 8]]);
     // Half of each: the geometric mean (Keller 1964, Dykhne 1970), which is also Bruggeman's.
-    let half = solved(&field.mapv(|x| if x < 0.5 { 1.0 } else { 4.0 }), Surroundings::Repeats);
+    let half = solved(&field.mapv(|x| if x < 0.5 { 1.0 } else { 4.0 }), Boundary::Periodic);
     assert_relative_eq!(half.conductivity[0][0], 2.0, max_relative = 0.06);
     // Bruggeman: Σ c (k − K)/(k + K) = 0; with a tenth of holes K = 1 − 2 c.
-    let holes = solved(&field.mapv(|x| if x < 0.1 { 0.0 } else { 1.0 }), Surroundings::Repeats);
+    let holes = solved(&field.mapv(|x| if x < 0.1 { 0.0 } else { 1.0 }), Boundary::Periodic);
     assert_relative_eq!(holes.conductivity[1][1], 0.8, max_relative = 0.06);
 }
 
 #[test]
 fn what_does_not_percolate_conducts_exactly_nothing() {
     let ring = Array2::from_shape_fn((32, 32), |(i, j)| if (i == 5) | (j == 9) { 0.0 } else { 1.0 });
-    for surroundings in BOTH {
-        let found = solved(&ring, surroundings);
+    for boundary in BOTH {
+        let found = solved(&ring, boundary);
         assert_eq!((found.conductivity, found.percolates, found.residual), ([[0.0; 2]; 2], [false; 2], 0.0));
         assert!(found.paths.iter().all(Option::is_none));
-        let dam = solved(&Array2::from_shape_fn((32, 32), |(i, _)| if i == 5 { 0.0 } else { 1.0 }), surroundings);
+        let dam = solved(&Array2::from_shape_fn((32, 32), |(i, _)| if i == 5 { 0.0 } else { 1.0 }), boundary);
         assert_eq!((dam.percolates, dam.conductivity[0], dam.conductivity[1][0]), ([false, true], [0.0; 2], 0.0));
         assert_relative_eq!(dam.conductivity[1][1], 31.0 / 32.0, max_relative = 1e-8);
     }
     // Along both axes by a channel that climbs.
     let stairs = Array2::from_shape_fn((16, 16), |(i, j)| if (i + 16 - j) % 16 < 2 { 1.0 } else { 0.0 });
-    let found = solved(&stairs, Surroundings::Repeats);
+    let found = solved(&stairs, Boundary::Periodic);
     assert_eq!(found.percolates, [true; 2]);
     let [[xx, xy], [yx, yy]] = found.conductivity;
     assert_relative_eq!(xx, xy, max_relative = 1e-8);
     assert_relative_eq!(yx, yy, max_relative = 1e-8);
-    let nothing = solved(&Array2::zeros((8, 8)), Surroundings::Repeats);
+    let nothing = solved(&Array2::zeros((8, 8)), Boundary::Periodic);
     assert_eq!(nothing.conductivity, [[0.0; 2]; 2]);
 }
 
 /// The conductivity along x by Gauss's method, from the faces in words of this test.
-fn dense(k: &Array2<f64>, surroundings: Surroundings) -> f64 {
+fn dense(k: &Array2<f64>, boundary: Boundary) -> f64 {
     let (nx, ny) = k.dim();
-    let (n, ends) = (nx * ny, surroundings == Surroundings::Ends);
+    let (n, ends) = (nx * ny, boundary == Boundary::Free);
     let (dx, dy) = (1.0 / nx as f64, 1.0 / nx as f64);
     let face = |a: f64, b: f64| if a.min(b) > 0.0 { 2.0 / (1.0 / a + 1.0 / b) } else { 0.0 };
     let mut rows = vec![vec![0.0; n + 1]; n];
@@ -181,9 +181,9 @@ fn dense_solutions_agree() {
                 (12, 9),
                 |_| if number() < closed { 0.0 } else { 10.0_f64.powf(4.0 * number() - 3.0) },
             );
-        for surroundings in BOTH {
-            let found = solved(&k, surroundings).conductivity[0][0];
-            assert_relative_eq!(found, dense(&k, surroundings), max_relative = 1e-8, epsilon = 1e-14);
+        for boundary in BOTH {
+            let found = solved(&k, boundary).conductivity[0][0];
+            assert_relative_eq!(found, dense(&k, boundary), max_relative = 1e-8, epsilon = 1e-14);
         }
     }
 }
@@ -194,10 +194,10 @@ fn the_tensor_is_symmetric_and_turns_with_the_field() {
         let [x, y] = [i, j].map(|k| std::f64::consts::TAU * k as f64 / 48.0);
         (2.0 * (x - 2.0 * y).sin() + (3.0 * x + y + 1.0).cos()).exp()
     };
-    let found = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(i, j)), Surroundings::Repeats).conductivity;
+    let found = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(i, j)), Boundary::Periodic).conductivity;
     assert!((found[0][1] - found[1][0]).abs() < 1e-10 * found[0][0], "{found:?}");
     assert!(found[0][1].abs() > 1e-2);
-    let turned = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(j, i)), Surroundings::Repeats).conductivity;
+    let turned = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(j, i)), Boundary::Periodic).conductivity;
     assert_relative_eq!(turned[0][0], found[1][1], max_relative = 1e-7);
     // Bounds of Wiener: between harmonic and arithmetic means.
     let (mean, inverse) = (0..48 * 48).map(|c| field(c / 48, c % 48)).fold((0.0, 0.0), |s, k| (s.0 + k, s.1 + 1.0 / k));
@@ -216,12 +216,12 @@ fn contrasts_of_many_orders_take_few_iterations_and_units_do_not_matter() {
                 + 0.4 * (9.0 * x + 8.0 * y).cos();
             (waves + 0.9).max(0.0)
         });
-        let found = solved(&gap.mapv(|g| g.powi(3)), Surroundings::Repeats);
+        let found = solved(&gap.mapv(|g| g.powi(3)), Boundary::Periodic);
         assert_eq!(found.percolates, [true; 2]);
         for path in found.paths.iter().flatten() {
             assert!(path.iterations <= 50, "{n}: {}", path.iterations);
         }
-        let small = solved(&gap.mapv(|g| 1e-280 * g.powi(3)), Surroundings::Repeats);
+        let small = solved(&gap.mapv(|g| 1e-280 * g.powi(3)), Boundary::Periodic);
         assert_relative_eq!(small.conductivity[0][0], 1e-280 * found.conductivity[0][0], max_relative = 1e-12);
     }
 }
@@ -237,7 +237,7 @@ fn a_basin_behind_the_weakest_dams_harms_nothing() {
         (40, 8..20) => 1e-12,
         _ => 0.0,
     });
-    let found = solved(&k, Surroundings::Repeats);
+    let found = solved(&k, Boundary::Periodic);
     assert_eq!(found.percolates, [true, false]);
     assert_relative_eq!(found.conductivity[0][0], 1e-4 * 8.0 / n as f64, max_relative = 1e-10);
 }
@@ -252,7 +252,7 @@ fn a_gate_before_a_pool_conducts_in_proportion() {
             (5, _) => 0.0,
             _ => 1.0,
         });
-        let found = solved(&k, Surroundings::Repeats);
+        let found = solved(&k, Boundary::Periodic);
         let path = found.paths[0].as_ref().unwrap();
         assert!(path.iterations <= 60, "{}", path.iterations);
         found.conductivity[0][0] / gate
@@ -267,7 +267,7 @@ fn threads_change_no_bit() {
     let k = Array2::from_shape_fn((100, 90), |_| (number() - 0.2).max(0.0).powi(3));
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| solved(&k, Surroundings::Repeats))
+        pool.install(|| solved(&k, Boundary::Periodic))
     };
     assert_eq!(on(1), on(2));
 }
@@ -279,7 +279,7 @@ fn the_origin_of_a_cell_does_not_matter() {
         let mut number = random(9);
         let k = Array2::from_shape_fn((nx, ny), |_| (number() - 0.3).max(0.0).powi(3));
         let moved = Array2::from_shape_fn((nx, ny), |(i, j)| k[[(i + 77) % nx, (j + 60) % ny]]);
-        let [k, moved] = [k, moved].map(|k| solved(&k, Surroundings::Repeats));
+        let [k, moved] = [k, moved].map(|k| solved(&k, Boundary::Periodic));
         assert_eq!(k.percolates, [true; 2]);
         for (a, b) in k.conductivity.iter().flatten().zip(moved.conductivity.iter().flatten()) {
             assert!((a - b).abs() < 1e-8 * k.conductivity[0][0], "{a} {b}");
@@ -290,7 +290,7 @@ fn the_origin_of_a_cell_does_not_matter() {
 
 #[test]
 fn unusable_fields_are_refused() {
-    let refused = |k: Array2<f64>| flow(&square(4), k.view(), Surroundings::Repeats).unwrap_err();
+    let refused = |k: Array2<f64>| flow(&square(4), k.view(), Boundary::Periodic).unwrap_err();
     assert!(matches!(refused(Array2::ones((4, 5))), FlowError::Shape { .. }));
     for value in [-1.0, f64::NAN, f64::INFINITY] {
         let mut k = Array2::ones((4, 4));
@@ -298,6 +298,6 @@ fn unusable_fields_are_refused() {
         assert!(matches!(refused(k), FlowError::Conductivity { index: [1, 2], .. }));
     }
     let line = Grid::line(4, 1.0).unwrap();
-    let found = flow(&line, Array2::ones((4, 1)).view(), Surroundings::Repeats);
+    let found = flow(&line, Array2::ones((4, 1)).view(), Boundary::Periodic);
     assert!(matches!(found, Err(FlowError::Points([4, 1]))));
 }

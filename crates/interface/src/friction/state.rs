@@ -136,8 +136,8 @@ impl Fields for FrictionState {
 
     fn summary_in(&self, scales: &Scales) -> Summary {
         let pressure = self.pressure();
-        let (displacement, gap, surroundings) = (self.displacement_z(), self.gap(), self.surface.surroundings());
-        let summary = Summary::of(pressure.view(), displacement, gap, self.mean_pressure, scales, surroundings);
+        let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());
+        let summary = Summary::of(pressure.view(), displacement, gap, self.mean_pressure, scales, boundary);
         Summary { elastic_energy: self.elastic_energy, ..summary }
     }
 }

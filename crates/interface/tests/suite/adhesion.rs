@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load, Progress, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Interface, Kept, State};
+use gfmd_interface::{Interface, State, StoredFields};
 use gfmd_law::{Dugdale, Exponential, HardWall, HarmonicCosine, Law, Morse, Npc, Separation, Tabulated};
 use gfmd_measure::theory::AdhesiveSphere;
 use ndarray::Array2;
@@ -371,7 +371,7 @@ fn a_search_from_kept_fields_takes_the_steps_of_one_from_the_state() {
                 assert!(!has_wall || reached.wall_pressure.iter().any(|p| *p > 0.0), "the wall must take part");
                 let pressure = reached.pressure().into_owned();
                 let (displacement_z, gap) = (reached.displacement_z().to_owned(), reached.gap().to_owned());
-                let kept = Kept {
+                let kept = StoredFields {
                     pressure: &pressure,
                     displacement_z: &displacement_z,
                     gap: &gap,
@@ -397,7 +397,7 @@ fn fields_of_another_problem_are_no_state() {
     let (right, wrong, infinite) =
         (Array2::zeros((8, 1)), Array2::zeros((4, 1)), Array2::from_elem((8, 1), f64::INFINITY));
     let recall =
-        |pressure, displacement_z, gap| interface.recall(Kept { pressure, displacement_z, gap, approach: 0.0 });
+        |pressure, displacement_z, gap| interface.recall(StoredFields { pressure, displacement_z, gap, approach: 0.0 });
     assert!(recall(&right, &right, &right).is_ok());
     assert!(matches!(recall(&wrong, &right, &right), Err(Refusal::Start { found: 4, expected: 8 })));
     assert!(matches!(recall(&right, &infinite, &right), Err(Refusal::NotFinite { .. })));

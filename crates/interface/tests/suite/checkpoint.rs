@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Budget, Drive, Equilibrium, Fields as _, Load, Progress, Resumable, Solver, Tape, Variables as _, Visit, Watch,
+    Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, Solver, Variables as _,
+    Visit, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
@@ -16,7 +17,7 @@ use ndarray::Array2;
 struct Keeper {
     at: Option<usize>,
     calls: usize,
-    kept: Tape,
+    kept: MemoryCheckpoint,
     resumes: bool,
 }
 
@@ -52,10 +53,10 @@ fn interface() -> Interface {
 }
 
 /// The bits of everything that a state contains.
-fn tape<E: Resumable>(contact: &E, mut state: E::State) -> Tape {
-    let mut tape = Tape::default();
-    contact.keep(&mut state, &mut tape);
-    tape
+fn checkpoint<E: Resumable>(contact: &E, mut state: E::State) -> MemoryCheckpoint {
+    let mut checkpoint = MemoryCheckpoint::default();
+    contact.keep(&mut state, &mut checkpoint);
+    checkpoint
 }
 
 #[test]
@@ -71,7 +72,7 @@ fn a_law_continues_bit_for_bit() {
         let solve = |keeper: &mut Keeper| {
             let budget = Budget { tolerance: 1e-9, max_iterations: 1_000_000 };
             let reached = interface.equilibrate(load.into(), solver, &budget, start, keeper);
-            tape(&interface, reached.unwrap_or_else(|error| error.into_state().unwrap()))
+            checkpoint(&interface, reached.unwrap_or_else(|error| error.into_state().unwrap()))
         };
         let mut whole = Keeper::default();
         let expected = solve(&mut whole);
@@ -106,22 +107,22 @@ fn the_gap_determines_the_state() {
 /// Follows a path, and follows it again from its state after every step.
 fn continues<P: Quasistatic + Resumable>(problem: &P, drives: &[Drive]) {
     let new = || Path::new(problem, Budget::default(), Refinement::default());
-    let follow = |path: &mut Path<P>, drives: &[Drive], kept: &mut Vec<(Step, Tape)>| {
+    let follow = |path: &mut Path<P>, drives: &[Drive], kept: &mut Vec<(Step, MemoryCheckpoint)>| {
         for drive in drives {
             let step = path.step(*drive, &mut ()).unwrap();
-            let mut tape = Tape::default();
-            path.keep(&mut tape);
-            kept.push((step, tape));
+            let mut checkpoint = MemoryCheckpoint::default();
+            path.keep(&mut checkpoint);
+            kept.push((step, checkpoint));
         }
     };
     let mut whole = Vec::new();
     follow(&mut new(), drives, &mut whole);
     for done in 1..drives.len() {
-        let (_, mut tape) = whole[done - 1].clone();
-        tape.rewind();
+        let (_, mut checkpoint) = whole[done - 1].clone();
+        checkpoint.rewind();
         let mut path = new();
-        path.resume(drives[done - 1], &mut tape).unwrap();
-        assert!(tape.is_at_end());
+        path.resume(drives[done - 1], &mut checkpoint).unwrap();
+        assert!(checkpoint.is_at_end());
         let mut rest = Vec::new();
         follow(&mut path, &drives[done..], &mut rest);
         assert!(rest == whole[done..], "continued after step {done}");
@@ -145,10 +146,10 @@ fn paths_continue_bit_for_bit() {
 #[test]
 fn a_path_without_a_step_keeps_nothing() {
     let interface = interface();
-    let mut tape = Tape::default();
-    Path::new(&interface, Budget::default(), Refinement::default()).keep(&mut tape);
-    assert_eq!(tape, Tape::default());
+    let mut checkpoint = MemoryCheckpoint::default();
+    Path::new(&interface, Budget::default(), Refinement::default()).keep(&mut checkpoint);
+    assert_eq!(checkpoint, MemoryCheckpoint::default());
     let mut effort = gfmd_contact::Effort { iterations: 3, transform_pairs: 0.5 };
-    effort.visit(&mut tape);
-    assert_ne!(tape, Tape::default());
+    effort.visit(&mut checkpoint);
+    assert_ne!(checkpoint, MemoryCheckpoint::default());
 }

@@ -2,10 +2,12 @@
 
 use std::f64::consts::PI;
 
-use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Tape};
+use gfmd_contact::{
+    Boundary, Contact, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver,
+};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{FrictionalContact, Interface, Kept, State};
+use gfmd_interface::{FrictionalContact, Interface, State, StoredFields};
 use gfmd_law::{Dugdale, Exponential, HardWall, Law, Limit, Morse};
 use gfmd_measure::theory::AdhesiveSphere;
 use ndarray::{Array2, s};
@@ -159,17 +161,17 @@ fn a_state_that_is_kept_or_recalled_leads_to_the_same_bits() {
     for (first, then) in [(0.01, 0.004), (0.01, -1e-4)].map(|(a, b)| (Load::MeanPressure(a), Load::MeanPressure(b))) {
         let mut state = solve(&interface, first, None);
         let next = solve(&interface, then, Some(&state));
-        let kept = Kept {
+        let kept = StoredFields {
             pressure: &state.pressure().to_owned(),
             displacement_z: &state.displacement_z().to_owned(),
             gap: &state.gap.clone(),
             approach: state.approach,
         };
         assert_eq!(solve(&interface, then, Some(&interface.recall(kept).unwrap())), next);
-        let mut tape = Tape::default();
-        interface.keep(&mut state, &mut tape);
-        tape.rewind();
-        let restored = interface.restore(first.into(), &mut tape).unwrap();
+        let mut checkpoint = MemoryCheckpoint::default();
+        interface.keep(&mut state, &mut checkpoint);
+        checkpoint.rewind();
+        let restored = interface.restore(first.into(), &mut checkpoint).unwrap();
         assert_eq!(solve(&interface, then, Some(&restored)), next);
     }
 }

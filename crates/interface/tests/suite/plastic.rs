@@ -1,6 +1,6 @@
 //! Plastic depth that stays: identities of paths behind a hard wall with a hardness.
 
-use gfmd_contact::{Boundary, Budget, Contact, Drive, Equilibrium, Fields, Load, Resumable, Tape};
+use gfmd_contact::{Boundary, Budget, Contact, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Resumable};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{Path, PlasticContact, PlasticState, Refinement, Step};
@@ -162,14 +162,14 @@ fn a_path_continues_bit_for_bit() {
     let whole = follow(&contact, &[0.01, 0.02, 0.005, 0.02]);
     for after in 0..3 {
         let mut path = Path::new(&contact, BUDGET, Refinement::default());
-        let mut tape = Tape::default();
+        let mut checkpoint = MemoryCheckpoint::default();
         for drive in &drives[..=after] {
             path.step(*drive, &mut ()).unwrap();
         }
-        path.keep(&mut tape);
-        tape.rewind();
+        path.keep(&mut checkpoint);
+        checkpoint.rewind();
         let mut path = Path::new(&contact, BUDGET, Refinement::default());
-        path.resume(drives[after], &mut tape).unwrap();
+        path.resume(drives[after], &mut checkpoint).unwrap();
         for (drive, (state, step)) in drives.iter().zip(&whole).skip(after + 1) {
             let found = path.step(*drive, &mut ()).unwrap();
             assert_eq!((found, &path.state().unwrap().depth), (*step, &state.depth));
@@ -182,10 +182,10 @@ fn a_path_continues_bit_for_bit() {
 fn a_state_is_kept_whole() {
     let contact = plastic(Boundary::Free, 0.05);
     let (mut state, _) = follow(&contact, &[0.01, 0.02]).pop().unwrap();
-    let mut tape = Tape::default();
-    contact.keep(&mut state, &mut tape);
-    tape.rewind();
-    let again = contact.restore(Load::MeanPressure(0.02).into(), &mut tape).unwrap();
+    let mut checkpoint = MemoryCheckpoint::default();
+    contact.keep(&mut state, &mut checkpoint);
+    checkpoint.rewind();
+    let again = contact.restore(Load::MeanPressure(0.02).into(), &mut checkpoint).unwrap();
     assert_eq!((&again.depth, again.volume, again.dissipated), (&state.depth, state.volume, state.dissipated));
     assert_eq!(again.solution, state.solution);
 }

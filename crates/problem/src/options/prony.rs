@@ -116,7 +116,7 @@ impl PronyArgs {
     ///
     /// # Errors
     /// As [`long_term`](Self::long_term); a body that cannot be made.
-    pub fn told(&self, given: &BodyArgs) -> Result<Option<Relaxation>, Unusable> {
+    pub fn relaxation(&self, given: &BodyArgs) -> Result<Option<Relaxation>, Unusable> {
         let Some(series) = self.series()? else { return Ok(None) };
         let soft = *self.long_term(given)?.body()?.material();
         let stiff = series.at_once(&soft, self.relaxes).map_err(|error| Unusable::input("--prony", error))?;
@@ -150,10 +150,10 @@ mod tests {
     fn moduli_are_those_of_the_long_term() {
         let body = BodyArgs { young: Some(10.0), poisson: 0.3, ..BodyArgs::default() };
         let long = given(&[(1.0, 0.75)]);
-        let told = |args: &PronyArgs| args.told(&body).unwrap().unwrap();
-        assert_eq!([told(&long).young_long_term, told(&long).young_instantaneous], [10.0, 40.0]);
+        let relaxation = |args: &PronyArgs| args.relaxation(&body).unwrap().unwrap();
+        assert_eq!([relaxation(&long).young_long_term, relaxation(&long).young_instantaneous], [10.0, 40.0]);
         let at_once = PronyArgs { moduli: Moduli::Instantaneous, ..long.clone() };
-        assert_eq!([told(&at_once).young_long_term, told(&at_once).young_instantaneous], [2.5, 10.0]);
+        assert_eq!([relaxation(&at_once).young_long_term, relaxation(&at_once).young_instantaneous], [2.5, 10.0]);
         let stars = BodyArgs { e_star: Some(8.0), ..body.clone() };
         assert_eq!(at_once.long_term(&stars).unwrap().e_star, Some(2.0));
         let shear = PronyArgs { relaxes: Relaxes::Shear, ..at_once };

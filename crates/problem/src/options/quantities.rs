@@ -80,11 +80,6 @@ pub fn takes_units(key: &str) -> bool {
     kinds(key).is_some()
 }
 
-/// The keys of the options whose numbers may have a unit.
-pub fn keys_with_units() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|(key, _)| *key)
-}
-
 fn kinds(key: &str) -> Option<&'static [&'static str]> {
     KINDS.iter().find(|(other, _)| *other == key).map(|(_, kinds)| *kinds)
 }

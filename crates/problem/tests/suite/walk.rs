@@ -8,7 +8,7 @@ use gfmd_contact::{
     SteepContact, Visit,
 };
 use gfmd_green::BaseKind;
-use gfmd_interface::{FrictionalContact, Interface, Kept, Path, PlasticContact, Refinement};
+use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Refinement, StoredFields};
 use gfmd_law::Kind;
 use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
 use gfmd_relax::Budget;
@@ -47,12 +47,12 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     assert!(state.lower().is_some() && state.steep().is_none() && state.plastic_depth().is_none());
 }
 
-/// Numbers on a tape, written and read in one order.
+/// Numbers of a checkpoint, written and read in one order.
 #[derive(Default)]
-struct Tape(Vec<u64>, usize);
+struct MemoryCheckpoint(Vec<u64>, usize);
 
-struct Writing<'a>(&'a mut Tape);
-struct Reading<'a>(&'a mut Tape);
+struct Writing<'a>(&'a mut MemoryCheckpoint);
+struct Reading<'a>(&'a mut MemoryCheckpoint);
 
 impl Visit for Writing<'_> {
     fn number(&mut self, value: &mut f64) {
@@ -141,10 +141,10 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             }
         };
         assert_eq!(lost, direct, "{facts:?}");
-        let mut tape = Tape::default();
-        path.keep(&mut Writing(&mut tape));
+        let mut checkpoint = MemoryCheckpoint::default();
+        path.keep(&mut Writing(&mut checkpoint));
         let mut again = Path::new(&posed, Budget::default(), refinement);
-        again.resume(drives[2], &mut Reading(&mut tape)).unwrap();
+        again.resume(drives[2], &mut Reading(&mut checkpoint)).unwrap();
         path.step(drive(0.03), &mut ()).unwrap();
         again.step(drive(0.03), &mut ()).unwrap();
         same(path.state().unwrap(), again.state().unwrap());
@@ -181,13 +181,13 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
         let certified = problem.certify(&fields, load.into()).unwrap();
         assert!(certified.worst() <= 1e-8, "{:?}: {}", kinds[index], certified.worst());
         assert!(matches!(problem.certify(&[], load.into()), Err(Refusal::Basis { found: 0, .. })));
-        let kept = Kept { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
+        let kept = StoredFields { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
         let recalled = problem.recall(kept, lower.as_deref()).unwrap();
         let from = problem.press(load).starting_from(Some(&recalled)).solve().unwrap();
         assert!(from.worst() <= 1e-8, "{:?}: {}", kinds[index], from.worst());
-        let mut tape = Tape::default();
-        problem.keep(&mut states[index], &mut Writing(&mut tape));
-        let restored = problem.restore(load.into(), &mut Reading(&mut tape)).unwrap();
+        let mut checkpoint = MemoryCheckpoint::default();
+        problem.keep(&mut states[index], &mut Writing(&mut checkpoint));
+        let restored = problem.restore(load.into(), &mut Reading(&mut checkpoint)).unwrap();
         same(&restored, &states[index]);
     }
     let other = posed[0].press(load).starting_from(Some(&states[3])).solve();

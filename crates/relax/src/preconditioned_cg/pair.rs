@@ -5,7 +5,7 @@ use gfmd_vector::{Share, add, for_each, pass, reduce, sum};
 use super::constants::{CHANGE, DOWNHILL, HALVINGS, PAIR_MEAN, SHIFTS};
 use super::{Advance, Course, Vectors};
 use crate::Visit;
-use crate::quadratic::{Iterate, Judged, LEAST_DESCENT, Target, add_linear, turn};
+use crate::quadratic::{Iterate, LEAST_DESCENT, OptimalitySums, Target, add_linear, turn};
 
 /// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of non-negative variables of two fields, the halves of one vector,
 /// for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is symmetric and positive
@@ -128,16 +128,16 @@ impl<P: Paired> Vectors for Pair<'_, P> {
         let judged = halves(&mut self.gradient).into_iter().zip(x.chunks(middle)).zip(multipliers);
         let judged = judged.map(|((gradient, x), multiplier)| {
             let leaf = |start: usize, [gradient]: [&mut [f64]; 1]| {
-                let mut judged = Judged::EMPTY;
+                let mut judged = OptimalitySums::EMPTY;
                 for (g, x) in gradient.iter_mut().zip(&x[start..]) {
                     *g -= multiplier;
                     judged.see(*x, *g);
                 }
                 judged
             };
-            pass([gradient], &leaf, &Judged::merge)
+            pass([gradient], &leaf, &OptimalitySums::merge)
         });
-        let judged = judged.fold(Judged::EMPTY, Judged::merge);
+        let judged = judged.fold(OptimalitySums::EMPTY, OptimalitySums::merge);
         let optimality = judged.optimality(self.scale);
         Iterate { iteration: 0, optimality, multiplier: multipliers[0], positive: (in_first + in_second) as usize }
     }

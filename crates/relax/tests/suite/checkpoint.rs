@@ -6,15 +6,16 @@ use gfmd_vector::Split;
 
 use crate::stretches::{hand_on, made};
 use gfmd_relax::{
-    AugmentedLagrangian, Bounds, Budget, Ending, Fire, Landscape, Method, Nesterov, PolonskyKeer, Preconditioned,
-    PreconditionedCg, Progress, ProjectedCg, Proximal, Quadratic, Tape, Target, Verlet, Visit, Watch, relax_until,
+    AugmentedLagrangian, Bounds, Budget, Ending, Fire, Landscape, MemoryCheckpoint, Method, Nesterov, PolonskyKeer,
+    Preconditioned, PreconditionedCg, Progress, ProjectedCg, Proximal, Quadratic, Target, Verlet, Visit, Watch,
+    relax_until,
 };
 
 /// A watcher that keeps the checkpoint of one iteration, or continues from it, and records all residuals.
 #[derive(Default)]
 struct Keeper {
     at: Option<usize>,
-    kept: Tape,
+    kept: MemoryCheckpoint,
     resumes: bool,
     seen: Vec<(u64, u64)>,
     calls: usize,

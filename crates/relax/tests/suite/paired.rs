@@ -1,6 +1,6 @@
 //! Two halves of variables, coupled by a matrix and by their means, against every active set.
 
-use gfmd_relax::{Budget, Ending, Paired, PreconditionedCg, RelaxError, Tape, Target, Visit, Watch};
+use gfmd_relax::{Budget, Ending, MemoryCheckpoint, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
 
 /// A dense matrix, with its diagonal as the preconditioner.
 struct Dense {
@@ -110,7 +110,7 @@ fn unusable_starts_are_refused() {
 struct Keeper {
     at: usize,
     calls: usize,
-    kept: Tape,
+    kept: MemoryCheckpoint,
     resumes: bool,
 }
 

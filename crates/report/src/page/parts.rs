@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use gfmd_contact::Hardness;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Panel, Series};
-use gfmd_record::{Form, Head, Table as Kept, heads, with_limit};
+use gfmd_record::{Form, Head, Table as RecordTable, heads, with_limit};
 use maud::html;
 
 use super::about::body;
@@ -114,11 +114,11 @@ impl Page {
     /// units.
     pub(crate) fn numbers(&mut self, stored: &Stored, rows: usize, state: &str) {
         let tables = [
-            (Kept::State, ""),
-            (Kept::Energy, ", energies per area"),
-            (Kept::LowerFace, ", the lower face"),
-            (Kept::Patches, ", patches and conductance"),
-            (Kept::Flow, ", flow through the gap"),
+            (RecordTable::State, ""),
+            (RecordTable::Energy, ", energies per area"),
+            (RecordTable::LowerFace, ", the lower face"),
+            (RecordTable::Patches, ", patches and conductance"),
+            (RecordTable::Flow, ", flow through the gap"),
         ];
         for (table, part) in tables {
             let columns = heads(table).map(|(column, head)| (column.name, head, stored.read(column)));

@@ -111,7 +111,7 @@ impl Configuration {
     }
 
     /// All flags of the run, to be shown.
-    pub fn told(&self) -> Vec<String> {
+    pub fn words(&self) -> Vec<String> {
         let mut words = Vec::new();
         for (key, value) in &self.table {
             let flag = format!("--{}", key.replace('_', "-"));

@@ -1,9 +1,11 @@
 //! The states of a file, made again from its fields, and compared with what the file says of them.
 
-use gfmd_contact::{Boundary, Drive, Fields as _};
+use gfmd_contact::{Boundary, Drive, Fields as _, Load};
 use gfmd_files::Reader;
+use gfmd_flow::Flow;
+use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_problem::{GridError, Posed, Rest, Task};
-use gfmd_record::{At, Column, Origin, Record, arrays};
+use gfmd_record::{At, Column, Measured, Origin, Record, arrays};
 use ndarray::{Array2, ArrayRef2};
 
 use super::{Chosen, Parts, Prepared};
@@ -99,6 +101,60 @@ impl<'a> Stored<'a> {
         }
         let fields: Vec<&ArrayRef2<f64>> = fields.iter().map(|field| &**field).collect();
         self.contact.certify(&fields, drive).map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
+    }
+
+    /// Compares what a step of a path states of its drive: convergence, reduced load, load or approach. True if it
+    /// converged, and the rest of it can be compared.
+    pub fn compare_step(&self, index: usize, drive: Drive, comparison: &mut Comparison) -> bool {
+        let number = |name: &str| self.number(name, index);
+        let [residual, pressure, converged] = ["residual", "mean_pressure", "converged"].map(number);
+        // A step that was not made has no numbers.
+        if [residual, pressure, converged].iter().all(|number| number.is_nan()) {
+            return false;
+        }
+        let (unit, is_at_rest) = (self.prepared.unit_pressure(), f64::from(u8::from(residual <= self.tolerance)));
+        comparison.number(&self.path("converged"), converged, is_at_rest, 0.0);
+        comparison.number(&self.path("p_star"), number("p_star"), pressure / unit, 0.0);
+        if converged != 1.0 {
+            return false;
+        }
+        comparison.at_most(&format!("residual of step {index}"), residual, self.tolerance);
+        match drive.load {
+            // The load is met to the tolerance.
+            Load::MeanPressure(asked) => comparison.at_most(
+                &format!("load of step {index}"),
+                (pressure - asked).abs() / asked.abs().max(unit),
+                10.0 * self.tolerance,
+            ),
+            Load::Approach(asked) => {
+                comparison.number(&self.path("displacement"), number("displacement"), asked, 0.0);
+            }
+        }
+        true
+    }
+
+    /// Compares the numbers and fields of a step at a waypoint with the state that the contact makes of the fields, and
+    /// returns the state; `None` of a step that was not solved. `flow` computes the flow through its gap, if it is asked
+    /// for.
+    ///
+    /// # Errors
+    /// The errors of [`state`](Self::state).
+    pub fn compare_waypoint(
+        &self,
+        (index, place): (usize, usize),
+        drive: Drive,
+        flow: impl FnOnce(&Rest, &At<'_>) -> Result<Option<Flow>, Failure>,
+        comparison: &mut Comparison,
+    ) -> Result<Option<Rest>, Failure> {
+        let Some(state) = self.state(place, drive)? else { return Ok(None) };
+        self.compare_fields(place, &state, comparison)?;
+        let (reading, step) = (self.contact.reading(&state), Step::default());
+        let at = self.at(index, &state);
+        let flow = flow(&state, &at)?;
+        let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+        let at = At { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
+        self.compare_record(index, (&Record::of(&at), &state), comparison);
+        Ok(Some(state))
     }
 
     /// Compares the fields of a state with those at a place.

@@ -173,7 +173,7 @@ impl Head {
         let Self { rms_gradient, max_slope: Some(max_slope), e_star, .. } = self else { return };
         let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, facts) else { return };
         let strain = records.iter().map(|record| record.number("max_pressure") / e_star).fold(0.0, f64::max);
-        session.warn(Slopes::CODE, slopes.told(strain));
+        session.warn(Slopes::CODE, slopes.message(strain));
     }
 }
 

@@ -8,7 +8,7 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
-use gfmd_problem::{Facts, Given, Held, Posed, Rest, pose};
+use gfmd_problem::{Facts, Given, MemoryNeed, Posed, Rest, pose};
 use gfmd_record::At;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_viscoelastic::Prony;
@@ -114,11 +114,11 @@ impl Prepared {
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
-        let held = match asked.prony {
-            Some(prony) => Held::relaxing(prony.branches().len()),
-            None => facts.held(asked.once),
+        let need = match asked.prony {
+            Some(prony) => MemoryNeed::relaxing(prony.branches().len()),
+            None => facts.memory_need(asked.once),
         };
-        session.fits(held, &surface.grid, &surface.heights)?;
+        session.fits(need, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
             // What the contact sees is the surface that the base displaces.

@@ -29,7 +29,7 @@ impl Slopes {
     }
 
     /// The warning, with the largest pressure over E*.
-    pub fn told(&self, strain: f64) -> String {
+    pub fn message(&self, strain: f64) -> String {
         let Self { rms_gradient, max_slope, hint } = self;
         format!(
             "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \

@@ -7,7 +7,7 @@ use gfmd_contact::{Visit, Watch};
 use crate::convergence::History;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::resume::Kept;
+use crate::resume::UnfinishedRun;
 use crate::session::Session;
 use crate::trace::Tracer;
 
@@ -18,7 +18,7 @@ pub struct Watching<'a, 'k> {
     session: &'a Session,
     pub(super) history: History,
     pub(super) tracer: Option<Tracer>,
-    kept: Option<&'a mut Kept<'k>>,
+    kept: Option<&'a mut UnfinishedRun<'k>>,
     /// True after an interruption, which waits for the next copy.
     closing: bool,
     pub(super) failed: Option<Failure>,
@@ -32,7 +32,7 @@ impl<'a, 'k> Watching<'a, 'k> {
     }
 
     /// The same with a record of the search, and with copies of it.
-    pub(super) fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut Kept<'k>>) -> Self {
+    pub(super) fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut UnfinishedRun<'k>>) -> Self {
         Self { tracer, kept, ..self }
     }
 }

@@ -1,6 +1,6 @@
 //! States that are kept and restored go on bit for bit.
 
-use gfmd_contact::{Drive, Equilibrium as _, Load, Resumable as _, Tape};
+use gfmd_contact::{Drive, Equilibrium as _, Load, MemoryCheckpoint, Resumable as _};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_viscoelastic::Relaxes;
@@ -18,10 +18,10 @@ fn a_restored_state_goes_on_bit_for_bit() {
         let first = contact.press(drives[0]).solve().unwrap();
         let mut second = contact.press(drives[1]).starting_from(Some(&first)).solve().unwrap();
         let third = contact.press(drives[2]).starting_from(Some(&second)).solve().unwrap();
-        let mut tape = Tape::default();
-        contact.keep(&mut second, &mut tape);
-        tape.rewind();
-        let again = contact.restore(drives[1], &mut tape).unwrap();
+        let mut checkpoint = MemoryCheckpoint::default();
+        contact.keep(&mut second, &mut checkpoint);
+        checkpoint.rewind();
+        let again = contact.restore(drives[1], &mut checkpoint).unwrap();
         assert_eq!(again.solution.pressure, second.solution.pressure);
         let other = contact.press(drives[2]).starting_from(Some(&again)).solve().unwrap();
         assert_eq!(other.solution.pressure, third.solution.pressure);

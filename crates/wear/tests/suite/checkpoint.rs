@@ -1,6 +1,6 @@
 //! States that are kept and restored go on bit for bit; states made of their fields are the same.
 
-use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load, Resumable as _, Tape};
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load, MemoryCheckpoint, Resumable as _};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_wear::WearContact;
@@ -21,10 +21,10 @@ fn a_restored_state_goes_on_bit_for_bit() {
         let first = contact.press(drives[0]).solve().unwrap();
         let mut second = contact.press(drives[1]).starting_from(Some(&first)).solve().unwrap();
         let third = contact.press(drives[2]).starting_from(Some(&second)).solve().unwrap();
-        let mut tape = Tape::default();
-        contact.keep(&mut second, &mut tape);
-        tape.rewind();
-        let again = contact.restore(drives[1], &mut tape).unwrap();
+        let mut checkpoint = MemoryCheckpoint::default();
+        contact.keep(&mut second, &mut checkpoint);
+        checkpoint.rewind();
+        let again = contact.restore(drives[1], &mut checkpoint).unwrap();
         let numbers = |state: &gfmd_wear::WearState| {
             [state.elastic_energy, state.dissipated, state.dissipated_error, state.volume, state.worst()]
         };

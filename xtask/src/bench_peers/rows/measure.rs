@@ -9,7 +9,7 @@ use std::time::Instant;
 use gfmd_contact::{Boundary, Contact, Equilibrium as _, Load, Solution, Solver, Stiffness};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_problem::Held;
+use gfmd_problem::MemoryNeed;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use ndarray::{Array2, Array3, Axis};
@@ -310,7 +310,7 @@ impl<'a> Trial<'a> {
             Case { of, threads: self.cores, found, over: vec![field(HUGE)] }
         };
         let largest = cases.iter().skip(LOADS.len()).map(Case::ratio).fold(0.0, f64::max);
-        let demanded = Held::HARD_WALL_ONCE.bytes([HUGE; 2]) as f64 / field(HUGE);
+        let demanded = MemoryNeed::HARD_WALL_ONCE.bytes([HUGE; 2]) as f64 / field(HUGE);
         let predicted = vec![
             ahead(format!("{HUGE}², not run, by the fields at {}²", 2 * self.args.large), largest),
             ahead(format!("{HUGE}², not run, that the program asks for"), demanded),

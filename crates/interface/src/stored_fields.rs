@@ -1,4 +1,4 @@
-//! States from kept fields.
+//! States from stored fields.
 
 use gfmd_contact::{Load, Refusal};
 use gfmd_vector::total;
@@ -9,7 +9,7 @@ use crate::{Interface, State};
 
 /// The fields of a state of u_z alone, as a file keeps them. They determine the state.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept<'a> {
+pub struct StoredFields<'a> {
     /// Pressure −t_z on the elastic surface, `[x, y]`, stress; attraction is negative.
     pub pressure: &'a ArrayRef2<f64>,
     /// Normal displacement of the elastic surface, `[x, y]`, length.
@@ -22,12 +22,12 @@ pub struct Kept<'a> {
 
 impl Interface {
     /// Returns the state with these fields. A search that starts from it takes the same steps, bit for bit, as one that
-    /// starts from the state whose fields were kept. Numbers and residuals are computed anew.
+    /// starts from the state whose fields were stored. Numbers and residuals are computed anew.
     ///
     /// # Errors
     /// An interface of all components; fields of another size than the grid; numbers that are not finite.
-    pub fn recall(&self, kept: Kept<'_>) -> Result<State, Refusal> {
-        let Kept { pressure, displacement_z, gap, approach } = kept;
+    pub fn recall(&self, stored: StoredFields<'_>) -> Result<State, Refusal> {
+        let StoredFields { pressure, displacement_z, gap, approach } = stored;
         let [nx, ny] = self.surface.grid().points();
         let expected = nx * ny;
         let of_other_size = [pressure, displacement_z, gap].map(|field| (field.dim(), field.len()));
@@ -48,7 +48,7 @@ impl Interface {
         }
         let position = frame.position(&self.elastic, inside, pressure);
         let state = certify(self, &frame, &position);
-        // The sum above is rounded. What touches the wall is told by the gap that was kept.
+        // The sum above is rounded. What touches the wall is told by the gap that was stored.
         let held = |gap: f64, pressure: f64| {
             let touches = self.law.has_wall() && gap <= 0.0;
             if touches { (self.law.traction(gap, [0.0; 2])[2] + pressure).max(0.0) } else { 0.0 }

@@ -3,23 +3,23 @@ use crate::Visit;
 /// A checkpoint in memory: a visitor that records variables and restores them later, bit for bit.
 ///
 /// ```
-/// use gfmd_relax::{Tape, Visit};
+/// use gfmd_relax::{MemoryCheckpoint, Visit};
 ///
-/// let mut tape = Tape::default();
-/// tape.field(&mut [0.1, f64::NAN]);
-/// tape.rewind();
+/// let mut checkpoint = MemoryCheckpoint::default();
+/// checkpoint.field(&mut [0.1, f64::NAN]);
+/// checkpoint.rewind();
 /// let mut back = [0.0; 2];
-/// tape.field(&mut back);
-/// assert!(back[0] == 0.1 && back[1].is_nan() && tape.is_at_end());
+/// checkpoint.field(&mut back);
+/// assert!(back[0] == 0.1 && back[1].is_nan() && checkpoint.is_at_end());
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Tape {
+pub struct MemoryCheckpoint {
     bits: Vec<u64>,
-    /// The number of words read; `None` while the tape records.
+    /// The number of words read; `None` while the checkpoint records.
     read: Option<usize>,
 }
 
-impl Tape {
+impl MemoryCheckpoint {
     /// Switches to reading, from the beginning.
     pub fn rewind(&mut self) {
         self.read = Some(0);
@@ -41,7 +41,7 @@ impl Tape {
     }
 }
 
-impl Visit for Tape {
+impl Visit for MemoryCheckpoint {
     fn number(&mut self, x: &mut f64) {
         *x = f64::from_bits(self.word(x.to_bits()));
     }

@@ -1,16 +1,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-use gfmd_measure::Surroundings;
-
-/// The surroundings of the surface of a contact.
+/// Boundary condition of a surface, and of the fields on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Boundary {
-    /// The surface is one period of an endless one.
+    /// The surface is one period of an endless one: points at opposite edges are neighbours.
     #[default]
     Periodic,
-    /// The surface is a patch on an unbounded half-space, slab or stack of layers: pressure acts within the patch only, and the displacement is zero
-    /// far away (theory.md, section 3.1).
+    /// The surface is a patch on an unbounded half-space, slab or stack of layers: pressure acts within the patch only,
+    /// and the displacement is zero far away (theory.md, section 3.1). Points at an edge have no neighbours beyond it.
     Free,
 }
 
@@ -23,14 +21,6 @@ impl Boundary {
         match self {
             Self::Periodic => "periodic",
             Self::Free => "free",
-        }
-    }
-
-    /// The surroundings of fields on the surface.
-    pub fn surroundings(self) -> Surroundings {
-        match self {
-            Self::Periodic => Surroundings::Repeats,
-            Self::Free => Surroundings::Ends,
         }
     }
 

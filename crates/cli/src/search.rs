@@ -1,0 +1,30 @@
+//! Flags of the search for one state.
+
+use clap::Args;
+use gfmd_contact::Budget;
+use gfmd_problem::options::flags::without_flags;
+use serde::{Deserialize, Serialize};
+
+/// Flags of the search for one state of a series.
+#[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct SearchArgs {
+    /// Largest residual of a converged state
+    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    pub(crate) tol: f64,
+    /// Largest number of iterations for one step
+    #[arg(long, default_value_t = 100_000, value_name = "N")]
+    max_iter: u64,
+}
+
+impl Default for SearchArgs {
+    fn default() -> Self {
+        without_flags()
+    }
+}
+
+impl SearchArgs {
+    pub(crate) fn budget(self) -> Budget {
+        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+    }
+}

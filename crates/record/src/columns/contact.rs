@@ -1,0 +1,136 @@
+//! Area, pressure in contact, gap and wear of a state.
+
+use super::undefined::reduced;
+use crate::column::{Column, Form};
+use crate::when::{any, friction, law, loads, path, relaxing, wears};
+use crate::{At, Cell};
+
+/// Numbers of the points in contact, and of the gap.
+pub(super) const COLUMNS: &[Column] = &[
+    Column::new(
+        "area_fraction",
+        "1",
+        &[
+            (path, "points that are repelled over all points"),
+            (law, "contact area fraction, points that are repelled over all points"),
+            (any, "contact area fraction, points in contact over all points"),
+        ],
+        // Along a path, where no point touches the wall, rounding errors of the traction would count in the summary.
+        |at| match at.rest.and_then(|rest| rest.law()).filter(|_| path(at.facts)) {
+            Some(law) => law.contact_fraction.into(),
+            None => at.summary.area_fraction.into(),
+        },
+    )
+    .head("area", Form::Share),
+    Column::new(
+        "stick_fraction",
+        "1",
+        &[(any, "points in contact whose shear is below its limit, over all points; NaN without friction")],
+        |at| at.rest.and_then(|rest| rest.friction()).map_or(f64::NAN, |state| state.stick_fraction).into(),
+    )
+    .with(path)
+    .unless(|facts| (!friction(facts)).then_some("without friction nothing sticks"))
+    .head("stick", Form::Share),
+    Column::new(
+        "area_fraction_corrected",
+        "1",
+        &[(any, "contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al. 2017)")],
+        |at| at.summary.area_fraction_corrected.into(),
+    )
+    .with(loads),
+    Column::new(
+        "kappa",
+        "1",
+        &[(law, "area_fraction / p_star; NaN if attraction carries the load"), (any, "area_fraction / p_star")],
+        |at| ratio(at, at.summary.kappa),
+    )
+    .with(loads)
+    .head("kappa", Form::Ratio),
+    Column::new(
+        "kappa_corrected",
+        "1",
+        &[
+            (law, "area_fraction_corrected / p_star; NaN if attraction carries the load"),
+            (any, "area_fraction_corrected / p_star"),
+        ],
+        |at| ratio(at, at.summary.kappa_corrected),
+    )
+    .with(loads),
+    Column::new(
+        "contact_nodes",
+        "1",
+        &[(law, "number of points that are repelled"), (any, "number of points in contact")],
+        |at| at.summary.contact_nodes.into(),
+    )
+    .count()
+    .with(loads),
+    Column::new(
+        "boundary_links",
+        "1",
+        &[
+            (law, "neighbouring pairs with one point repelled and one not"),
+            (any, "neighbouring pairs with one point in contact and one not"),
+        ],
+        |at| at.summary.boundary_links.into(),
+    )
+    .count()
+    .with(loads),
+    Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into())
+        .head("mean gap", Form::Size),
+    Column::new("max_pressure", "stress", &[(law, "largest repulsive pressure"), (any, "largest pressure")], |at| {
+        at.summary.max_pressure.into()
+    })
+    .with(|facts| loads(facts) || relaxing(facts) || wears(facts))
+    .head("peak p", Form::Size),
+    Column::new(
+        "wear_volume",
+        "length",
+        &[(any, "mean over the whole surface of the depth lost so far, the volume over the area")],
+        |at| at.rest.and_then(|rest| rest.worn()).map_or(f64::NAN, |state| state.volume).into(),
+    )
+    .with(wears)
+    .head("wear", Form::Size),
+    Column::new("max_wear", "length", &[(any, "largest depth lost so far")], |at| {
+        at.rest.and_then(|rest| rest.worn()).map_or(f64::NAN, |state| state.deepest).into()
+    })
+    .with(wears)
+    .head("deepest", Form::Size),
+    Column::new(
+        "mean_pressure_in_contact",
+        "stress",
+        &[
+            (law, "mean repulsive pressure over the points that are repelled"),
+            (any, "mean pressure over the points in contact"),
+        ],
+        |at| at.summary.mean_pressure_in_contact.into(),
+    )
+    .with(loads),
+    Column::new(
+        "pressure_deviation_in_contact",
+        "stress",
+        &[
+            (law, "standard deviation of the repulsive pressure over the points that are repelled"),
+            (any, "standard deviation of the pressure over the points in contact"),
+        ],
+        |at| at.summary.pressure_deviation_in_contact.into(),
+    )
+    .with(loads),
+    Column::new(
+        "pressure_moment_2",
+        "stress^2",
+        &[
+            (law, "mean square repulsive pressure over the whole surface"),
+            (any, "mean square pressure over the whole surface"),
+        ],
+        |at| at.summary.pressure_moment_2.into(),
+    )
+    .with(loads),
+];
+
+/// The ratio of area to load, or the reason why there is none.
+fn ratio(at: &At, value: f64) -> Cell {
+    if value.is_nan() && law(at.facts) {
+        return Cell::undefined("attraction carries the load, to which the area has no ratio");
+    }
+    reduced(at, value)
+}

@@ -1,0 +1,143 @@
+//! Energies of a state, its stability and its stiffness.
+
+use gfmd_interface::Loss;
+
+use super::undefined::{NO_LEVEL, level, lost, without_law};
+use crate::column::{Column, Form, Origin, Table};
+use crate::when::{any, between, law, loads, path, relaxing, wears};
+use crate::{At, Cell};
+
+/// Energies, losses, stability, stiffness.
+pub(super) const COLUMNS: &[Column] = &[
+    Column::new(
+        "elastic_energy",
+        "stress*length",
+        &[
+            (between, "elastic energy of the slab per area, by the pressures on both faces"),
+            (relaxing, "energy stored in the springs of all branches, per area of the surface"),
+            (any, "elastic energy per area of the surface"),
+        ],
+        |at| at.summary.elastic_energy.into(),
+    )
+    .unless(level)
+    .on(Table::Energy, "elastic", Form::Size),
+    Column::new(
+        "interface_energy",
+        "stress*length",
+        &[
+            (path, "energy of the law per area of the surface; NaN if it has none"),
+            (any, "energy of the contact law per area of the surface"),
+        ],
+        |at| match at.rest.and_then(|rest| rest.law()).map(|law| law.interface_energy) {
+            Some(energy) if energy.is_nan() => Cell::undefined("the tractions have no energy"),
+            energy => energy.unwrap_or(f64::NAN).into(),
+        },
+    )
+    .with(|facts| path(facts) || law(facts))
+    .unless(without_law)
+    .on(Table::Energy, "interface", Form::Size),
+    Column::new(
+        "dissipated",
+        "stress*length",
+        &[
+            (relaxing, "energy lost in the dashpots in this step, per area"),
+            (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
+            (any, "energy lost in this step, per area; NaN if the law has no energy"),
+        ],
+        |at| lost(at, false),
+    )
+    .with(path)
+    .by(Origin::Way)
+    .on(Table::Energy, "dissipated", Form::Size),
+    Column::new(
+        "dissipated_error",
+        "stress*length",
+        &[
+            (
+                |facts| relaxing(facts) || wears(facts),
+                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude",
+            ),
+            (
+                any,
+                "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
+            ),
+        ],
+        |at| lost(at, true),
+    )
+    .with(path)
+    .by(Origin::Way)
+    .on(Table::Energy, "+-", Form::Rough),
+    Column::new(
+        "passed_instability",
+        "1",
+        &[
+            (path, "1 if more energy was lost in a jump of this step than its error; NaN if no energy tells"),
+            (any, "1 if directions of negative curvature were met on the way from the last load"),
+        ],
+        jumped,
+    )
+    .flag()
+    .with(|facts| path(facts) || law(facts))
+    .by(Origin::Way),
+    Column::new(
+        "lowest_curvature",
+        "1",
+        &[(any, "lowest curvature met in the last search for a step, over the elastic curvature")],
+        |at| match at.rest.and_then(|rest| rest.law()).map(|law| law.lowest_curvature) {
+            Some(curvature) if curvature.is_finite() => curvature.into(),
+            _ => Cell::undefined(
+                "no curvature was computed: by dynamics, or where the search ended before its first step",
+            ),
+        },
+    )
+    .with(|facts| path(facts) || law(facts))
+    .unless(without_law)
+    .by(Origin::Way),
+    Column::new(
+        "stiffness",
+        "stress/length",
+        &[(
+            any,
+            "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their pressure; NaN \
+             where it is infinite (full contact with a fixed mean level) or not computed: the attribute undefined says why",
+        )],
+        |at| stiff(at, |found| found.value),
+    )
+    .with(loads)
+    .head("stiffness", Form::Size),
+    Column::new(
+        "stiffness_error",
+        "1",
+        &[(any, "relative error of the stiffness, from the residual of its linear problem")],
+        |at| stiff(at, |found| found.error),
+    )
+    .with(loads)
+    .by(Origin::Residual),
+];
+
+/// The stiffness, or its error, or the reason why there is none.
+fn stiff(at: &At, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
+    match &at.stiffness {
+        Ok(found) if found.value.is_finite() => of(found).into(),
+        // The only contact without a level that gives a stiffness.
+        Ok(found) if found.value.is_nan() => Cell::undefined(NO_LEVEL),
+        Ok(_) => Cell::undefined(
+            "infinite: in full contact the surface moves as a whole, and the mean level of this body is fixed",
+        ),
+        Err(reason) => Cell::undefined(reason.clone()),
+    }
+}
+
+/// A jump of a step, or the reason why it is not known.
+fn jumped(at: &At) -> Cell {
+    let Some((step, reading)) = &at.step else {
+        return at.rest.and_then(|rest| rest.law()).map_or(Cell::Real(f64::NAN), |law| law.passed_instability.into());
+    };
+    let unknown = match reading.loss {
+        Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
+        Loss::Certified { .. } => "energy is lost by relaxation, which no balance tells from jumps",
+        Loss::Known(_) => "energy is lost by slip or plastic flow, which no balance tells from jumps",
+        Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
+    };
+    step.jumped.ok_or(unknown).into()
+}

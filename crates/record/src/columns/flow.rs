@@ -1,0 +1,71 @@
+//! Flow through the gap.
+
+use super::undefined::flag;
+use crate::column::{Column, Form, Origin, Table};
+use crate::when::{any, flow};
+use crate::{At, Cell};
+
+/// Conductivity of the gap.
+pub(super) const COLUMNS: &[Column] = &[
+    Column::new(
+        "flow_xx",
+        "1",
+        &[(
+            any,
+            "mean flux along x by a mean pressure gradient along x, over that of a uniform gap equal to the mean gap",
+        )],
+        |at| conductivity(at, [0, 0]),
+    )
+    .at("flow.conductivity.0.0")
+    .with(flow)
+    .on(Table::Flow, "flow xx", Form::Rough),
+    Column::new("flow_xy", "1", &[(any, "the same along x by a gradient along y")], |at| conductivity(at, [0, 1]))
+        .at("flow.conductivity.0.1")
+        .with(flow)
+        .on(Table::Flow, "flow xy", Form::Rough),
+    Column::new("flow_yx", "1", &[(any, "the same along y by a gradient along x")], |at| conductivity(at, [1, 0]))
+        .at("flow.conductivity.1.0")
+        .with(flow),
+    Column::new("flow_yy", "1", &[(any, "the same along y by a gradient along y")], |at| conductivity(at, [1, 1]))
+        .at("flow.conductivity.1.1")
+        .with(flow)
+        .on(Table::Flow, "flow yy", Form::Rough),
+    Column::new("flow_percolates_x", "1", &[(any, "1 if the gap lets a fluid through along x")], |at| {
+        flag(at.measured.flow.map(|flow| flow.percolates), 0)
+    })
+    .flag()
+    .at("flow.percolates.0")
+    .with(flow)
+    .on(Table::Flow, "through x", Form::Flag),
+    Column::new("flow_percolates_y", "1", &[(any, "the same along y")], |at| {
+        flag(at.measured.flow.map(|flow| flow.percolates), 1)
+    })
+    .flag()
+    .at("flow.percolates.1")
+    .with(flow)
+    .on(Table::Flow, "through y", Form::Flag),
+    Column::new(
+        "flow_residual",
+        "1",
+        &[(any, "largest of what is missing in a cell and the deviations of sections and power, over the mean flow")],
+        |at| at.measured.flow.map_or(f64::NAN, |flow| flow.residual).into(),
+    )
+    .at("flow.residual")
+    .with(flow)
+    .by(Origin::Residual),
+];
+
+/// The conductivity along `row` by a gradient along `column`.
+fn conductivity(at: &At, [row, column]: [usize; 2]) -> Cell {
+    let gap = at.summary.mean_gap;
+    match at.measured.flow {
+        Some(_) if gap == 0.0 => Cell::undefined(
+            "the gap is closed everywhere; a conductivity is relative to a uniform gap of the mean height",
+        ),
+        Some(_) if gap < 0.0 => Cell::undefined(format!(
+            "the mean gap is {gap:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height"
+        )),
+        Some(flow) => flow.conductivity[row][column].into(),
+        None => f64::NAN.into(),
+    }
+}

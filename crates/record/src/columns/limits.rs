@@ -1,0 +1,334 @@
+//! Limits of numbers on infinitely fine grids, and their errors by the grid.
+
+use std::borrow::Cow;
+
+use gfmd_contact::Boundary;
+use gfmd_measure::{GridLimit, GridLimits, NoLimit, Refined};
+use gfmd_problem::{Facts, GridError, Support, Unknown};
+
+use super::measured::MEASURED;
+use super::undefined::lost;
+use crate::column::{Column, LIMIT, Origin};
+use crate::when::{
+    any, flow, friction, hardness, law, loads, of_a_law, path, prescribed, relaxing, sheared, statistics, steep, wears,
+};
+use crate::{At, Cell};
+
+/// The reason why the error of the grid is not known from one solution of a problem; `None` if it is.
+pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
+    macro_rules! with {
+        ($what:literal) => {
+            concat!(
+                "the error of the grid is known from one solution for a hard wall on half-spaces, not with ",
+                $what,
+                " (--grid-error refine)"
+            )
+        };
+    }
+    let reasons = [
+        (law(facts), with!("a law")),
+        (hardness(facts), with!("a hardness")),
+        (friction(facts), with!("friction")),
+        (facts.lateral, with!("a lateral motion")),
+        (relaxing(facts), with!("a body that relaxes")),
+        (wears(facts), with!("surfaces that wear")),
+        (facts.unknown != Unknown::Normal, with!("further unknown components")),
+        (steep(facts), "the error of the grid was not measured with finite slopes"),
+        (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
+        (facts.moved_base.is_some(), "the error of the grid was not measured with a base that moves"),
+        (facts.line, "the error of the grid was not measured of a profile"),
+        (facts.support != Support::HalfSpace || facts.second.is_some(), with!("a body that is no half-space")),
+    ];
+    reasons.into_iter().find(|(is_so, _)| *is_so).map(|(_, reason)| reason)
+}
+
+/// The reason why the error of the grid is not known in a problem.
+fn not_measured(facts: &Facts) -> Option<&'static str> {
+    if facts.grid_error == GridError::Refine { None } else { not_calibrated(facts) }
+}
+
+/// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
+pub const UNRESOLVED: f64 = 0.01;
+
+/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of textures and single
+/// spheres, edges of contacts lie alike, and their errors add up.
+pub const FEWEST_WAVES: f64 = 8.0;
+
+/// The numbers that hardly depend on waves shorter than four points.
+const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductance"];
+
+/// The numbers whose errors are known only where they average out.
+const AVERAGES: [&str; 3] = ["boundary_links", "flow_xx", "flow_yy"];
+
+/// The numbers of a patch that depend on the gap outside of the contacts, or on a gradient by differences.
+const LEVELS: [&str; 5] = ["displacement", "mean_gap", "kappa", "flow_xx", "flow_yy"];
+
+/// The numbers of a patch whose errors are those of its compliance between points, which is not that of waves.
+const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2", "elastic_energy"];
+
+/// The largest ratio of the rms slopes along x and y.
+const STEEPEST: f64 = 2.0;
+
+/// The numbers that no formula has, and whose error the difference of two grids tells.
+const BY_DIFFERENCE: [&str; 5] = ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated"];
+
+/// Numbers of which no grid tells that of another one.
+const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
+
+/// Numbers over the points in contact, whose edge is counted: differences of two grids are small by chance more often.
+const OVER_CONTACT: [&str; 4] =
+    ["mean_pressure_in_contact", "pressure_deviation_in_contact", "stiffness", "conductance"];
+
+/// The least process zone over the one that resolves a law: in narrower ones the edge of a contact catches on the points of the grid,
+/// and two grids agree by chance.
+const LEAST_ZONE: f64 = 0.0625;
+
+/// The largest ratio of the distances between points along x and y.
+const LONGEST_CELL: f64 = 1.1;
+
+/// The contact on its grid, from which the limit of this number is estimated, or the reason why it is not known.
+fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static, str>> {
+    let [dx, dy] = at.spacing;
+    let known = at.short_waves <= UNRESOLVED || ROBUST.contains(&name);
+    if !known {
+        return Err(format!(
+            "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points decides",
+            100.0 * at.short_waves
+        )
+        .into());
+    }
+    let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
+    if is_alike && (at.waves.is_nan() || AVERAGES.contains(&name)) {
+        return Err(format!(
+            "the surface has {:.1} waves; its error by the grid is known of random ones, whose edges lie anywhere on the grid, with \
+             at least {FEWEST_WAVES}",
+            at.waves
+        )
+        .into());
+    }
+    if at.facts.boundary == Boundary::Free {
+        if LEVELS.contains(&name) {
+            return Err("its error by the grid was not measured with free boundaries".into());
+        } else if !is_alike && COMPLIANT.contains(&name) {
+            return Err(
+                "with free boundaries its error by the grid is known of contacts that are alike, as those of spheres"
+                    .into(),
+            );
+        } else if at.reaches_rim() != Some(false) {
+            return Err(
+                "contacts reach the rim of the patch, where the pressure is singular and grids do not agree".into()
+            );
+        }
+    }
+    let [x, y] = at.slopes;
+    let steeper = x.max(y) / x.min(y);
+    if steeper.is_nan() || steeper > STEEPEST {
+        return Err(format!(
+            "the rms slopes along the axes are {x:.1e} and {y:.1e}; edges of contacts that lie along an axis cut the grid alike, and \
+             the error of the grid is known of slopes that differ by a factor of at most {STEEPEST}"
+        )
+        .into());
+    }
+    if dx.max(dy) > LONGEST_CELL * dx.min(dy) {
+        return Err("the error of the grid was measured with points as far apart along x as along y".into());
+    }
+    let limits = GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales);
+    let limits = limits.map(|limits| if is_alike { limits.alike() } else { limits });
+    let limits = limits.map(|limits| if at.facts.boundary == Boundary::Free { limits.on_patch() } else { limits });
+    limits.map_err(|reason| reason.to_string().into())
+}
+
+/// A number of the limit of a column on infinitely fine grids, or the reason why it is not known.
+fn limit(
+    at: &At,
+    name: &str,
+    found: fn(&GridLimits, &At, f64) -> Result<GridLimit, NoLimit>,
+    of: fn(&GridLimit, f64) -> f64,
+) -> Cell {
+    let column = MEASURED.iter().copied().flatten().find(|column| column.name == name);
+    let value = column.map_or(f64::NAN, |column| column.cell(at).number());
+    if value.is_nan() {
+        return Cell::undefined("the number itself has no value");
+    }
+    let own =
+        grid_limits(at, name).and_then(|limits| found(&limits, at, value).map_err(|reason| reason.to_string().into()));
+    let found = if at.finer.is_empty() { own } else { refined(at, name, value, own) };
+    found.map(|found| of(&found, value)).into()
+}
+
+/// The limit of a number from its record on a finer grid, too, or from two such records.
+fn refined(
+    at: &At,
+    name: &str,
+    value: f64,
+    own: Result<GridLimit, Cow<'static, str>>,
+) -> Result<GridLimit, Cow<'static, str>> {
+    if OF_PATCHES.contains(&name) {
+        return Err(NoLimit::Patches.to_string().into());
+    } else if let Some(zone) = at.process_zone.filter(|zone| !(LEAST_ZONE..).contains(zone)) {
+        return Err(format!(
+            "the process zone at the edge of a contact is {zone:.3} of the one that resolves this law; below {LEAST_ZONE} the edge \
+             catches on the points of the grid, and two grids agree by chance"
+        )
+        .into());
+    }
+    // Boundary links are counted in steps of their grid.
+    let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
+    let limits = at.finer.iter().map(|finer| {
+        let finer = finer.as_ref().map_err(|reason| Cow::from(reason.clone()))?;
+        let number = |end: &str| match finer.record.get(&format!("{name}{end}")) {
+            Some(Cell::Undefined(reason)) => Err(reason.clone()),
+            cell => Ok(unit * cell.map_or(f64::NAN, Cell::number)),
+        };
+        let fine = number("")?;
+        if fine.is_nan() {
+            return Err("the number has no value on the finer grid".into());
+        }
+        if law(at.facts) && name == "boundary_links" {
+            return Err(NoLimit::Counted.to_string().into());
+        } else if law(at.facts) || BY_DIFFERENCE.contains(&name) {
+            // An approach counts from the top of the surface, above the highest points of both grids.
+            let rises = if name == "displacement" { at.rise.zip(finer.rise) } else { None };
+            let [value, fine] = rises.map_or([value, fine], |(rise, other)| [value + rise, fine + other]);
+            let found = GridLimit::of_two_grids(value, fine);
+            // Two searches agree to their tolerance at best, and two losses to their own errors.
+            let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
+            let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
+            let wider = if OVER_CONTACT.contains(&name) { 1.6 } else { 1.0 };
+            return Ok(GridLimit { half_width: (wider * found.half_width).max(least), ..found });
+        }
+        if name == "max_pressure" && hardness(at.facts) && (fine - value).abs() <= 1e-6 * value {
+            return Ok(GridLimit { limit: value, half_width: 0.0 });
+        }
+        let (limit, half_width) = (number(LIMIT)?, number("_limit_error")?);
+        let refined = Refined { value, own: own.as_ref().ok().copied(), fine, limit: GridLimit { limit, half_width } };
+        Ok(match () {
+            () if name.starts_with("flow_") => refined.flow(),
+            () if not_calibrated(at.facts).is_none() && !prescribed(at.facts) => refined.calibrated(),
+            () => refined.by_difference(),
+        })
+    });
+    let limits: Vec<GridLimit> = limits.collect::<Result<_, Cow<'static, str>>>()?;
+    Ok(GridLimit::between(&limits))
+}
+
+fn limit_value(found: &GridLimit, _: f64) -> f64 {
+    found.limit
+}
+
+fn limit_error(found: &GridLimit, _: f64) -> f64 {
+    found.half_width
+}
+
+fn grid_error(found: &GridLimit, value: f64) -> f64 {
+    found.error_of(value)
+}
+
+/// The limit of a number on infinitely fine grids, its error, and the error of the number by the grid: the name, the place in JSON
+/// around the suffix, the unit, the problems that have the number, the order of the error of the limit in the distance of the points
+/// (that of its formula in [`GridLimits`]), the limit.
+macro_rules! limits {
+    ($name:literal, $unit:literal, $order:expr, $limit:expr) => {
+        limits!($name, [$name, ""], $unit, any, $order, $limit)
+    };
+    ($name:literal, [$json:literal, $place:literal], $unit:literal, $present:expr, $order:expr, $limit:expr) => {
+        [
+            Column::new(
+                concat!($name, "_limit"),
+                $unit,
+                &[(
+                    any,
+                    concat!(
+                        "estimate of ",
+                        $name,
+                        " on an infinitely fine grid under the same load, or at the same approach"
+                    ),
+                )],
+                |at| limit(at, $name, $limit, limit_value),
+            )
+            .at(concat!($json, "_limit", $place))
+            .of_order($order)
+            .with(|facts| $present(facts) && facts.grid_error != GridError::None)
+            .unless(not_measured)
+            .by(Origin::Grid),
+            Column::new(
+                concat!($name, "_limit_error"),
+                $unit,
+                &[(any, concat!("95 % of the errors of ", $name, "_limit are smaller"))],
+                |at| limit(at, $name, $limit, limit_error),
+            )
+            .at(concat!($json, "_limit_error", $place))
+            .with(|facts| $present(facts) && facts.grid_error != GridError::None)
+            .unless(not_measured)
+            .by(Origin::Grid),
+            Column::new(
+                concat!($name, "_grid_error"),
+                $unit,
+                &[(any, concat!("error of ", $name, " by the finite grid: |", $name, " - limit| + limit_error"))],
+                |at| limit(at, $name, $limit, grid_error),
+            )
+            .at(concat!($json, "_grid_error", $place))
+            .with(|facts| $present(facts) && facts.grid_error != GridError::None)
+            .unless(not_measured)
+            .by(Origin::Grid),
+        ]
+    };
+}
+/// The limit of a number that one solution does not tell.
+fn two_grids(_: &GridLimits, _: &At, _: f64) -> Result<GridLimit, NoLimit> {
+    Err(NoLimit::OneGrid)
+}
+
+/// The limits on infinitely fine grids of numbers of a contact.
+pub(super) const LIMITS: &[[Column; 3]] =
+    &[
+        limits!("mean_pressure", ["mean_pressure", ""], "stress", prescribed, None, two_grids),
+        limits!("mean_shear_x", ["mean_shear", ".0"], "stress", sheared, None, two_grids),
+        limits!("mean_shear_y", ["mean_shear", ".1"], "stress", sheared, None, two_grids),
+        limits!("displacement", "length", Some(2.7), |limits, at, value| {
+            at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
+        }),
+        limits!("area_fraction", "1", Some(1.6), |limits, _, _| Ok(limits.area_fraction())),
+        limits!("kappa", ["kappa", ""], "1", loads, Some(1.6), |limits, _, _| Ok(limits.kappa())),
+        limits!("boundary_links", ["boundary_links", ""], "1", loads, Some(1.0), |limits, _, _| Ok(
+            limits.boundary_links()
+        )),
+        limits!("mean_gap", "length", Some(2.7), |limits, _, _| Ok(limits.mean_gap())),
+        limits!("max_pressure", ["max_pressure", ""], "stress", loads, Some(3.0), |limits, at, _| {
+            at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
+        }),
+        limits!(
+            "mean_pressure_in_contact",
+            ["mean_pressure_in_contact", ""],
+            "stress",
+            loads,
+            Some(1.6),
+            |limits, _, _| Ok(limits.mean_pressure_in_contact())
+        ),
+        limits!(
+            "pressure_deviation_in_contact",
+            ["pressure_deviation_in_contact", ""],
+            "stress",
+            loads,
+            Some(1.6),
+            |limits, _, _| Ok(limits.pressure_deviation_in_contact())
+        ),
+        limits!("pressure_moment_2", ["pressure_moment_2", ""], "stress^2", loads, Some(2.3), |limits, _, _| Ok(
+            limits.pressure_moment_2()
+        )),
+        limits!("elastic_energy", "stress*length", Some(2.8), |limits, _, _| Ok(limits.elastic_energy())),
+        limits!("interface_energy", ["interface_energy", ""], "stress*length", of_a_law, None, two_grids),
+        limits!("dissipated", ["dissipated", ""], "stress*length", path, None, two_grids),
+        limits!("stiffness", ["stiffness", ""], "stress/length", loads, Some(1.4), |limits, _, value| Ok(
+            limits.stiffness(value)
+        )),
+        limits!("patches", ["patches.count", ""], "1", statistics, None, |_, _, _| Err(NoLimit::Patches)),
+        limits!("largest_patch_fraction", ["patches.largest_fraction", ""], "1", statistics, None, |_, _, _| {
+            Err(NoLimit::Patches)
+        }),
+        limits!("conductance", ["conductance", ""], "1/length", statistics, Some(1.4), |limits, at, value| {
+            if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
+        }),
+        limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+        limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+    ];

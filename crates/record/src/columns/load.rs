@@ -1,0 +1,86 @@
+//! Load, approach, time and lateral displacement of a state.
+
+use super::undefined::{level, reduced};
+use crate::column::{Column, Form};
+use crate::when::{any, between, path, relaxing, steep, wears};
+use crate::{At, Cell};
+
+/// Drive of a state, and the loads that hold it.
+pub(super) const COLUMNS: &[Column] = &[
+    Column::new(
+        "mean_pressure",
+        "stress",
+        &[
+            (path, "mean pressure over the whole surface; negative if it is pulled"),
+            (any, "mean pressure over the whole surface"),
+        ],
+        |at| at.summary.mean_pressure.into(),
+    )
+    .head("pressure", Form::Size),
+    Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| reduced(at, at.summary.p_star))
+        .head("p*", Form::Size),
+    Column::new(
+        "displacement",
+        "length",
+        &[
+            (between, "approach of the two rigid surfaces beyond the distance at which both touch the undeformed slab"),
+            (any, "rigid approach beyond first touch"),
+        ],
+        |at| at.approach.into(),
+    )
+    .unless(level)
+    .head("approach", Form::Size),
+    Column::new("time", "time", &[(any, "time since first touch, in the unit of the relaxation times")], |at| {
+        at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.time).into()
+    })
+    .with(relaxing)
+    .head("time", Form::Size),
+    Column::new("distance", "length", &[(any, "sliding distance since first touch")], |at| {
+        at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.distance).into()
+    })
+    .with(wears)
+    .head("distance", Form::Size),
+    Column::new("lateral_x", "length", &[(any, "lateral displacement of the rigid surface along x")], |at| {
+        sideways(at, 0)
+    })
+    .at("lateral.0")
+    .with(path)
+    .head("lateral x", Form::SizeUnlessZero),
+    Column::new("lateral_y", "length", &[(any, "lateral displacement of the rigid surface along y")], |at| {
+        sideways(at, 1)
+    })
+    .at("lateral.1")
+    .with(path)
+    .head("lateral y", Form::SizeUnlessZero),
+    Column::new(
+        "mean_shear_x",
+        "stress",
+        &[
+            (path, "mean shear traction on the elastic surface along x"),
+            (any, "mean traction along x that holds the rigid surface in its place"),
+        ],
+        |at| shear(at, 0),
+    )
+    .at("mean_shear.0")
+    .with(|facts| path(facts) || steep(facts))
+    .head("shear x", Form::SizeUnlessZero),
+    Column::new(
+        "mean_shear_y",
+        "stress",
+        &[(path, "mean shear traction on the elastic surface along y"), (any, "the same along y")],
+        |at| shear(at, 1),
+    )
+    .at("mean_shear.1")
+    .with(|facts| path(facts) || steep(facts))
+    .head("shear y", Form::SizeUnlessZero),
+];
+
+/// The shear in the mean: along a path the traction on the body, with finite slopes that which holds the rigid surface.
+fn shear(at: &At, axis: usize) -> Cell {
+    let steep = at.rest.and_then(|rest| rest.steep()).map(|state| state.mean_shear);
+    at.step.as_ref().map(|(_, reading)| reading.mean_shear).or(steep).map_or(f64::NAN, |shear| shear[axis]).into()
+}
+
+fn sideways(at: &At, axis: usize) -> Cell {
+    at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.lateral[axis]).into()
+}

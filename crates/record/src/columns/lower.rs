@@ -1,0 +1,80 @@
+//! The lower face of a slab between two surfaces.
+
+use gfmd_contact::Fields as _;
+
+use crate::Cell;
+use crate::column::{Column, Form, Origin, Table};
+use crate::when::{any, between};
+
+/// A column of the lower face of a slab between two surfaces.
+macro_rules! lower {
+    ($name:literal, $unit:literal, $meaning:literal, |$face:ident, $summary:ident| $value:expr) => {
+        Column::new(concat!("lower_", $name), $unit, &[(any, $meaning)], |at| {
+            at.rest.and_then(|rest| rest.lower()).map_or(Cell::Real(f64::NAN), |$face| {
+                let $summary = $face.summary();
+                let _ = &$summary;
+                Cell::from($value)
+            })
+        })
+        .at(concat!("lower.", $name))
+        .with(between)
+    };
+}
+
+/// A residual of the lower face.
+macro_rules! lower_residual {
+    ($name:ident, $meaning:literal) => {
+        Column::new(concat!("lower_residual_", stringify!($name)), "1", &[(any, $meaning)], |at| {
+            at.rest.and_then(|rest| rest.lower()).map_or(f64::NAN, |face| face.residual.$name).into()
+        })
+        .at(concat!("lower.residual.", stringify!($name)))
+        .with(between)
+        .by(Origin::Residual)
+    };
+}
+
+/// Numbers and residuals of the lower face.
+pub(super) const COLUMNS: &[Column] =
+    &[
+        lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
+            .mean_pressure),
+        lower!("displacement", "length", "part of the approach at the lower face", |face, summary| face.approach).on(
+            Table::LowerFace,
+            "approach",
+            Form::Size,
+        ),
+        lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction)
+            .on(Table::LowerFace, "area", Form::Share),
+        lower!(
+            "area_fraction_corrected",
+            "1",
+            "the same less the excess of the pixels along the perimeter",
+            |face, summary| summary.area_fraction_corrected
+        )
+        .on(Table::LowerFace, "corrected", Form::Share),
+        lower!("contact_nodes", "1", "number of points in contact at the lower face", |face, summary| summary
+            .contact_nodes)
+        .count(),
+        lower!(
+            "boundary_links",
+            "1",
+            "neighbouring pairs with one point in contact and one not, at the lower face",
+            |face, summary| summary.boundary_links
+        )
+        .count(),
+        lower!("mean_gap", "length", "mean distance between lower face and lower surface", |face, summary| summary
+            .mean_gap)
+        .on(Table::LowerFace, "mean gap", Form::Size),
+        lower!("max_pressure", "stress", "largest pressure on the lower face", |face, summary| summary.max_pressure)
+            .on(Table::LowerFace, "peak p", Form::Size),
+        lower!(
+            "mean_pressure_in_contact",
+            "stress",
+            "mean pressure over the points in contact at the lower face",
+            |face, summary| summary.mean_pressure_in_contact
+        ),
+        lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) of the lower face"),
+        lower_residual!(penetration, "max(0, -min gap) / h_rms of the lower face"),
+        lower_residual!(negative_pressure, "max(0, -min p) / mean p of the lower face"),
+        lower_residual!(load, "|mean p - asked| / asked of the lower face, or as residual_load"),
+    ];

@@ -1,0 +1,53 @@
+//! Patches of points in contact, and their conductance.
+
+use super::undefined::flag;
+use crate::Cell;
+use crate::column::{Column, Form, Table};
+use crate::when::{any, statistics};
+
+/// Numbers of the patches.
+pub(super) const COLUMNS: &[Column] = &[
+    Column::new("patches", "1", &[(any, "number of connected patches of points in contact")], |at| {
+        at.measured.patches.map_or(Cell::Real(f64::NAN), |found| (found.patches.len() as u64).into())
+    })
+    .count()
+    .at("patches.count")
+    .with(statistics)
+    .on(Table::Patches, "patches", Form::Whole),
+    Column::new("largest_patch_fraction", "1", &[(any, "points of the largest patch over all points")], |at| {
+        at.measured.patches.map_or(f64::NAN, |found| found.largest() as f64 / at.points as f64).into()
+    })
+    .at("patches.largest_fraction")
+    .with(statistics)
+    .on(Table::Patches, "largest", Form::Share),
+    Column::new(
+        "percolates_x",
+        "1",
+        &[(any, "1 if a patch winds around the cell along x, with free boundaries if it spans the surface")],
+        |at| flag(at.measured.patches.map(|found| found.percolate()), 0),
+    )
+    .flag()
+    .at("patches.percolates.0")
+    .with(statistics)
+    .on(Table::Patches, "through x", Form::Flag),
+    Column::new("percolates_y", "1", &[(any, "the same along y")], |at| {
+        flag(at.measured.patches.map(|found| found.percolate()), 1)
+    })
+    .flag()
+    .at("patches.percolates.1")
+    .with(statistics)
+    .on(Table::Patches, "through y", Form::Flag),
+    Column::new(
+        "conductance",
+        "1/length",
+        &[(
+            any,
+            "conductance per area of the points in contact between two conductors, times the sum of their resistivities: current \
+             density over the potential difference less that of the bulk, with free boundaries over all of it; without a value if all \
+             points of a periodic surface touch",
+        )],
+        |at| at.measured.conductance.clone().map_or(Cell::Real(f64::NAN), Into::into),
+    )
+    .with(statistics)
+    .on(Table::Patches, "conductance", Form::Size),
+];

@@ -1,0 +1,57 @@
+//! Numbers of contacts of one kind: patches, hardness, finite slopes.
+
+use crate::column::{Column, Form};
+use crate::when::{any, free, hardness, path, steep};
+use crate::{At, Cell};
+
+/// Force on a patch, plastic depth, projected area.
+pub(super) const COLUMNS: &[Column] = &[
+    Column::new(
+        "force",
+        "stress*length^2",
+        &[(any, "force, of a line per length across it (stress*length)")],
+        |at| (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into(),
+    )
+    .with(free),
+    Column::new(
+        "plastic_fraction",
+        "1",
+        &[
+            (path, "points whose pressure is the hardness, to its accuracy, over all points"),
+            (any, "points whose pressure is the hardness over all points"),
+        ],
+        |at| plastic(at).map_or(f64::NAN, |(fraction, _)| fraction).into(),
+    )
+    .with(hardness)
+    .head("plastic", Form::Share),
+    Column::new(
+        "plastic_volume",
+        "length",
+        &[(path, "mean plastic depth so far"), (any, "mean plastic depth over the whole surface")],
+        |at| plastic(at).map_or(f64::NAN, |(_, volume)| volume).into(),
+    )
+    .with(hardness)
+    .head("depth", Form::Size),
+    Column::new(
+        "projected_area_fraction",
+        "1",
+        &[(
+            any,
+            "contact area of the deformed surface, projected onto the plane of the rigid one, over the area of the cell",
+        )],
+        |at| {
+            let found = at.rest.and_then(|rest| rest.steep()).map(|state| state.projected_area());
+            found.map_or(Cell::Real(f64::NAN), |found| found.map_err(|error| error.to_string()).into())
+        },
+    )
+    .with(steep),
+];
+
+/// The plastic points, and the plastic depth in the mean.
+fn plastic(at: &At) -> Option<(f64, f64)> {
+    let rest = at.rest?;
+    match rest.on_path() {
+        Some(state) => state.solution.plastic.as_ref().map(|_| (state.fraction, state.volume)),
+        None => rest.plastic().map(|plastic| (plastic.fraction, plastic.volume)),
+    }
+}
