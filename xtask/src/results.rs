@@ -54,13 +54,14 @@ type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failu
 /// A figure by the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 20] = [
+const TABLES: [Table; 21] = [
     ("accuracy", "accuracy", accuracy::table),
     ("../README", "kappa", kappa::sentence),
     ("results", "kappa", kappa::table),
     ("results", "loads", kappa::loads),
     ("results", "seeds", kappa::seeds),
     ("results", "budget", kappa::budget),
+    ("results", "between", kappa::between),
     ("theory", "ladders", kappa::ladders),
     ("results/finite", "percolation", finite::percolation),
     ("results/finite", "reduced", finite::reduced),

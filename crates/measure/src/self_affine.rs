@@ -205,12 +205,14 @@ mod tests {
     }
 
     /// The formula against the limits that it is fitted to (ladders.json), and against those of other surfaces
-    /// (ladders-2.json).
+    /// (ladders-2.json) and other Hurst exponents (between.json).
     #[test]
     fn the_formula_describes_the_data_that_it_was_fitted_to_and_those_that_it_was_not() {
-        for text in
-            [include_str!("../../../data/results/ladders.json"), include_str!("../../../data/results/ladders-2.json")]
-        {
+        for (text, limits) in [
+            (include_str!("../../../data/results/ladders.json"), 40),
+            (include_str!("../../../data/results/ladders-2.json"), 40),
+            (include_str!("../../../data/results/between.json"), 60),
+        ] {
             let report: serde_json::Value = serde_json::from_str(text).unwrap();
             let fits = report["fits"].as_array().unwrap().iter().filter(|fit| fit["area"] == "raw");
             let mut count = 0;
@@ -220,7 +222,7 @@ mod tests {
                 assert!((found / kappa - 1.0).abs() < 0.0075, "{hurst} {p_star}: {found} {kappa}");
                 count += 1;
             }
-            assert_eq!(count, 40);
+            assert_eq!(count, limits);
         }
     }
 }

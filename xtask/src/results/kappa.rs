@@ -185,6 +185,40 @@ pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
+/// The limits of the Hurst exponents for which the formula was not fitted, beside the formula.
+pub(super) fn between(summaries: &Summaries) -> Result<String, Failure> {
+    let sweep = summaries.read("between")?;
+    let mut text =
+        String::from("| H | κ at p\\* = 0.02 | formula | all ten loads: rms | at most |\n|---|---|---|---|---|\n");
+    let mut hursts: Vec<f64> = sweep.fits.iter().map(|fit| fit.hurst).collect();
+    hursts.sort_by(f64::total_cmp);
+    hursts.dedup();
+    let mut all = Vec::new();
+    for hurst in hursts {
+        let area = SelfAffineArea::new(hurst).ok_or_else(|| Failure::Input(format!("H is {hurst} in between.json")))?;
+        let formula = |p_star: f64| area.at(p_star) / p_star;
+        let fits = sweep.fits.iter().filter(|fit| fit.hurst == hurst && fit.area == "raw");
+        let errors: Vec<f64> = fits.map(|fit| formula(fit.p_star) / fit.kappa_tfc - 1.0).collect();
+        let fit = fit(&sweep, hurst, P_STAR)?;
+        let [low, high] = fit.total_ci95.unwrap_or([f64::NAN; 2]);
+        let (kappa, half) = (fit.kappa_tfc, 0.5 * (high - low));
+        let (rms, most) = spread(&errors);
+        let _ =
+            writeln!(text, "| {hurst} | {kappa:.3} ± {half:.3} | {:.3} | {rms:.2} % | {most:.2} % |", formula(P_STAR));
+        all.extend(errors);
+    }
+    let (rms, most) = spread(&all);
+    let _ =
+        writeln!(text, "\nOver these {} limits the formula is off by {rms:.2} % rms, at most {most:.2} %.", all.len());
+    Ok(text)
+}
+
+/// Root mean square and largest magnitude, in per cent.
+fn spread(errors: &[f64]) -> (f64, f64) {
+    let squares = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
+    (100.0 * squares.sqrt(), 100.0 * errors.iter().fold(0.0, |most: f64, error| most.max(error.abs())))
+}
+
 /// kappa composed by the first closure, less the edge, ladder by ladder.
 pub(super) fn ladders(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("ladders")?;
