@@ -70,31 +70,40 @@ pub fn top(field: ArrayView2<f64>) -> f64 {
         high.map(|(place, around)| (field[place] + rise(&around), place)).collect();
     maxima.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     maxima.truncate(CANDIDATES);
-    maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place)))
+    let weights = weights();
+    maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place, &weights)))
+}
+
+/// Points of the finer grid along each side around a point.
+const SIDE: usize = 2 * ZOOM + 1;
+
+/// The weights of the points within reach, for each point of the finer grid along an axis.
+type Weights = [[f64; 2 * REACH + 1]; SIDE];
+
+fn weights() -> Weights {
+    from_fn(|fine| {
+        from_fn(|point| {
+            let distance = point as f64 - REACH as f64 - (fine as f64 / ZOOM as f64 - 1.0);
+            let angle = std::f64::consts::PI * distance;
+            let sinc = if angle.abs() < 1e-12 { 1.0 } else { angle.sin() / angle };
+            sinc * (-0.25 * angle * distance / REACH as f64).exp()
+        })
+    })
 }
 
 /// The largest value around a point, by interpolation.
-fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2]) -> f64 {
-    const SIDE: usize = 2 * ZOOM + 1;
+fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2], weights: &Weights) -> f64 {
     let (nx, ny) = field.dim();
-    // The weight of the point this many after the first one within reach.
-    let weight = |fine: usize, point: usize| {
-        let distance = point as f64 - REACH as f64 - (fine as f64 / ZOOM as f64 - 1.0);
-        let angle = std::f64::consts::PI * distance;
-        let sinc = if angle.abs() < 1e-12 { 1.0 } else { angle.sin() / angle };
-        sinc * (-0.25 * angle * distance / REACH as f64).exp()
-    };
     let at = |middle: usize, point: usize, n: usize| (middle + point + REACH * n - REACH) % n;
     let along_y: Vec<[f64; SIDE]> = (0..=2 * REACH)
         .map(|dx| {
             let row = field.row(at(i, dx, nx));
-            from_fn(|fine| (0..=2 * REACH).map(|dy| weight(fine, dy) * (row[at(j, dy, ny)] - field[[i, j]])).sum())
+            let rises: [f64; 2 * REACH + 1] = from_fn(|dy| row[at(j, dy, ny)] - field[[i, j]]);
+            from_fn(|fine| weights[fine].iter().zip(&rises).map(|(weight, rise)| weight * rise).sum())
         })
         .collect();
-    let values: [[f64; SIDE]; SIDE] = from_fn(|x| {
-        let weights: [f64; 2 * REACH + 1] = from_fn(|dx| weight(x, dx));
-        from_fn(|y| along_y.iter().zip(&weights).map(|(row, weight)| weight * row[y]).sum())
-    });
+    let values: [[f64; SIDE]; SIDE] =
+        from_fn(|x| from_fn(|y| along_y.iter().zip(&weights[x]).map(|(row, weight)| weight * row[y]).sum()));
     let inside = (1..SIDE - 1).flat_map(|x| (1..SIDE - 1).map(move |y| [x, y]));
     let highest = inside.max_by(|[x, y], [u, v]| values[*x][*y].total_cmp(&values[*u][*v]));
     highest.map_or(f64::NAN, |[x, y]| {
