@@ -160,3 +160,46 @@ fn unusable_input_is_refused_in_one_line() {
     refused(folder.path(), "contact --n 24 --pressure 0.01 --prony 1:0.5");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// At once the body is elastic with the instantaneous modulus, and after a long time with the long-term one.
+#[test]
+fn the_leak_along_a_path_is_that_of_the_contacts_it_goes_through() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |flags: &str| json(folder.path(), &words(&format!("{flags} --n 32 --eps-f-inv 6 --pressure 0.01 --json")));
+    let creep = of("path --prony 1:0.5 --time 0,1e6 --steps 40 --flow --out f.h5");
+    let steps = creep["steps"].as_array().unwrap();
+    let [first, last] = [&steps[0], &steps[steps.len() - 1]].map(|step| &step["flow"]);
+    for (found, modulus) in [(first, 2.0), (last, 1.0)] {
+        let flow = &of(&format!("contact --e-star {modulus} --flow"))["loads"][0]["flow"];
+        assert_eq!(found["percolates"], flow["percolates"]);
+        for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let [found, known] = [found, flow].map(|flow| flow["conductivity"][row][column].as_f64().unwrap());
+            assert!((found - known).abs() < 1e-5, "{modulus} {row}{column}: {found} {known}");
+        }
+    }
+    assert!(first["conductivity"][0][0].as_f64() > last["conductivity"][0][0].as_f64());
+    let worn = of("wear --coefficient 1 --distance 0,0.1 --steps 1 --flow --out w.h5");
+    let known = &of("contact --e-star 1 --flow")["loads"][0]["flow"]["conductivity"][1][1];
+    let found = &worn["steps"][0]["flow"]["conductivity"][1][1];
+    assert!((found.as_f64().unwrap() - known.as_f64().unwrap()).abs() < 1e-5, "{found} {known}");
+    let changed = |file: &str| json(folder.path(), &["check", file, "--json"])["differing"].clone();
+    assert!(changed("f.h5") == 0 && changed("w.h5") == 0);
+    let refused = refused(folder.path(), "path --dim 2 --n 32 --pressure 0.01 --flow");
+    assert!(refused.contains("a profile has no flow"), "{refused}");
+}
+
+#[test]
+fn times_with_units_are_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |times: &str| {
+        let problem = "path --n 16 --eps-f-inv 4 --unit um --young 2MPa --poisson 0.5 --p-star 0.05 --steps 1 --json";
+        let mut report = json(folder.path(), &words(&format!("{problem} {times}")));
+        report["steps"].as_array_mut().unwrap().iter_mut().for_each(|step| step["seconds"] = 0.into());
+        report["steps"].clone()
+    };
+    let bare = of("--prony 0.01:0.3,7200:0.4 --time 0,60,86400");
+    assert_eq!(of("--prony 10ms:0.3,2h:0.4 --time 0,1min,1d"), bare);
+    assert_eq!(bare[2]["time"], 86460.0);
+    let refusal = refused(folder.path(), "path --n 16 --prony 10ms:0.3 --pressure 0.01 --time 1");
+    assert!(refusal.contains("the lengths have none"), "{refusal}");
+}

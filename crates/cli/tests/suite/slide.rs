@@ -155,7 +155,8 @@ fn units_of_heat_lead_to_kelvin() {
     let file = Reader::open(folder.path().join("u.h5")).unwrap();
     for (variable, unit) in [
         ("/fields/temperature", "K"),
-        ("/fields/heat_flux", "Pa*µm/time"),
+        ("/fields/heat_flux", "Pa*µm/s"),
+        ("/states/velocity", "µm/s"),
         ("/states/heat_max_rise", "K"),
         ("/states/mean_pressure", "Pa"),
         ("/states/mean_gap", "µm"),
