@@ -52,6 +52,7 @@ html_theme = "furo"
 html_title = f"gfmd {release}"
 html_static_path = ["site/static"]
 html_css_files = ["gfmd.css"]
+html_search_scorer = str(Path(__file__).parent / "site" / "scorer.js")
 html_favicon = "site/static/icon.svg"
 html_show_sphinx = False
 html_domain_indices = False

@@ -1,0 +1,17 @@
+/* Scores of the search: guides stand before reference pages, which name every word. The numbers beside `score` are the
+   defaults of Sphinx. */
+var Scorer = {
+    score: ([page, , , , score]) => {
+        const reference = ["interface", "columns", "together", "trust", "python-api", "theory", "benchmarks", "creep-peers",
+            "any-load", "site/changelog"];
+        return reference.includes(page) ? score - 12 : score;
+    },
+    objNameMatch: 11,
+    objPartialMatch: 6,
+    objPrio: { 0: 15, 1: 5, 2: -5 },
+    objPrioDefault: 0,
+    title: 15,
+    partialTitle: 7,
+    term: 5,
+    partialTerm: 2,
+};
