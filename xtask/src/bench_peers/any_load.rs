@@ -20,9 +20,8 @@ use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
 use super::process::Ended;
 use super::python::Environment;
-use super::report::median;
 use super::solve::Solve;
-use super::table::{Table, write_beside};
+use super::table::{Table, median, write_beside};
 use super::{Args, Peer, RMS_GRADIENT, kept, problems};
 
 /// Reduced pressures, from first touch to full contact.

@@ -12,8 +12,7 @@ use serde_json::json;
 use super::contestant::Problem;
 use super::process::output;
 use super::python::{Environment, LONG, Script};
-use super::report::{in_words, median};
-use super::table::{Table, write_beside};
+use super::table::{Table, in_words, median, write_beside};
 use super::{Args, Peer, problems};
 
 /// Relaxation times and fractions of the instantaneous modulus: one branch, and several.

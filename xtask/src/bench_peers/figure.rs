@@ -3,8 +3,8 @@
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use gfmd_run::failure::Failure;
 
-use super::report::median;
 use super::report::{Case, Report};
+use super::table::median;
 
 impl Report {
     /// Seconds of every contestant on the first number of threads, as SVG. Loads are those of the largest grid; a point of a size is

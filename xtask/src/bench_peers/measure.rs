@@ -12,8 +12,9 @@ use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
 use super::process::Ended;
 use super::python::{Environment, Yardstick};
-use super::report::{Case, Entry, Timing, in_words, median};
+use super::report::{Case, Entry, Timing};
 use super::solve::Solve;
+use super::table::{in_words, median};
 use super::tolerance::loosest;
 
 /// The largest grid on which solves are repeated, in points along a side.

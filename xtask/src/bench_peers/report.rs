@@ -11,7 +11,7 @@ use super::TamaasFftw;
 use super::contestant::Problem;
 use super::judge::{AGREEMENT, Verdict};
 use super::kept;
-use super::table::{Table, write_beside};
+use super::table::{Table, in_words, median, write_beside};
 use super::{adhesion, rows};
 
 /// The result of `bench-peers`.
@@ -312,8 +312,6 @@ impl Report {
              Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, as far as they are installed,\n\
              for the same contacts to the same certified residual. [Any load](any-load.md) shows which loads each program reaches at\n\
              all; [solvers](solvers.md) explains the cost of gfmd.\n\n\
-             {kept}\
-             ## Beside other programs\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
              Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
              shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran {plans}.\n\n"
@@ -329,17 +327,13 @@ impl Report {
         }
         let _ = write!(
             page,
-            "{}",
+            "{kept}{}",
             include_str!("method.md")
                 .replace("{tolerance}", &format!("{tolerance:e}"))
                 .replace("{agreement}", &format!("{AGREEMENT:e}"))
         );
         page
     }
-}
-
-pub(super) fn in_words(threads: usize) -> String {
-    if threads == 1 { "1 thread".into() } else { format!("{threads} threads") }
 }
 
 impl fmt::Display for Report {
@@ -352,16 +346,5 @@ impl fmt::Display for Report {
             writeln!(f, "note: {note}")?;
         }
         writeln!(f, "kept: {}", self.kept.display())
-    }
-}
-
-/// The median of the values; NaN if there are none.
-pub(super) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    match sorted.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
     }
 }

@@ -12,8 +12,7 @@ use gfmd_run::failure::Failure;
 use gfmd_run::session::{GIT_COMMIT, Session, machine};
 use serde::Serialize;
 
-use super::report::{in_words, median};
-use super::table::{Table, write_beside};
+use super::table::{Table, in_words, median, write_beside};
 use crate::results::filled;
 use measure::Trial;
 
@@ -209,7 +208,7 @@ impl Rows {
     }
 
     fn table(&self) -> Table {
-        let head = ["ratio", "case", "smallest", "ratio of them", "median ratio", "bar", "met"];
+        let head = ["what", "case", "smallest of each", "their ratio", "median ratio", "aim", "met"];
         let mut rows = Vec::new();
         for row in &self.rows {
             let sign = if row.at_least { "≥" } else { "≤" };
@@ -231,7 +230,7 @@ impl Rows {
                 ]);
             }
         }
-        Table { title: "Of what people run".into(), head: head.map(str::to_owned).into(), rows }
+        Table { title: "Commands beside the solution alone".into(), head: head.map(str::to_owned).into(), rows }
     }
 
     fn markdown(&self) -> String {
@@ -240,8 +239,8 @@ impl Rows {
         let mut text = self.table().markdown();
         let _ = write!(
             text,
-            "\n{date}. {machine}. gfmd {version}, commit {short}. Self-affine surfaces as below, H = {hurst}. Seconds, or MB. Both sides of\n\
-             a ratio are measured in turns, {repeats} times; the median ratio is compared with the bar.\n\
+            "\n{date}. {machine}. gfmd {version}, commit {short}. Self-affine surfaces as above, H = {hurst}. Seconds, or MB. Both sides of\n\
+             a ratio are measured in turns, {repeats} times; the median ratio is compared with the aim.\n\
              `cargo xtask bench-rows --python PYTHON --write-docs`, with a Python that has gfmd, makes this table.\n\n"
         );
         text

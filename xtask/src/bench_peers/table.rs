@@ -62,3 +62,18 @@ pub(super) fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
     };
     write().map_err(|error| Failure::Computation(format!("cannot write {}: {error}", file.display())))
 }
+
+pub(super) fn in_words(threads: usize) -> String {
+    if threads == 1 { "1 thread".into() } else { format!("{threads} threads") }
+}
+
+/// The median of the values; NaN if there are none.
+pub(super) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}

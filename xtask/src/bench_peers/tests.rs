@@ -11,8 +11,8 @@ use super::any_load::{AnyLoad, Block, Cell, Kind, LOADS, Row};
 use super::contestant::Contestant;
 use super::judge::{Difference, Verdict};
 use super::process::{Ended, output};
-use super::report::median;
 use super::report::{Case, Entry, Interrupted, Report, Timing};
+use super::table::median;
 use super::tolerance::{Found, loosest};
 use super::{Args, Peer, TamaasFftw};
 
