@@ -243,8 +243,8 @@ fn ended(
 ) -> Result<Outcome<Report>, Failure> {
     let Followed { contact, path, ended, mut file, widest, unsettled } = followed;
     tell_of_unsettled(&unsettled, &path, args, session);
-    if let (Some(file), Some(state)) = (&mut file, path.state().and_then(Rest::relaxing)) {
-        memory::write(file, &prepared.surface, state)?;
+    if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(Rest::memory)) {
+        memory::write(file, &prepared.surface, &remembered)?;
     }
     let Ended { records, failure, not_converged, parted_at } = ended;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();

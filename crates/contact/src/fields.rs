@@ -1,7 +1,7 @@
 use gfmd_measure::{Scales, Summary};
 use ndarray::{ArrayView2, CowArray, Ix2};
 
-use crate::{Effort, Solution};
+use crate::Effort;
 
 /// The state of a contact at rest, or of an unfinished search. Fields are `[x, y]`.
 pub trait Fields {
@@ -48,10 +48,13 @@ pub trait Fields {
     }
 }
 
-/// A state whose fields are those of a [`Solution`].
+/// A state whose fields are those of another one that it contains, such as a [`Solution`](crate::Solution).
 pub trait Solved {
+    /// The state that it contains.
+    type Inner: Fields;
+
     /// Fields, loads, residuals and effort.
-    fn solution(&self) -> &Solution;
+    fn solution(&self) -> &Self::Inner;
 
     /// The residual beside those of the solution, with its name.
     fn further_residual(&self) -> Option<(&'static str, f64)> {
@@ -74,6 +77,10 @@ impl<S: Solved> Fields for S {
         self.solution().pressure()
     }
 
+    fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
+        self.solution().repulsion()
+    }
+
     fn displacement_z(&self) -> ArrayView2<'_, f64> {
         self.solution().displacement_z()
     }
@@ -83,15 +90,15 @@ impl<S: Solved> Fields for S {
     }
 
     fn mean_pressure(&self) -> f64 {
-        self.solution().mean_pressure
+        self.solution().mean_pressure()
     }
 
     fn approach(&self) -> f64 {
-        self.solution().approach
+        self.solution().approach()
     }
 
     fn effort(&self) -> Effort {
-        self.solution().effort
+        self.solution().effort()
     }
 
     fn residuals(&self) -> Vec<(&'static str, f64)> {

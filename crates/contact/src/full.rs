@@ -266,6 +266,8 @@ impl Resumable for FullContact {
 }
 
 impl Solved for FullSolution {
+    type Inner = Solution;
+
     fn solution(&self) -> &Solution {
         &self.normal
     }

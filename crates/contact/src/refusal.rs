@@ -235,6 +235,9 @@ pub enum Refusal {
     /// A viscoelastic body has no hardness.
     #[error("a hardness is given; it must be left out with a viscoelastic body")]
     ViscoelasticHardness,
+    /// The surface of a viscoelastic body moves in u_z alone.
+    #[error("all components of the displacement are unknown; u_z alone must be, with a viscoelastic body")]
+    ViscoelasticComponents,
     /// A state, to start from or to certify, has the wrong size.
     #[error("the given state has {found} values; it must have {expected}")]
     Start {

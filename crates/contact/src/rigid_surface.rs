@@ -119,7 +119,7 @@ impl RigidSurface {
     }
 
     /// The surface with `depth` added to its clearance. Its rms height and gradient stay.
-    pub(crate) fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let (share, found, expected) = (&self.share, depth.dim().into(), self.shape());
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });

@@ -391,6 +391,8 @@ impl Resumable for SteepContact {
 }
 
 impl Solved for SteepSolution {
+    type Inner = Solution;
+
     fn solution(&self) -> &Solution {
         &self.normal
     }

@@ -116,6 +116,8 @@ fn saturated(solution: &Solution, hardness: &Hardness, stiffest: f64) -> f64 {
 }
 
 impl Solved for PlasticState {
+    type Inner = Solution;
+
     fn solution(&self) -> &Solution {
         &self.solution
     }

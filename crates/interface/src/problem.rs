@@ -100,6 +100,37 @@ impl Interface {
         Ok(Self { elastic, law, surface, patch, given, contact_modulus, units })
     }
 
+    /// This interface after a `depth` `[x, y]`, in length, was added to the clearance. The approach still counts from
+    /// first touch of the surfaces as given, and the rms height and gradient are theirs.
+    ///
+    /// # Errors
+    /// A depth of another shape than the heights, or not finite.
+    pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let given = Arc::new(self.given.indented(depth)?);
+        let surface = self.units.surface(&given);
+        let patch = self.patch.as_ref().map(|patch| Patch::of(&surface, self.elastic.grid(), patch.has_level()));
+        Ok(Self { surface, given, patch, ..self.clone() })
+    }
+
+    /// This interface with the tractions of its law over `factor`, as on a body that is stiffer by it all its tractions
+    /// would be those of this one over `factor`.
+    #[must_use]
+    pub fn weakened(&self, factor: f64) -> Self {
+        Self { law: InUnits::new(Arc::clone(&self.law), factor, 1.0).into_shared(), ..self.clone() }
+    }
+
+    /// This interface on a body whose waves have stiffnesses that are larger by these `factors`, laid out as the
+    /// [modes](Grid::modes) of the grid, the uniform one first. The boundary is periodic.
+    ///
+    /// # Errors
+    /// An interface in all components.
+    pub fn stiffened(&self, factors: &[f64]) -> Result<Self, Refusal> {
+        match &self.elastic {
+            Elastic::Normal(response) => Ok(Self { elastic: response.stiffened(factors).into(), ..self.clone() }),
+            Elastic::Full(_) => Err(Refusal::ViscoelasticComponents),
+        }
+    }
+
     fn in_own_units<E: Into<Elastic>>(
         body: &Body,
         grid: &Grid,

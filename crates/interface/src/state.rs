@@ -84,8 +84,9 @@ impl Residual {
 const LEAST_LOAD: f64 = 1e-6;
 
 impl State {
-    /// The state with all lengths and stresses multiplied by these powers of two.
-    pub(crate) fn times(mut self, length: f64, stress: f64) -> Self {
+    /// The state with all lengths and stresses multiplied by these factors.
+    #[must_use]
+    pub fn times(mut self, length: f64, stress: f64) -> Self {
         let Self { displacement, traction, gap, wall_pressure, .. } = &mut self;
         displacement.mapv_inplace(|u| u * length);
         traction.mapv_inplace(|t| t * stress);

@@ -1,14 +1,14 @@
 //! The kinds of contact.
 
 use gfmd_contact::{
-    Contact, Cotangents, Drive, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface, Solution,
+    Contact, Cotangents, Drive, Fields as _, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface, Solution,
     SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
     FrictionState, FrictionalContact, Interface, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,
     StoredFields, Trapping,
 };
-use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
+use gfmd_viscoelastic::{ElasticContact, ViscoelasticContact};
 use gfmd_wear::{WearContact, WearState};
 use ndarray::ArrayRef2;
 
@@ -218,7 +218,10 @@ impl Kind for PlasticContact {
     }
 }
 
-impl Kind for ViscoelasticContact {
+impl<C> Kind for ViscoelasticContact<C>
+where
+    C: ElasticContact<State: Send + Sync + 'static> + Send + Sync + 'static,
+{
     fn surface(&self) -> &RigidSurface {
         self.contact().surface()
     }
@@ -227,18 +230,18 @@ impl Kind for ViscoelasticContact {
         &[]
     }
 
-    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<ViscoelasticState, Refusal> {
+    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<Self::State, Refusal> {
         Err(Refusal::Basis { found: fields.len(), expected: 0 })
     }
 
-    fn stiffness(&self, _: &ViscoelasticState, _: f64) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, _: &Self::State, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(ON_A_PATH)
     }
 
-    fn reading(&self, state: &ViscoelasticState) -> Reading {
+    fn reading(&self, state: &Self::State) -> Reading {
         Reading {
-            mean_pressure: state.solution.mean_pressure,
-            approach: state.solution.approach,
+            mean_pressure: state.mean_pressure(),
+            approach: state.approach(),
             mean_shear: [0.0; 2],
             lateral: [0.0; 2],
             time: state.time,

@@ -37,10 +37,10 @@ impl MemoryNeed {
     /// A path with friction, on a patch.
     pub const ALL_COMPONENTS_FREE: Self = Self(158);
 
-    /// A viscoelastic body with so many branches.
+    /// A viscoelastic body with so many branches, beside the fields that the path of an elastic one takes.
     #[must_use]
-    pub fn relaxing(branches: usize) -> Self {
-        Self(40 + 10 * branches as u64)
+    pub fn relaxing(self, branches: usize) -> Self {
+        Self(self.0 + 14 + 10 * branches as u64)
     }
 
     /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.

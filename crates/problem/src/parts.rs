@@ -14,7 +14,7 @@ impl Rest {
         let full = || self.get().map(|state: &FullSolution| &state.normal);
         let squeezed = || self.get().map(|state: &SqueezedSolution| &state.upper);
         let on_path = || self.on_path().map(|state| &state.solution);
-        let relaxing = || self.relaxing().map(|state| &state.solution);
+        let relaxing = || self.get().map(|state: &ViscoelasticState| &state.solution);
         self.get()
             .or_else(full)
             .or_else(|| self.steep().map(|state| &state.normal))
@@ -58,7 +58,7 @@ impl Rest {
 
     /// The state with a law across the gap.
     pub fn law(&self) -> Option<&State> {
-        self.get()
+        self.get().or_else(|| self.get().map(|state: &ViscoelasticState<State>| &state.solution))
     }
 
     /// The state with friction.
@@ -66,9 +66,10 @@ impl Rest {
         self.get()
     }
 
-    /// The state of a viscoelastic body.
-    pub fn relaxing(&self) -> Option<&ViscoelasticState> {
-        self.get()
+    /// All that a viscoelastic body [remembers](ViscoelasticState::memory).
+    pub fn memory(&self) -> Option<Vec<Array2<f64>>> {
+        let wall = self.get::<ViscoelasticState>().map(ViscoelasticState::memory);
+        wall.or_else(|| self.get::<ViscoelasticState<State>>().map(ViscoelasticState::memory))
     }
 
     /// The state of surfaces that wear.

@@ -93,6 +93,10 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         return Ok(Posed::new(FrictionalContact::bounded(facts.boundary, body, grid, heights, *limit)?));
     }
     if let (Some(prony), Some(relaxes)) = (prony, facts.relaxes) {
+        if facts.has_law() {
+            let interface = Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?;
+            return Ok(Posed::new(ViscoelasticContact::new(interface, body, prony, relaxes)?));
+        }
         return Ok(Posed::new(ViscoelasticContact::new(given.wall()?, body, prony, relaxes)?));
     }
     if let Some(coefficient) = wear {

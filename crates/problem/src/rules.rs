@@ -196,7 +196,6 @@ pub const RULES: &[Rule] = {
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeFriction, "3", "the lateral displacement of a profile is known up to a constant"),
         rule(Sliding, FreeFriction, "bonded or half-space", "the body has no lateral support"),
-        rule(Law, Prony, "hard-wall", LATER),
         rule(Hardness, Prony, "left out", LATER),
         rule(Friction, Prony, "left out", LATER),
         rule(Lateral, Prony, "left out", LATER),

@@ -2,43 +2,40 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use gfmd_contact::{
-    Boundary, Budget, Contact, Drive, Equilibrium, Load, Refusal, Resumable, Solution, SolveError, Solver, Visit, Watch,
+    Boundary, Budget, Contact, Drive, Equilibrium, Fields as _, Load, Progress, Refusal, Resumable, SolveError, Solver,
+    Visit, Watch,
 };
 use gfmd_field::{Transform, Workspace};
 use gfmd_green::Body;
-use gfmd_relax::Variables as _;
-use gfmd_vector::{contiguous, for_each, lower, reduce, with_contiguous};
+use gfmd_vector::{contiguous, lower, reduce};
 use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::history::{History, PointStep};
 use crate::spectrum::{Spectrum, stiffness};
-use crate::{Prony, Relaxes, ViscoelasticState};
+use crate::{ElasticContact, Prony, Relaxes, StepFrame, Stiffening, ViscoelasticState};
 
-/// A rigid rough surface above a viscoelastic body, with a hard wall and without friction (theory.md, section 7.7).
+/// A rigid rough surface above a viscoelastic body, with a hard wall or a law across the gap, and without friction
+/// (theory.md, section 7.7).
 ///
 /// A state follows from the one before, from which the displacement of the surface is linear in time. The step is exact
 /// for such a displacement, whatever its length, and its contact is an ordinary one, with larger moduli and another
-/// clearance. The first step begins at first touch of the undeformed surfaces, at time 0; a step of no time is a jump.
+/// clearance. The first step begins at time 0 with a load, or an approach, of zero: with the undeformed surfaces at first
+/// touch, or with the state into which the law draws them there in no time. A step of no time is a jump.
 #[derive(Clone)]
-pub struct ViscoelasticContact {
+pub struct ViscoelasticContact<C = Contact> {
     /// The contact with the long-term moduli.
-    contact: Contact,
+    contact: C,
     spectrum: Arc<Spectrum>,
     /// The transforms of a body each of whose waves has its own branches.
     transform: Option<Arc<(Transform, Mutex<Workspace>)>>,
 }
 
 /// A step that begins.
-struct Begun {
+struct Begun<C> {
     /// The contact of the step.
-    contact: Contact,
-    /// H, by which the surface would stay indented without a pressure, row by row.
-    hollow: Vec<f64>,
-    /// Its first touch, the approach from which that of `contact` counts.
-    touch: f64,
-    /// The pressure over that of `contact`.
-    factor: f64,
+    contact: C,
+    frame: StepFrame,
     /// The length of the step.
     duration: f64,
 }
@@ -46,15 +43,14 @@ struct Begun {
 /// The approach below which nothing touches, over the largest of the lengths of which it is a difference.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-impl ViscoelasticContact {
+impl<C: ElasticContact> ViscoelasticContact<C> {
     /// The contact of a `body`, whose long-term moduli are those of `contact`, and which relaxes by a Prony series.
     ///
     /// # Errors
-    /// A hardness; a body, or a boundary, for which the relaxation of the shear modulus alone is not known.
-    pub fn new(contact: Contact, body: &Body, prony: &Prony, relaxes: Relaxes) -> Result<Self, Refusal> {
-        if contact.hardness().is_some() {
-            return Err(Refusal::ViscoelasticHardness);
-        }
+    /// A hardness; all components of the displacement; a body, or a boundary, for which the relaxation of the shear
+    /// modulus alone is not known.
+    pub fn new(contact: C, body: &Body, prony: &Prony, relaxes: Relaxes) -> Result<Self, Refusal> {
+        contact.check_relaxing()?;
         let grid = contact.surface().grid();
         let spectrum = Spectrum::new(body, grid, contact.boundary() == Boundary::Free, prony, relaxes)?;
         let transform = match &spectrum {
@@ -69,7 +65,7 @@ impl ViscoelasticContact {
     }
 
     /// The contact with the long-term moduli, in which all ends under a constant load.
-    pub fn contact(&self) -> &Contact {
+    pub fn contact(&self) -> &C {
         &self.contact
     }
 
@@ -79,43 +75,6 @@ impl ViscoelasticContact {
             Spectrum::Common(branches) => branches.len(),
             Spectrum::Waves(waves) => waves.count,
         }
-    }
-
-    /// A number that is zero for a state whose pressure is that of its [`memory`](ViscoelasticState::memory): the
-    /// largest difference between the displacement by the pressure, on a body with the long-term moduli, and d + Σ c x,
-    /// over the largest displacement.
-    ///
-    /// # Errors
-    /// Fields of another size than the grid, or of another number than the branches.
-    pub fn consistency(&self, pressure: &Array2<f64>, memory: &[Array2<f64>]) -> Result<f64, Refusal> {
-        if memory.len() != 1 + self.branches() {
-            return Err(Refusal::Basis { found: memory.len(), expected: 1 + self.branches() });
-        }
-        let expected = self.contact.certify(pressure, Load::Approach(0.0))?;
-        let expected: Vec<f64> = expected.displacement.iter().map(|u| -u).collect();
-        if let Some(field) = memory.iter().find(|field| field.len() != expected.len()) {
-            return Err(Refusal::Start { found: field.len(), expected: expected.len() });
-        }
-        let memory: Vec<_> = memory.iter().map(|field| contiguous(field)).collect();
-        let total = match &*self.spectrum {
-            Spectrum::Common(branches) => (0..expected.len())
-                .map(|i| memory[0][i] + branches.iter().zip(&memory[1..]).map(|(b, x)| b.weight * x[i]).sum::<f64>())
-                .collect(),
-            Spectrum::Waves(waves) => {
-                let mut spectra: Vec<Vec<Complex64>> = memory.iter().map(|field| self.forward(field)).collect();
-                let mut total = spectra.remove(0);
-                for (mode, total) in total.iter_mut().enumerate() {
-                    *total += waves.of(mode).zip(&spectra).map(|(b, x)| b.weight * x[mode]).sum::<Complex64>();
-                }
-                self.inverse(&total)
-            }
-        };
-        let largest = |values: &mut dyn Iterator<Item = f64>| {
-            values.fold(0.0, |most: f64, x| if x.abs() > most || x.is_nan() { x.abs() } else { most })
-        };
-        let apart = largest(&mut total.iter().zip(&expected).map(|(a, b)| a - b));
-        let scale = largest(&mut expected.iter().copied());
-        Ok(if apart == 0.0 { 0.0 } else { apart / scale })
     }
 
     /// The energy stored in all springs, per area, by the [`memory`](ViscoelasticState::memory) of a state, with the `body`
@@ -158,7 +117,7 @@ impl ViscoelasticContact {
     }
 
     /// The memory before a step from `start`, which begins with a body that is undeformed.
-    fn history(&self, start: Option<&ViscoelasticState>) -> History {
+    fn history(&self, start: Option<&ViscoelasticState<C::State>>) -> History {
         match (start, &*self.spectrum) {
             (Some(state), _) => state.history.clone(),
             (None, Spectrum::Common(branches)) => {
@@ -169,18 +128,18 @@ impl ViscoelasticContact {
     }
 
     /// Begins a step of this `duration`.
-    fn begin(&self, history: &History, duration: f64) -> Result<Begun, Refusal> {
+    fn begin(&self, history: &History, duration: f64) -> Result<Begun<C>, Refusal> {
         let surface = self.contact.surface();
-        let (contact, hollow, factor) = match (history, &*self.spectrum) {
+        let (stiffening, hollow, factor) = match (history, &*self.spectrum) {
             (History::Points { lengths, .. }, Spectrum::Common(branches)) => {
                 let step = PointStep::new(branches, duration);
                 let mut hollow = vec![0.0; surface.clearance().len()];
                 step.fill(lengths, &mut hollow);
-                (self.contact.clone(), hollow, step.stiffening)
+                (Stiffening::All(step.stiffening), hollow, step.stiffening)
             }
             (History::Waves(fields), Spectrum::Waves(waves)) => {
                 let (factors, spectrum) = waves.hollow(fields, duration);
-                (self.contact.stiffened(&factors), self.inverse(&spectrum), 1.0)
+                (Stiffening::Waves(factors), self.inverse(&spectrum), 1.0)
             }
             _ => return Err(Refusal::OtherKind),
         };
@@ -189,54 +148,62 @@ impl ViscoelasticContact {
         };
         let touch = reduce(hollow.len(), &lowest, &lower);
         let depth = self.field(hollow.iter().map(|hollow| hollow - touch).collect());
-        Ok(Begun { contact: contact.indented(&depth)?, hollow, touch, factor, duration })
+        let frame = StepFrame { hollow: self.field(hollow), touch, factor };
+        Ok(Begun { contact: self.contact.of_step(&stiffening, &depth)?, frame, duration })
     }
 
     /// The state after a step, of the `solution` of its contact.
     fn end(
         &self,
-        begun: Begun,
-        mut solution: Solution,
-        (start, history): (Option<&ViscoelasticState>, &History),
+        begun: &Begun<C>,
+        solution: C::State,
+        (start, history): (Option<&ViscoelasticState<C::State>>, &History),
         time: f64,
-    ) -> Result<ViscoelasticState, Refusal> {
-        let Begun { hollow, touch, factor, duration, .. } = begun;
-        let mut indentation = hollow;
-        let displacement = contiguous(&solution.displacement);
-        for_each((&mut indentation[..], &displacement[..]), &|_, (d, u)| {
-            d.iter_mut().zip(u).for_each(|(d, u)| *d -= u);
-        });
-        drop(displacement);
-        solution.displacement = self.field(indentation.iter().map(|d| -d).collect());
+    ) -> Result<ViscoelasticState<C::State>, Refusal> {
+        let Begun { frame, duration, .. } = begun;
+        let displacement = solution.displacement_z();
+        let indentation: Vec<f64> = frame.hollow.iter().zip(displacement).map(|(hollow, u)| hollow - u).collect();
         let (history, energies) = match (history, &*self.spectrum) {
             (History::Points { lengths, stresses }, Spectrum::Common(branches)) => {
-                let pressure = contiguous(&solution.pressure);
-                PointStep::new(branches, duration).advance((lengths, stresses), (indentation, &pressure))
+                let pressure = solution.pressure();
+                let step = PointStep::new(branches, *duration);
+                step.advance((lengths, stresses), (indentation, &contiguous(&pressure)))
             }
             (History::Waves(fields), Spectrum::Waves(waves)) => {
                 let grid = self.contact.surface().grid();
                 let weight = |mode: usize| grid.mode_at(mode).weight;
-                waves.advance(fields, self.forward(&indentation), duration, weight)
+                waves.advance(fields, self.forward(&indentation), *duration, weight)
             }
             _ => return Err(Refusal::OtherKind),
         };
-        if factor != 1.0 {
-            with_contiguous(&mut solution.pressure, |pressure| {
-                for_each([pressure], &|_, [pressure]| pressure.iter_mut().for_each(|p| *p *= factor));
-            });
-            solution.mean_pressure *= factor;
-        }
-        solution.approach += touch;
-        let before = start
-            .map_or([0.0; 3], |start| [start.solution.mean_pressure, start.solution.approach, start.elastic_energy]);
-        let work = 0.5 * (before[0] + solution.mean_pressure) * (solution.approach - before[1]);
-        let missing = work - (energies.stored - before[2]) - energies.lost;
+        let solution = C::left(solution, frame);
+        let [mean_pressure, approach] = [solution.mean_pressure(), solution.approach()];
+        let numbers = |state: &ViscoelasticState<C::State>| {
+            let solution = &state.solution;
+            let energy = state.elastic_energy + C::interface_energy(solution);
+            [solution.mean_pressure(), solution.approach(), energy]
+        };
+        let [pressure_before, approach_before, energy_before] = start.map_or([0.0; 3], numbers);
+        let moved = approach - approach_before;
+        let work = 0.5 * (pressure_before + mean_pressure) * moved;
+        let gained = energies.stored + C::interface_energy(&solution) - energy_before;
+        let missing = work - gained - energies.lost;
+        let (dissipated, dissipated_error) = match start {
+            // Nothing is known of the way on which surfaces that attract each other have come.
+            None if !C::RESTS_AT_FIRST_TOUCH => (energies.lost, 0.0),
+            // The loss of a jump, by the balance of energy; forces that change monotonically do no other work.
+            Some(_) if C::may_have_jumped(&solution) => {
+                (energies.lost + missing, 0.5 * ((mean_pressure - pressure_before) * moved).abs())
+            }
+            _ if *duration == 0.0 => (energies.lost, 0.0),
+            _ => (energies.lost, missing.abs()),
+        };
         Ok(ViscoelasticState {
             solution,
             time,
             elastic_energy: energies.stored,
-            dissipated: energies.lost,
-            dissipated_error: if duration == 0.0 { 0.0 } else { missing.abs() },
+            dissipated,
+            dissipated_error,
             history,
         })
     }
@@ -264,14 +231,55 @@ impl ViscoelasticContact {
         field
     }
 
-    fn check_time(time: f64, start: Option<&ViscoelasticState>) -> Result<f64, Refusal> {
+    fn check_time(time: f64, start: Option<&ViscoelasticState<C::State>>) -> Result<f64, Refusal> {
         let least = start.map_or(0.0, |start| start.time);
         if time >= least { Ok(time - least) } else { Err(Refusal::Time { found: time, least }) }
     }
 }
 
-impl Equilibrium for ViscoelasticContact {
-    type State = ViscoelasticState;
+impl ViscoelasticContact {
+    /// A number that is zero for a state whose pressure is that of its [`memory`](ViscoelasticState::memory): the
+    /// largest difference between the displacement by the pressure, on a body with the long-term moduli, and d + Σ c x,
+    /// over the largest of all displacements and elongations.
+    ///
+    /// # Errors
+    /// Fields of another size than the grid, or of another number than the branches.
+    pub fn consistency(&self, pressure: &Array2<f64>, memory: &[Array2<f64>]) -> Result<f64, Refusal> {
+        if memory.len() != 1 + self.branches() {
+            return Err(Refusal::Basis { found: memory.len(), expected: 1 + self.branches() });
+        }
+        let expected = self.contact.certify(pressure, Load::Approach(0.0))?;
+        let expected: Vec<f64> = expected.displacement.iter().map(|u| -u).collect();
+        if let Some(field) = memory.iter().find(|field| field.len() != expected.len()) {
+            return Err(Refusal::Start { found: field.len(), expected: expected.len() });
+        }
+        let memory: Vec<_> = memory.iter().map(|field| contiguous(field)).collect();
+        // A body without a pressure may not have recovered.
+        let remembered = memory.iter().flat_map(|field| field.iter().copied());
+        let total = match &*self.spectrum {
+            Spectrum::Common(branches) => (0..expected.len())
+                .map(|i| memory[0][i] + branches.iter().zip(&memory[1..]).map(|(b, x)| b.weight * x[i]).sum::<f64>())
+                .collect(),
+            Spectrum::Waves(waves) => {
+                let mut spectra: Vec<Vec<Complex64>> = memory.iter().map(|field| self.forward(field)).collect();
+                let mut total = spectra.remove(0);
+                for (mode, total) in total.iter_mut().enumerate() {
+                    *total += waves.of(mode).zip(&spectra).map(|(b, x)| b.weight * x[mode]).sum::<Complex64>();
+                }
+                self.inverse(&total)
+            }
+        };
+        let largest = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold(0.0, |most: f64, x| if x.abs() > most || x.is_nan() { x.abs() } else { most })
+        };
+        let apart = largest(&mut total.iter().zip(&expected).map(|(a, b)| a - b));
+        let scale = largest(&mut expected.iter().copied().chain(remembered));
+        Ok(if apart == 0.0 { 0.0 } else { apart / scale })
+    }
+}
+
+impl<C: ElasticContact> Equilibrium for ViscoelasticContact<C> {
+    type State = ViscoelasticState<C::State>;
 
     fn solvers(&self) -> &'static [Solver] {
         self.contact.solvers()
@@ -294,52 +302,61 @@ impl Equilibrium for ViscoelasticContact {
         }
     }
 
-    /// Makes the step from `start`, or from first touch at time 0, by one solve.
+    /// Makes the step from `start`, or from a load of zero at time 0, by one solve; with a law the state without a load
+    /// takes another one.
     fn equilibrate(
         &self,
         drive: Drive,
         solver: Solver,
         budget: &Budget,
-        start: Option<&ViscoelasticState>,
+        start: Option<&Self::State>,
         watch: &mut dyn Watch,
-    ) -> Result<ViscoelasticState, SolveError<ViscoelasticState>> {
+    ) -> Result<Self::State, SolveError<Self::State>> {
         budget.check().map_err(Refusal::from)?;
         self.check(drive)?;
         let duration = Self::check_time(drive.time, start)?;
+        if start.is_none() && duration > 0.0 && !C::RESTS_AT_FIRST_TOUCH {
+            let load = match drive.load {
+                Load::MeanPressure(_) => Load::MeanPressure(0.0),
+                Load::Approach(_) => Load::Approach(0.0),
+            };
+            // The search is short and writes no checkpoint.
+            let touched = self.equilibrate(load.into(), solver, budget, None, &mut |now: &Progress| watch.see(now))?;
+            let mut state = self.equilibrate(drive, solver, budget, Some(&touched), watch)?;
+            let (_, effort) = C::approach_and_effort(&mut state.solution);
+            effort.iterations += touched.effort().iterations;
+            effort.transform_pairs += touched.effort().transform_pairs;
+            return Ok(state);
+        }
         let history = self.history(start);
         let begun = self.begin(&history, duration)?;
-        let (touch, factor) = (begun.touch, begun.factor);
+        let StepFrame { touch, factor, .. } = begun.frame;
+        let with_approach = |mut state: Self::State| {
+            if let Load::Approach(asked) = drive.load {
+                *C::approach_and_effort(&mut state.solution).0 = asked;
+            }
+            state
+        };
         let load = match drive.load {
             Load::MeanPressure(mean) => Load::MeanPressure(mean / factor),
             Load::Approach(approach) => {
                 let size = approach.abs().max(touch.abs()).max(self.contact.surface().rms_height());
-                if approach - touch <= ROUNDING * size {
-                    let none = self.field(vec![0.0; history.points(self)]);
-                    let solution = begun.contact.certify(&none, Load::Approach((approach - touch).min(0.0)))?;
-                    let mut state = self.end(begun, solution, (start, &history), drive.time)?;
-                    state.solution.approach = approach;
-                    return Ok(state);
+                let apart = if approach - touch <= ROUNDING * size { begun.contact.apart(approach - touch) } else { None };
+                if let Some(solution) = apart {
+                    return Ok(with_approach(self.end(&begun, solution?, (start, &history), drive.time)?));
                 }
                 Load::Approach(approach - touch)
             }
         };
-        let warm = start.filter(|start| start.solution.mean_pressure > 0.0).map(|start| {
-            let mut solution = start.solution.clone();
-            solution.pressure.mapv_inplace(|p| p / factor);
-            solution
-        });
-        let solved = begun.contact.equilibrate(load.into(), solver, budget, warm.as_ref(), watch);
+        let warm = start.and_then(|start| C::entered(&start.solution, &begun.frame));
         let (mut reached, mut failed) = (None, None);
-        match solved {
+        match begun.contact.equilibrate(load.into(), solver, budget, warm.as_ref(), watch) {
             Ok(solution) => reached = Some(solution),
             Err(SolveError::Refused(refusal)) => return Err(refusal.into()),
             Err(error) => failed = Some(error.map(|solution| reached = Some(solution))),
         }
         let solution = reached.ok_or(Refusal::OtherKind)?;
-        let mut state = self.end(begun, solution, (start, &history), drive.time)?;
-        if let Load::Approach(approach) = drive.load {
-            state.solution.approach = approach;
-        }
+        let state = with_approach(self.end(&begun, solution, (start, &history), drive.time)?);
         match failed {
             None => Ok(state),
             Some(error) => Err(error.map(|()| state)),
@@ -347,54 +364,37 @@ impl Equilibrium for ViscoelasticContact {
     }
 }
 
-impl History {
-    fn points(&self, contact: &ViscoelasticContact) -> usize {
-        match self {
-            Self::Points { lengths, .. } => lengths[0].len(),
-            Self::Waves(_) => contact.contact.surface().clearance().len(),
-        }
-    }
-}
-
-impl Resumable for ViscoelasticContact {
-    fn keep(&self, state: &mut ViscoelasticState, visitor: &mut dyn Visit) {
-        state.visit(visitor);
+impl<C: ElasticContact> Resumable for ViscoelasticContact<C> {
+    fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit) {
+        Self::visit(state, visitor);
     }
 
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<ViscoelasticState, Refusal> {
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal> {
         self.check(drive)?;
-        let none = self.field(vec![0.0; self.contact.surface().clearance().len()]);
-        let solution = self.contact.certify(&none, Load::Approach(0.0))?;
         let mut state = ViscoelasticState {
-            solution,
+            solution: self.contact.unfilled()?,
             time: 0.0,
             elastic_energy: 0.0,
             dissipated: 0.0,
             dissipated_error: 0.0,
             history: self.history(None),
         };
-        state.visit(visitor);
+        Self::visit(&mut state, visitor);
         Ok(state)
     }
 }
 
-impl ViscoelasticState {
-    /// Visits all that the state consists of, but for the surface.
-    fn visit(&mut self, visitor: &mut dyn Visit) {
-        let Self { solution, time, elastic_energy, dissipated, dissipated_error, history } = self;
-        let Solution { pressure, displacement, gap, mean_pressure, approach, residual, effort, .. } = solution;
-        for field in [pressure, displacement, gap] {
-            with_contiguous(field, |field| visitor.field(field));
-        }
-        visitor.numbers(&mut [mean_pressure, approach, time, elastic_energy, dissipated, dissipated_error]);
-        let gfmd_contact::Residual { complementarity, penetration, negative_pressure, load } = residual;
-        visitor.numbers(&mut [complementarity, penetration, negative_pressure, load]);
-        effort.visit(visitor);
+impl<C: ElasticContact> ViscoelasticContact<C> {
+    /// Visits all that a state consists of, but for the surface.
+    fn visit(state: &mut ViscoelasticState<C::State>, visitor: &mut dyn Visit) {
+        let ViscoelasticState { solution, time, elastic_energy, dissipated, dissipated_error, history } = state;
+        C::visit(solution, visitor);
+        visitor.numbers(&mut [time, elastic_energy, dissipated, dissipated_error]);
         history.visit(visitor);
     }
 }
 
-impl fmt::Debug for ViscoelasticContact {
+impl<C: ElasticContact> fmt::Debug for ViscoelasticContact<C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("ViscoelasticContact").field("branches", &self.branches()).finish_non_exhaustive()
     }

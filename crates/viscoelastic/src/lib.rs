@@ -2,7 +2,7 @@
 //! unloading.
 //!
 //! - [`Prony`]: the relaxation of the modulus, branch by branch; [`Relaxes`] tells which moduli relax.
-//! - [`ViscoelasticContact`]: a hard wall on such a body. A [`Drive`](gfmd_contact::Drive) has the time at which its
+//! - [`ViscoelasticContact`]: a hard wall, or a law across the gap, on such a body. A [`Drive`](gfmd_contact::Drive) has the time at which its
 //!   load, or approach, is reached; the state before is the start. Each step is one solve of an elastic contact, exact
 //!   for a displacement that is linear in time.
 //! - [`SlidingContact`]: the steady state of a surface that slides over such a body, with its friction by hysteresis.
@@ -38,11 +38,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: laws across the gap, friction, and layers that relax differently.
+//! Not here: friction, lateral motion, and layers that relax differently.
 
 mod branch;
 mod bulk;
 mod contact;
+mod elastic_contact;
 mod history;
 mod poles;
 mod prony;
@@ -55,6 +56,7 @@ mod velocity;
 
 pub use branch::Branch;
 pub use contact::ViscoelasticContact;
+pub use elastic_contact::{ElasticContact, StepFrame, Stiffening};
 pub use prony::{Prony, PronyError};
 pub use relaxes::{Relaxes, UnknownRelaxes};
 pub use sliding::{Persson, SlidingContact, SlidingError, SlidingState};

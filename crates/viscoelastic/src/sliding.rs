@@ -469,6 +469,8 @@ impl<'a> Search<'a> {
 }
 
 impl Solved for SlidingState {
+    type Inner = Solution;
+
     fn solution(&self) -> &Solution {
         &self.solution
     }

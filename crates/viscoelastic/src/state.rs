@@ -1,4 +1,4 @@
-use gfmd_contact::{Solution, Solved};
+use gfmd_contact::{Fields, Solution, Solved};
 use gfmd_field::{Grid, Transform};
 use ndarray::Array2;
 
@@ -6,26 +6,28 @@ use crate::history::History;
 
 /// A state of a viscoelastic contact at one time.
 #[derive(Clone, Debug)]
-pub struct ViscoelasticState {
+pub struct ViscoelasticState<S = Solution> {
     /// Pressure, displacement, gap and residuals.
-    pub solution: Solution,
+    pub solution: S,
     /// Time since the first touch of the undeformed surfaces.
     pub time: f64,
     /// Energy stored in the springs of all branches, per area, in stress × length.
     pub elastic_energy: f64,
-    /// Energy lost in the step to this state, per area, in stress × length.
+    /// Energy lost in the step to this state, per area, in stress × length: in the dashpots and, with a law, in jumps.
     pub dissipated: f64,
     /// The difference between the work of the rigid surface in the step, by the trapezoidal rule, and the energy stored
-    /// and lost. It falls with the square of the length of the step; 0 in a step of no time.
+    /// and lost. It falls with the square of the length of the step; 0 in a step of no time without a jump, and in the
+    /// first one with a law, of which no work is known. In a step with a jump, whose loss is that difference, the largest
+    /// error of the rule for forces that change monotonically.
     pub dissipated_error: f64,
     pub(crate) history: History,
 }
 
-impl ViscoelasticState {
+impl<S: Fields> ViscoelasticState<S> {
     /// The indentation −u_z, and the elongation of the spring of each branch, `[x, y]`, in length. They are all that a
     /// body remembers.
     pub fn memory(&self) -> Vec<Array2<f64>> {
-        let (nx, ny) = self.solution.pressure.dim();
+        let (nx, ny) = self.solution.gap().dim();
         let field =
             |values: Vec<f64>| Array2::from_shape_vec((nx, ny), values).expect("every field has the size of the grid");
         match &self.history {
@@ -47,8 +49,10 @@ impl ViscoelasticState {
     }
 }
 
-impl Solved for ViscoelasticState {
-    fn solution(&self) -> &Solution {
+impl<S: Fields> Solved for ViscoelasticState<S> {
+    type Inner = S;
+
+    fn solution(&self) -> &S {
         &self.solution
     }
 

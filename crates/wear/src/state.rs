@@ -26,6 +26,8 @@ pub struct WearState {
 }
 
 impl Solved for WearState {
+    type Inner = Solution;
+
     fn solution(&self) -> &Solution {
         &self.solution
     }

@@ -6,7 +6,7 @@ use gfmd_run::failure::Failure;
 use gfmd_run::result::Comparison;
 use gfmd_run::series::{Prepared, StateFile};
 use gfmd_run::source::Surface;
-use gfmd_viscoelastic::{ViscoelasticContact, ViscoelasticState};
+use gfmd_viscoelastic::ViscoelasticContact;
 use ndarray::Array2;
 
 const DISPLACEMENT: &str = "/history/displacement";
@@ -16,9 +16,8 @@ const BRANCH: &str = "/history/branch";
 const ROUNDING: f64 = 1e-9;
 
 /// Writes the memory of the last state.
-pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &ViscoelasticState) -> Result<(), Failure> {
+pub(super) fn write(file: &mut StateFile, surface: &Surface, memory: &[Array2<f64>]) -> Result<(), Failure> {
     let Some(archive) = file.archive() else { return Ok(()) };
-    let memory = state.memory();
     let Some((indentation, branches)) = memory.split_first() else { return Ok(()) };
     define(archive, surface, branches.len())?;
     archive.write_rows(DISPLACEMENT, None, 0, &contiguous(indentation))?;

@@ -40,6 +40,10 @@ pub(super) const COLUMNS: &[Column] = &[
         "dissipated",
         "stress*length",
         &[
+            (
+                |facts| relaxing(facts) && law(facts),
+                "energy lost in the dashpots and in jumps in this step, per area; in the first one without jumps",
+            ),
             (relaxing, "energy lost in the dashpots in this step, per area"),
             (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
             (any, "energy lost in this step, per area; NaN if the law has no energy"),
@@ -53,6 +57,11 @@ pub(super) const COLUMNS: &[Column] = &[
         "dissipated_error",
         "stress*length",
         &[
+            (
+                |facts| relaxing(facts) && law(facts),
+                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in a \
+                 step with a jump the largest error of that rule; 0 in the first step",
+            ),
             (
                 |facts| relaxing(facts) || wears(facts),
                 "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude",

@@ -8,7 +8,7 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
-use gfmd_problem::{Facts, Given, MemoryNeed, Posed, Rest, pose};
+use gfmd_problem::{Facts, Given, Posed, Rest, pose};
 use gfmd_record::At;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_viscoelastic::Prony;
@@ -114,10 +114,8 @@ impl Prepared {
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
-        let need = match asked.prony {
-            Some(prony) => MemoryNeed::relaxing(prony.branches().len()),
-            None => facts.memory_need(asked.once),
-        };
+        let elastic = facts.memory_need(asked.once);
+        let need = asked.prony.map_or(elastic, |prony| elastic.relaxing(prony.branches().len()));
         session.fits(need, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {

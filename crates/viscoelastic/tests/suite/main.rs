@@ -6,6 +6,7 @@ mod closed_forms;
 mod energy;
 mod hunter;
 mod input;
+mod law;
 mod reference;
 mod sliding;
 

@@ -1,0 +1,190 @@
+//! Laws across the gap of a body that relaxes.
+
+use std::f64::consts::TAU;
+
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load};
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
+use gfmd_interface::Interface;
+use gfmd_law::{Exponential, HardWall, Tabulated};
+use gfmd_viscoelastic::{ElasticContact, Prony, Relaxes, ViscoelasticContact, ViscoelasticState};
+use ndarray::Array2;
+
+use crate::{legs, material, one, rough, three};
+
+fn follow<C: ElasticContact>(
+    contact: &ViscoelasticContact<C>,
+    path: &[(Load, f64)],
+) -> Vec<ViscoelasticState<C::State>> {
+    let mut states: Vec<ViscoelasticState<C::State>> = Vec::new();
+    for (load, time) in path {
+        let press = contact.press(Drive::from(*load).at(*time)).tolerance(1e-11);
+        states.push(press.starting_from(states.last()).solve().unwrap());
+    }
+    states
+}
+
+/// A rough surface and the bodies on which it relaxes, wave by wave alike or not.
+fn bodies() -> [(Body, Relaxes, Boundary); 4] {
+    let half_space = Body::half_space(material(0.3));
+    let slab = Body::slab(material(0.4), 0.3).unwrap();
+    [
+        (half_space.clone(), Relaxes::Both, Boundary::Periodic),
+        (half_space, Relaxes::Shear, Boundary::Free),
+        (slab.clone(), Relaxes::Both, Boundary::Periodic),
+        (slab, Relaxes::Shear, Boundary::Periodic),
+    ]
+}
+
+#[test]
+fn a_law_that_is_a_wall_is_the_hard_wall() {
+    let grid = Grid::square(12, 1.0).unwrap();
+    let heights = rough(&grid, 5);
+    let path = legs(&[0.02, 0.004, 0.01], &[0.0, 2.0, 5.0], 3, Load::MeanPressure);
+    for (body, relaxes, boundary) in bodies() {
+        let wall = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
+        let wall = follow(&ViscoelasticContact::new(wall, &body, &three(), relaxes).unwrap(), &path);
+        let law = Interface::bounded(boundary, &body, &grid, &heights, HardWall).unwrap();
+        let law = follow(&ViscoelasticContact::new(law, &body, &three(), relaxes).unwrap(), &path);
+        for (wall, law) in wall.iter().zip(&law) {
+            let close = |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-7 * size, "{a} {b} {relaxes:?}");
+            let most = wall.pressure().iter().copied().fold(0.0, f64::max);
+            wall.pressure().iter().zip(&law.pressure()).for_each(|(a, b)| close(*a, *b, most));
+            wall.displacement_z().iter().zip(law.displacement_z()).for_each(|(a, b)| close(*a, *b, 0.02));
+            close(wall.approach(), law.approach(), 0.02);
+            close(wall.elastic_energy, law.elastic_energy, wall.elastic_energy);
+            close(wall.dissipated, law.dissipated, wall.elastic_energy);
+            close(wall.dissipated_error, law.dissipated_error, wall.elastic_energy);
+        }
+    }
+}
+
+/// The body with moduli larger by `factor`.
+fn stiffer(body: &Body, factor: f64) -> Body {
+    let material = body.material();
+    let stiff = Material::from_young(factor * 2.0, material.poisson()).unwrap();
+    match body.height() {
+        gfmd_green::Height::Infinite => Body::half_space(stiff),
+        gfmd_green::Height::Finite(height) => Body::slab(stiff, height).unwrap(),
+    }
+}
+
+#[test]
+fn a_step_begins_with_the_instantaneous_moduli_and_ends_with_those_of_the_long_term() {
+    let grid = Grid::square(16, 1.0).unwrap();
+    let heights = rough(&grid, 8);
+    let law = Exponential::new(2e-4, 0.01).unwrap();
+    for (body, relaxes, boundary) in bodies().into_iter().filter(|(_, relaxes, _)| *relaxes == Relaxes::Both) {
+        let of = |body: &Body| Interface::bounded(boundary, body, &grid, &heights, law).unwrap();
+        let contact = ViscoelasticContact::new(of(&body), &body, &three(), relaxes).unwrap();
+        let load = Load::Approach(0.006);
+        let states = follow(&contact, &[(load, 0.0), (load, 1.0), (load, 20.0), (load, 1e4), (load, 1e6)]);
+        for (state, factor) in [(&states[0], 4.0), (&states[4], 1.0)] {
+            let elastic = of(&stiffer(&body, factor)).press(load).tolerance(1e-11).solve().unwrap();
+            let [expected, found] = [elastic.pressure(), state.pressure()];
+            let most = expected.iter().fold(0.0, |most: f64, p| most.max(p.abs()));
+            assert!(expected.iter().zip(&found).all(|(a, b)| (a - b).abs() <= 1e-5 * most), "{factor}");
+            let energy = state.elastic_energy / elastic.elastic_energy - 1.0;
+            assert!(factor != 1.0 || energy.abs() < 1e-4, "{energy}");
+        }
+    }
+}
+
+/// A law that is linear in the gap over the whole wave: d of the wave falls exponentially.
+#[test]
+fn a_wave_on_springs_relaxes_by_its_closed_form_with_order_two() {
+    let (n, spring, amplitude) = (16, 5.0, 1e-3);
+    let grid = Grid::line(n, 1.0).unwrap();
+    let material = Material::from_contact_modulus(2.0, 0.3).unwrap();
+    let body = Body::half_space(material);
+    let heights = Array2::from_shape_fn((n, 1), |(i, _)| amplitude * (TAU * i as f64 / n as f64).cos());
+    // Attraction falls from 0.1 at a gap of 0, where the table begins, along a line.
+    let rows: Vec<[f64; 2]> = (0..=40).map(|k| 0.0005 * f64::from(k)).map(|gap| [gap, 0.1 - spring * gap]).collect();
+    let law = Tabulated::new(&rows).unwrap();
+    let interface = Interface::new(&body, &grid, &heights, law).unwrap();
+    let prony = Prony::from_fractions(&[(1.3, 0.6)]).unwrap();
+    let contact = ViscoelasticContact::new(interface, &body, &prony, Relaxes::Both).unwrap();
+    // Attraction that falls with the gap acts as springs of a negative stiffness: (S - k) d = k h of each wave.
+    let (stiffness, c) = (0.5 * 2.0 * TAU, 0.6 / 0.4);
+    let at = |s: f64| spring * amplitude / (s - spring);
+    let rate = (stiffness - spring) / (1.3 * (stiffness * (1.0 + c) - spring));
+    let exact = |time: f64| at(stiffness) + (at(stiffness * (1.0 + c)) - at(stiffness)) * (-rate * time).exp();
+    let found = |steps: usize| {
+        let path = legs(&[-0.008, -0.008], &[0.0, 2.0], steps, Load::Approach);
+        let states = follow(&contact, &path);
+        let wave = |state: &ViscoelasticState<_>| {
+            let u = state.displacement_z();
+            let sum: f64 = u.indexed_iter().map(|((i, _), u)| u * (TAU * i as f64 / n as f64).cos()).sum();
+            (2.0 / n as f64 * sum).abs()
+        };
+        [wave(&states[0]) - exact(0.0).abs(), wave(states.last().unwrap()) - exact(2.0).abs()]
+    };
+    let errors = [4, 8, 16].map(found);
+    assert!(errors.iter().all(|[at_once, _]| at_once.abs() < 1e-9 * amplitude), "{errors:?} {}", exact(0.0));
+    for pair in errors.windows(2) {
+        let ratio = pair[0][1] / pair[1][1];
+        assert!((3.5..4.5).contains(&ratio), "{errors:?}");
+    }
+    assert!(errors[2][1].abs() < 1e-2 * amplitude, "{errors:?}");
+}
+
+#[test]
+fn work_is_energy_gained_and_lost_and_nothing_is_won_in_a_loop() {
+    let grid = Grid::line(64, 1.0).unwrap();
+    let heights = Array2::from_shape_fn((64, 1), |(i, _)| 0.01 * (TAU * i as f64 / 64.0).cos());
+    let body = Body::half_space(material(0.3));
+    let law = Exponential::new(2e-4, 2e-3).unwrap();
+    let interface = Interface::new(&body, &grid, &heights, law).unwrap();
+    let elastic = Prony::from_fractions(&[(1.0, 1e-9)]).unwrap();
+    let loops = |prony: &Prony, time: f64, steps: usize| {
+        let contact = ViscoelasticContact::new(interface.clone(), &body, prony, Relaxes::Both).unwrap();
+        let path = legs(&[-0.012, 0.002, -0.012], &[0.0, time, time], steps, Load::Approach);
+        let states = follow(&contact, &path);
+        let mut work = 0.0;
+        for pair in states.windows(2) {
+            let [a, b] = [&pair[0], &pair[1]];
+            work += 0.5 * (a.mean_pressure() + b.mean_pressure()) * (b.approach() - a.approach());
+            assert!(b.dissipated >= -b.dissipated_error - 1e-12, "{} {}", b.dissipated, b.dissipated_error);
+        }
+        let energy = |state: &ViscoelasticState<gfmd_interface::State>| {
+            state.elastic_energy + state.solution.interface_energy
+        };
+        let gained = energy(states.last().unwrap()) - energy(&states[0]);
+        let lost: f64 = states[1..].iter().map(|state| state.dissipated).sum();
+        let error: f64 = states[1..].iter().map(|state| state.dissipated_error).sum();
+        assert!((work - gained - lost).abs() <= error + 1e-12, "{work} {gained} {lost} {error}");
+        (lost, error)
+    };
+    let (jumps, error) = loops(&elastic, 1.0, 300);
+    assert!(jumps > 10.0 * error, "{jumps} {error}");
+    let (rubber, error) = loops(&one(), 1.0, 300);
+    assert!(rubber > jumps + error, "{rubber} {jumps} {error}");
+}
+
+#[test]
+fn a_path_in_time_starts_with_the_state_that_the_law_makes_without_a_load() {
+    let grid = Grid::square(12, 1.0).unwrap();
+    let heights = rough(&grid, 3);
+    let body = Body::half_space(material(0.3));
+    let interface = Interface::new(&body, &grid, &heights, Exponential::new(1e-4, 0.01).unwrap()).unwrap();
+    let contact = ViscoelasticContact::new(interface, &body, &one(), Relaxes::Both).unwrap();
+    let load = Load::MeanPressure;
+    let explicit = follow(&contact, &[(load(0.0), 0.0), (load(0.01), 1.0)]);
+    let implied = follow(&contact, &[(load(0.01), 1.0)]);
+    assert_eq!(explicit[1].solution.displacement, implied[0].solution.displacement);
+    assert_eq!(explicit[1].dissipated.to_bits(), implied[0].dissipated.to_bits());
+    let pairs = |state: &ViscoelasticState<_>| state.effort().transform_pairs;
+    assert_eq!(pairs(&implied[0]), pairs(&explicit[0]) + pairs(&explicit[1]));
+}
+
+#[test]
+fn all_components_are_refused() {
+    let grid = Grid::square(8, 1.0).unwrap();
+    let body = Body::half_space(material(0.3));
+    let interface = Interface::in_all_components(&body, &grid, &rough(&grid, 1), Exponential::new(1e-4, 0.01).unwrap());
+    let error = ViscoelasticContact::new(interface.unwrap(), &body, &one(), Relaxes::Both).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "all components of the displacement are unknown; u_z alone must be, with a viscoelastic body"
+    );
+}
