@@ -1,8 +1,8 @@
 //! The kinds of contact.
 
 use gfmd_contact::{
-    Contact, Cotangents, Drive, Fields as _, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface, Solution,
-    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+    Contact, Cotangents, Drive, Fields as _, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface,
+    Solution, SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
     FrictionState, FrictionalContact, Interface, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,

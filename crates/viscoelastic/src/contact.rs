@@ -198,14 +198,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
             _ if *duration == 0.0 => (energies.lost, 0.0),
             _ => (energies.lost, missing.abs()),
         };
-        Ok(ViscoelasticState {
-            solution,
-            time,
-            elastic_energy: energies.stored,
-            dissipated,
-            dissipated_error,
-            history,
-        })
+        Ok(ViscoelasticState { solution, time, elastic_energy: energies.stored, dissipated, dissipated_error, history })
     }
 
     fn field(&self, values: Vec<f64>) -> Array2<f64> {
@@ -341,7 +334,8 @@ impl<C: ElasticContact> Equilibrium for ViscoelasticContact<C> {
             Load::MeanPressure(mean) => Load::MeanPressure(mean / factor),
             Load::Approach(approach) => {
                 let size = approach.abs().max(touch.abs()).max(self.contact.surface().rms_height());
-                let apart = if approach - touch <= ROUNDING * size { begun.contact.apart(approach - touch) } else { None };
+                let apart =
+                    if approach - touch <= ROUNDING * size { begun.contact.apart(approach - touch) } else { None };
                 if let Some(solution) = apart {
                     return Ok(with_approach(self.end(&begun, solution?, (start, &history), drive.time)?));
                 }

@@ -200,9 +200,10 @@ impl StepCheck<'_> {
             let size = number("elastic_energy").abs() + energy.abs();
             comparison.number("/path/interface_energy", number("interface_energy"), energy, size);
             if law.has_wall() {
-                repulsion = ndarray::Zip::from(&pressure).and(&law_pressure).and(&gap).map_collect(|p, of_law, gap| {
-                    if touches(*gap) { p - of_law } else { 0.0 }
-                });
+                repulsion = ndarray::Zip::from(&pressure)
+                    .and(&law_pressure)
+                    .and(&gap)
+                    .map_collect(|p, of_law, gap| if touches(*gap) { p - of_law } else { 0.0 });
             }
         } else {
             comparison.at_most("/fields/pressure (tension)", -least(&pressure), 0.0);
