@@ -1,5 +1,7 @@
 //! The options of one contact, and the contact that they pose.
 
+use std::borrow::Cow;
+
 use clap::Args;
 use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Stiffness, Watch};
 use gfmd_problem::options::flags::without_flags;
@@ -139,21 +141,16 @@ impl ContactArgs {
     /// Two numbers of damping.
     pub fn asked(&self) -> Result<Asked<'_>, Failure> {
         Ok(Asked {
-            source: &self.source,
-            body: &self.body,
-            compliance: &self.compliance,
-            base: &self.base,
-            lower: &self.lower,
-            law: &self.law,
+            compliance: Cow::Borrowed(&self.compliance),
+            base: Cow::Borrowed(&self.base),
+            lower: Cow::Borrowed(&self.lower),
+            law: Cow::Borrowed(&self.law),
             hardness: self.hardness.as_ref(),
-            limit: None,
-            prony: None,
-            wear: None,
             boundary: self.boundary,
             dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
             solver: self.solver.solver,
-            budget: self.solver.budget(),
             once: true,
+            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.solver.budget())
         })
     }
 
