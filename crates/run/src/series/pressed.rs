@@ -161,7 +161,8 @@ impl ContactArgs {
     pub fn check(&self) -> Result<(), Failure> {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
-            return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
+            let with_range = gfmd_law::Kind::names(|kind| kind.has("range") || kind == gfmd_law::Kind::Table);
+            return Err(Failure::Input(format!("{found}; it must be one of {with_range}")));
         }
         if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tol) {
             let allowed = format!("{SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}");
