@@ -1,4 +1,4 @@
-//! Tables 3.1 to 3.3 of the source, as they should read, and eq. 3.18 as it is printed: its matrix M is K/2 (theory.md, section
+//! Tables 3.1 to 3.3 of the thesis, as they should read, and eq. 3.18 as it is printed: its matrix M is K/2 (theory.md, section
 //! 12).
 
 use gfmd_green::{Body, Material};

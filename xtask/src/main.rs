@@ -21,7 +21,7 @@ enum Command {
     BenchSolve(bench_peers::SolveArgs),
     /// Compute mean gap, stiffness, pressure and percolation of self-affine surfaces of finite spectra
     Finite(finite::Args),
-    /// Compute and draw the figures of the source, chapters 2 to 4, and write docs/source/README.md
+    /// Compute and draw the figures of the thesis, chapters 2 to 4, and write docs/source/README.md
     Reproduce(Box<reproduce::Args>),
     /// Draw the figures and write the tables of docs/results.md from data/results
     Results(Box<results::Args>),

@@ -1,4 +1,4 @@
-//! `reproduce`: computes and draws the figures of the source thesis, chapters 2 to 4, by the public commands, and writes
+//! `reproduce`: computes and draws the figures of the thesis, chapters 2 to 4, by the public commands, and writes
 //! docs/source/README.md.
 
 mod catalogue;
@@ -25,7 +25,7 @@ use catalogue::{FIGURES, Figure, PREPARATION, Work};
   gfmd reproduce
   gfmd reproduce --figure 3.4,4.3 --out figures")]
 pub struct Args {
-    /// Figures to draw, by their numbers in the source; default: all, and the page about them
+    /// Figures to draw, by their numbers in the thesis; default: all, and the page about them
     #[arg(long, value_delimiter = ',', value_name = "F1,F2,..")]
     figure: Vec<String>,
     /// Write README.md and the figures in this folder

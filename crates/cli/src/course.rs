@@ -35,7 +35,7 @@ pub(crate) struct Course {
 
 /// The way in which a path is followed.
 pub(crate) struct Way<'a> {
-    pub(crate) asked: &'a Asked<'a>,
+    pub(crate) asked: Asked<'a>,
     /// The flag of its loads or approaches.
     pub(crate) flag: &'static str,
     pub(crate) resume: ResumeArgs,
@@ -69,7 +69,7 @@ impl Course {
     ) -> Result<Outcome<R>, Failure> {
         let Self { prepared, drives, output, .. } = self;
         let (budget, flag) = (way.asked.budget, way.flag);
-        let contact = prepared.pose_and_tell(way.asked, session)?;
+        let contact = prepared.pose_and_tell(&way.asked, session)?;
         prepared.check_drives(&contact, drives, flag, budget.tolerance)?;
         prepared.warn_of_drives(drives, flag, session);
         let kept = match output {

@@ -6,10 +6,11 @@ mod memory;
 mod report;
 mod waypoints;
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Dynamics, Solver};
+use gfmd_contact::Boundary;
 use gfmd_interface::{Path, Refinement, Step};
 use gfmd_law::{Kind, Limit};
 use gfmd_problem::{Facts, Friction, GridError, Posed, Rest, Task};
@@ -24,10 +25,8 @@ use gfmd_problem::options::values::within;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::{Scene, parse_prefix};
-use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
-use gfmd_run::lower::LowerArgs;
 use gfmd_run::resume::ResumeArgs;
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
@@ -152,27 +151,19 @@ impl Args {
         }
     }
 
-    /// Gives the problem that the flags ask for to `take`.
-    fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
+    /// The problem that the flags ask for.
+    fn asked(&self) -> Result<Asked<'_>, Failure> {
         let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "--friction")))
             .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "--shear-strength")));
-        let (body, prony) = (self.prony.long_term(&self.body)?, self.prony.series()?);
-        take(&Asked {
-            source: &self.source,
-            body: &body,
-            compliance: &self.compliance,
-            base: &BaseArgs::default(),
-            lower: &LowerArgs::default(),
-            law: &self.law,
+        let body = self.prony.long_term(&self.body)?;
+        Ok(Asked {
+            compliance: Cow::Borrowed(&self.compliance),
+            law: Cow::Borrowed(&self.law),
             hardness: self.hardness.as_ref(),
             limit,
-            prony: prony.as_ref(),
-            wear: None,
+            prony: self.prony.series()?,
             boundary: self.boundary,
-            dynamics: Dynamics::default(),
-            solver: Solver::Auto,
-            budget: self.search.budget(),
-            once: false,
+            ..Asked::new(&self.source, Cow::Owned(body), self.search.budget())
         })
     }
 
@@ -201,13 +192,14 @@ impl Args {
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let course = course(args, session)?;
-    let (config, flag, resume) = (args.config()?, args.waypoints.flag(), args.resume);
-    let refinement = Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() };
-    let followed = |followed: Followed| ended(&course, args, followed, session);
-    args.asked(|asked| {
-        let way = Way { asked, flag, resume, refinement, config: config.clone() };
-        course.run(&way, session, followed, |report| report.out.as_ref())
-    })
+    let way = Way {
+        asked: args.asked()?,
+        flag: args.waypoints.flag(),
+        resume: args.resume,
+        refinement: Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() },
+        config: args.config()?,
+    };
+    course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
 }
 
 fn is_periodic(boundary: &Boundary) -> bool {
@@ -224,7 +216,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
         (None, false) => return Err(Failure::Input("--time is given; it must be left out without --prony".into())),
         _ => {}
     }
-    let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
+    let prepared = Prepared::new(&args.asked()?, |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may be left behind, and meet the surface again.
     let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
@@ -249,7 +241,7 @@ fn ended(
     let Ended { records, failure, not_converged, parted_at } = ended;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
-    let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+    let mut head = Head::new(&args.asked()?, prepared, contact.surface());
     head.relaxation = args.prony.relaxation(&args.body)?;
     let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
     let mut report = Report { parted_at, not_converged, out, ..report };

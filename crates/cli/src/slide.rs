@@ -6,21 +6,20 @@ mod heat;
 mod reached;
 mod report;
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Contact, Dynamics, Load, Refusal, SolveError, Solver};
+use gfmd_contact::{Contact, Load, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
+use gfmd_problem::options::{BodyArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError};
 use gfmd_report::figures::parse_prefix;
-use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::lower::LowerArgs;
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{Part, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{Asked, Head, Prepared, keeping};
@@ -97,26 +96,10 @@ impl Default for Args {
 }
 
 impl Args {
-    /// Gives the problem that the flags ask for to `take`.
-    fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
-        let (body, prony) = (self.prony.long_term(&self.body)?, self.prony.series()?);
-        take(&Asked {
-            source: &self.source,
-            body: &body,
-            compliance: &ComplianceArgs::default(),
-            base: &BaseArgs::default(),
-            lower: &LowerArgs::default(),
-            law: &LawArgs::default(),
-            hardness: None,
-            limit: None,
-            prony: prony.as_ref(),
-            wear: None,
-            boundary: Boundary::Periodic,
-            dynamics: Dynamics::default(),
-            solver: Solver::Auto,
-            budget: self.search.budget(),
-            once: false,
-        })
+    /// The problem that the flags ask for.
+    fn asked(&self) -> Result<Asked<'_>, Failure> {
+        let body = self.prony.long_term(&self.body)?;
+        Ok(Asked { prony: self.prony.series()?, ..Asked::new(&self.source, Cow::Owned(body), self.search.budget()) })
     }
 
     /// The resolved configuration as TOML.
@@ -163,7 +146,7 @@ impl Way {
             grid_error: GridError::None,
             ..args.body.facts()
         };
-        let prepared = args.asked(|asked| Prepared::new(asked, facts, session))?;
+        let prepared = Prepared::new(&args.asked()?, facts, session)?;
         args.body.check_modulus(prepared.surface.unit.as_deref())?;
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
@@ -250,7 +233,7 @@ impl Way {
     ) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, sliding, velocities, .. } = self;
         let heat = self.heat.as_ref();
-        let mut head = args.asked(|asked| Ok(Head::new(asked, prepared, sliding.contact().surface())))?;
+        let mut head = Head::new(&args.asked()?, prepared, sliding.contact().surface());
         head.relaxation = args.prony.relaxation(&args.body)?;
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };

@@ -4,19 +4,18 @@ mod check;
 mod figures;
 mod report;
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Dynamics, Solver};
+use gfmd_contact::{Boundary, Drive};
 use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, within};
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, named, parse_choice};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, named, parse_choice};
 use gfmd_problem::{Facts, GridError, Rest, Task};
 use gfmd_report::figures::{Scene, Shown, parse_prefix};
-use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::lower::LowerArgs;
 use gfmd_run::resume::ResumeArgs;
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
@@ -121,25 +120,14 @@ impl Args {
         }
     }
 
-    /// Gives the problem that the flags ask for to `take`.
-    fn asked<T>(&self, take: impl FnOnce(&Asked) -> Result<T, Failure>) -> Result<T, Failure> {
-        take(&Asked {
-            source: &self.source,
-            body: &self.body,
-            compliance: &self.compliance,
-            base: &BaseArgs::default(),
-            lower: &LowerArgs::default(),
-            law: &LawArgs::default(),
-            hardness: None,
-            limit: None,
-            prony: None,
+    /// The problem that the flags ask for.
+    fn asked(&self) -> Asked<'_> {
+        Asked {
+            compliance: Cow::Borrowed(&self.compliance),
             wear: self.coefficient,
             boundary: self.boundary,
-            dynamics: Dynamics::default(),
-            solver: Solver::Auto,
-            budget: self.search.budget(),
-            once: false,
-        })
+            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.search.budget())
+        }
     }
 
     fn coefficient(&self) -> Result<f64, Failure> {
@@ -166,7 +154,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     if distances.is_empty() {
         return Err(Failure::Input("--distance is missing; it must have at least one value".into()));
     }
-    let prepared = args.asked(|asked| Prepared::new(asked, |line| args.facts(line), session))?;
+    let prepared = Prepared::new(&args.asked(), |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     let (values, load) = args.loads.values(prepared.unit_pressure(), true)?;
     let lists = [(args.loads.flag(), values.len()), ("--distance", distances.len())];
@@ -183,14 +171,15 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let course = course(args, session)?;
-    let (config, flag, resume) = (args.config()?, args.loads.flag(), args.resume);
-    // A step is as long as it is asked to be.
-    let refinement = Refinement { solves_per_step: 0, ..Refinement::default() };
-    let followed = |followed: Followed| ended(&course, args, followed, session);
-    args.asked(|asked| {
-        let way = Way { asked, flag, resume, refinement, config };
-        course.run(&way, session, followed, |report| report.out.as_ref())
-    })
+    let way = Way {
+        asked: args.asked(),
+        flag: args.loads.flag(),
+        resume: args.resume,
+        // A step is as long as it is asked to be.
+        refinement: Refinement { solves_per_step: 0, ..Refinement::default() },
+        config: args.config()?,
+    };
+    course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
 }
 
 /// Writes the file of a path, draws it, and tells of it.
@@ -203,7 +192,7 @@ fn ended(
     let Ended { records, failure, not_converged, .. } = ended;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
-    let head = args.asked(|asked| Ok(Head::new(asked, prepared, contact.surface())))?;
+    let head = Head::new(&args.asked(), prepared, contact.surface());
     let report = Report::new(head, args.coefficient()?, records);
     let mut report = Report { not_converged, out, ..report };
     if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(Rest::worn)) {

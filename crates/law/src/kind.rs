@@ -150,8 +150,15 @@ impl Kind {
         })
     }
 
-    pub(crate) fn names() -> String {
-        Self::ALL.map(Self::name).join(", ")
+    /// The names of the laws that are `wanted`, in the order of [`Kind::ALL`], with commas.
+    pub fn names(wanted: impl Fn(Self) -> bool) -> String {
+        let names: Vec<&str> = Self::ALL.into_iter().filter(|kind| wanted(*kind)).map(Self::name).collect();
+        names.join(", ")
+    }
+
+    /// True if the law has this parameter.
+    pub fn has(self, name: &str) -> bool {
+        self.parameters().iter().any(|parameter| parameter.name == name)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::when::{any, between, hardness, path};
 pub struct Array {
     /// The name in a file.
     pub name: &'static str,
-    /// The kind of quantity: "stress" or "length".
+    /// The kind of quantity, such as "stress" or "stress*length".
     pub unit: &'static str,
     /// The definitions, of which the first that applies is the one of a problem.
     pub meanings: &'static [Meaning],

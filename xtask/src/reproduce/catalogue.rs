@@ -1,9 +1,9 @@
-//! The figures: what the source shows, and the commands that make them.
+//! The figures: what the thesis shows, and the commands that make them.
 
-/// A figure of the source.
+/// A figure of the thesis.
 pub(super) struct Figure {
     pub(super) number: &'static str,
-    /// The content of the source's figure, in its caption's words where the caption is right.
+    /// The content of the figure in the thesis, in its caption's words where the caption is right.
     pub(super) source: &'static str,
     /// The content of our figure.
     pub(super) here: &'static str,
@@ -179,7 +179,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.7",
         source: "u_x over the height, (a) and (b), on a plane captioned x/L = 0.5.",
         here: "u_x on y = L/2: ours, finite elements, difference.",
-        erratum: "On x = L/2 u_x vanishes: it is odd about the middle. The source must have drawn y = L/2.",
+        erratum: "On x = L/2 u_x vanishes: it is odd about the middle. The thesis must have drawn y = L/2.",
         work: Work::Commands(&[picture(ALONG_X, "along-x-ux", "")]),
     },
     Figure {
@@ -207,7 +207,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.11",
         source: "σ_xz on a plane captioned x/L = 0.5, (a) and (b).",
         here: "σ_xz on y = L/2: ours, finite elements, difference, in GPa.",
-        erratum: "On x = L/2 σ_xz vanishes: it is odd about the middle. The source must have drawn y = L/2.",
+        erratum: "On x = L/2 σ_xz vanishes: it is odd about the middle. The thesis must have drawn y = L/2.",
         work: Work::Commands(&[picture(ALONG_X, "along-x-sxz", "")]),
     },
 ];

@@ -8,12 +8,12 @@ use serde_json::Value;
 use super::catalogue::{ALONG_X, ALONG_Y, FIGURES, Figure, PLANE, PREPARATION, SPACE, SURFACE, Work};
 use super::{Runs, dampings};
 
-const HEAD: &str = "# The figures of the source\n\n\
-Written by `cargo xtask reproduce`, which runs the commands below and draws the pictures; numbers stand in for what the source shows \
+const HEAD: &str = "# The figures of the thesis\n\n\
+Written by `cargo xtask reproduce`, which runs the commands below and draws the pictures; numbers stand in for what the thesis shows \
 as a picture, so that either can be judged.\n\
-The source is the thesis that this program implements; \
+The thesis is the one from which this program starts; \
 [coverage.md](coverage.md) goes through all its equations, tables and figures.\n\n\
-Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. The finite elements are trilinear bricks on the nodes of the source's surface grid, \
+Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. The finite elements are trilinear bricks on the nodes of the surface grid of the thesis, \
 with the same held nodes, made by\n[punch_elements.py](../../data/reference/punch_elements.py) without a Green's function. \
 Paths are relative to the repository; `cargo xtask` and `gfmd` run the same commands.\n";
 
@@ -48,7 +48,7 @@ pub(super) fn text(runs: &mut Runs) -> Result<String, Failure> {
 
 fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Failure> {
     let Figure { number, source, here, erratum, work } = figure;
-    let _ = write!(text, "\n## Figure {number}\n\n**The source**: {source}\n\n**Here**: {here}");
+    let _ = write!(text, "\n## Figure {number}\n\n**The thesis**: {source}\n\n**Here**: {here}");
     if let Some(found) = found(number, runs)? {
         let _ = write!(text, " {found}");
     }
@@ -124,7 +124,7 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
             words += match number {
                 "4.6" => {
                     "; with elements half as high it is 4.2e-4, with those twice as high 2.3e-3 (data/reference/punch3d_elements/summary.json). \
-                     The 0.00196 of the source lies in this range; it does not give the height of its elements."
+                     The 0.00196 of the thesis lies in this range; it does not give the height of its elements."
                 }
                 _ => ".",
             };

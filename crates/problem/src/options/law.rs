@@ -16,9 +16,14 @@ pub(super) const LONGEST_TABLE: usize = 1000;
 #[serde(default)]
 #[command(next_help_heading = "Interface law")]
 pub struct LawArgs {
-    /// Law of the tractions across the gap: hard-wall, xu-needleman, bsg, c3d, npb, npc, morse, exponential,
-    /// harmonic-cosine, dugdale, table (docs/laws)
-    #[arg(long, default_value = "hard-wall", value_parser = parse_kind, value_name = "NAME")]
+    /// Law of the tractions across the gap, one of [`Kind::ALL`].
+    #[arg(
+        long,
+        default_value = "hard-wall",
+        value_parser = parse_kind,
+        value_name = "NAME",
+        help = format!("Law of the tractions across the gap: {} (docs/laws)", Kind::names(|_| true))
+    )]
     #[serde(with = "name")]
     pub law: Kind,
     /// Parameter of the law, NAME=VALUE; give the flag once for each parameter

@@ -101,7 +101,7 @@ fn columns_are_declared_once_and_in_full() {
     }
     assert!(COLUMNS.iter().all(|column: &Column| !column.unit.is_empty() && !column.meanings.is_empty()));
     assert!(COLUMNS.iter().any(|column| column.origin == Origin::Clock));
-    assert!(ARRAYS.iter().all(|array| ["stress", "length"].contains(&array.unit)));
+    assert!(ARRAYS.iter().all(|array| !array.unit.is_empty() && !array.meanings.is_empty()));
     assert!(Record::from_json(&Facts::default(), &serde_json::json!({ "kappa": "two" })).is_err());
     assert!(Record::from_line(&Facts::default(), "kappa").is_err());
 }

@@ -33,7 +33,7 @@ fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failur
 /// A problem of which no other grid is known, or that does not fit into the memory.
 pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepared, Posed)>, Failure> {
     let pose = |source: SourceArgs| {
-        let asked = Asked { source: &source, once: true, ..*asked };
+        let asked = Asked { source: &source, once: true, ..asked.clone() };
         let finer = Prepared::new(&asked, |_| prepared.facts, &Session::silent())?;
         let contact = finer.pose(&source, &finer.law)?;
         Ok((finer, contact))

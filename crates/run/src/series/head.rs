@@ -139,7 +139,7 @@ impl Head {
             others: asked.body.others.clone(),
             body: asked.body.words(asked.lower.flag().map(|_| lower::BETWEEN)),
             relaxation: None,
-            base: asked.base.clone(),
+            base: asked.base.clone().into_owned(),
             lower: prepared.lower.as_ref().map(|lower| Lower {
                 surface: lower.description.clone(),
                 scan: lower.scan.clone(),

@@ -1,6 +1,7 @@
 //! The input of a series, read and checked before its first solve.
 
 use std::array::from_fn;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness, Load, Refusal, Solver};
@@ -25,26 +26,27 @@ use crate::source::{SourceArgs, Surface};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, check_wavenumbers};
 
-/// The parts of a problem that all series have, as they are asked for.
+/// The parts of a problem as they are asked for, of a series of any kind; [`Asked::new`] has those without a flag.
+#[derive(Clone)]
 pub struct Asked<'a> {
     /// Surface.
     pub source: &'a SourceArgs,
-    /// Elastic body.
-    pub body: &'a BodyArgs,
+    /// Elastic body; with a relaxation its moduli of the long term.
+    pub body: Cow<'a, BodyArgs>,
     /// The table of the body, if it has one.
-    pub compliance: &'a ComplianceArgs,
+    pub compliance: Cow<'a, ComplianceArgs>,
     /// Displacement or traction of its base.
-    pub base: &'a BaseArgs,
+    pub base: Cow<'a, BaseArgs>,
     /// Surface below it.
-    pub lower: &'a LowerArgs,
+    pub lower: Cow<'a, LowerArgs>,
     /// Interaction.
-    pub law: &'a LawArgs,
+    pub law: Cow<'a, LawArgs>,
     /// Hardness.
     pub hardness: Option<&'a GivenHardness>,
     /// The limit of the shear, and its flag.
     pub limit: Option<(Limit, &'static str)>,
-    /// Relaxation of the body, whose long-term moduli are given.
-    pub prony: Option<&'a Prony>,
+    /// Relaxation of the body.
+    pub prony: Option<Prony>,
     /// Coefficient of wear, 1/stress.
     pub wear: Option<f64>,
     /// Boundary of the cell.
@@ -96,7 +98,7 @@ impl Prepared {
     /// # Errors
     /// Parts that do not go together, that cannot be read, or that no memory holds.
     pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
-        let body = asked.compliance.body(asked.body)?;
+        let body = asked.compliance.body(&asked.body)?;
         asked.budget.check().map_err(|error| Failure::input("--tol", error))?;
         let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
         facts(false).check()?;
@@ -115,7 +117,7 @@ impl Prepared {
             ));
         }
         let elastic = facts.memory_need(asked.once);
-        let need = asked.prony.map_or(elastic, |prony| elastic.relaxing(prony.branches().len()));
+        let need = asked.prony.as_ref().map_or(elastic, |prony| elastic.relaxing(prony.branches().len()));
         session.fits(need, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
@@ -135,9 +137,9 @@ impl Prepared {
             }
             _ => surface.statistics.moments,
         };
-        let (prony, wear, dynamics) = (asked.prony.cloned(), asked.wear, asked.dynamics);
+        let (prony, wear, dynamics) = (asked.prony.clone(), asked.wear, asked.dynamics);
         let adhesion =
-            Adhesion::of(asked.law, &law, &surface.grid, &surface.statistics.moments, body.contact_modulus());
+            Adhesion::of(&asked.law, &law, &surface.grid, &surface.statistics.moments, body.contact_modulus());
         Ok(Self {
             facts,
             surface,
@@ -343,7 +345,28 @@ pub fn check_drive(contact: &Posed, drive: Drive, name: &str, tolerance: f64) ->
     checked.map_err(|refusal| Failure::input(name, refusal))
 }
 
-impl Asked<'_> {
+impl<'a> Asked<'a> {
+    /// A surface that is pressed on a body, behind a hard wall, by the method that suits it best.
+    pub fn new(source: &'a SourceArgs, body: Cow<'a, BodyArgs>, budget: Budget) -> Self {
+        Self {
+            source,
+            body,
+            compliance: Cow::default(),
+            base: Cow::default(),
+            lower: Cow::default(),
+            law: Cow::default(),
+            hardness: None,
+            limit: None,
+            prony: None,
+            wear: None,
+            boundary: Boundary::Periodic,
+            dynamics: Dynamics::default(),
+            solver: Solver::Auto,
+            budget,
+            once: false,
+        }
+    }
+
     /// The base that moves and the hardness, of the rows of this process. Of several processes the first one reads the files.
     fn fields(
         &self,

@@ -1,5 +1,7 @@
 //! The options of one contact, and the contact that they pose.
 
+use std::borrow::Cow;
+
 use clap::Args;
 use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Stiffness, Watch};
 use gfmd_problem::options::flags::without_flags;
@@ -139,21 +141,16 @@ impl ContactArgs {
     /// Two numbers of damping.
     pub fn asked(&self) -> Result<Asked<'_>, Failure> {
         Ok(Asked {
-            source: &self.source,
-            body: &self.body,
-            compliance: &self.compliance,
-            base: &self.base,
-            lower: &self.lower,
-            law: &self.law,
+            compliance: Cow::Borrowed(&self.compliance),
+            base: Cow::Borrowed(&self.base),
+            lower: Cow::Borrowed(&self.lower),
+            law: Cow::Borrowed(&self.law),
             hardness: self.hardness.as_ref(),
-            limit: None,
-            prony: None,
-            wear: None,
             boundary: self.boundary,
             dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
             solver: self.solver.solver,
-            budget: self.solver.budget(),
             once: true,
+            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.solver.budget())
         })
     }
 
@@ -164,7 +161,8 @@ impl ContactArgs {
     pub fn check(&self) -> Result<(), Failure> {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
-            return Err(Failure::Input(found + "; it must be one of exponential, morse, dugdale"));
+            let with_range = gfmd_law::Kind::names(|kind| kind.has("range") || kind == gfmd_law::Kind::Table);
+            return Err(Failure::Input(format!("{found}; it must be one of {with_range}")));
         }
         if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tol) {
             let allowed = format!("{SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}");
