@@ -1,6 +1,3 @@
-use std::sync::Arc;
-
-use gfmd_curve::Curve;
 use gfmd_field::Mode;
 use num_complex::Complex64;
 
@@ -10,6 +7,7 @@ use crate::{
     half_space,
     slab::LayerMode,
     stack::Basis,
+    tabulated::Table,
 };
 
 /// The extent of a body below its surface.
@@ -50,26 +48,6 @@ pub struct Body {
     table: Option<Table>,
 }
 
-/// The normal compliance of a body by wavenumber.
-#[derive(Clone, Debug, PartialEq)]
-struct Table {
-    /// ln G of ln q, in the units of the table.
-    curve: Arc<Curve>,
-    /// The compliance of the mean level.
-    uniform: f64,
-    /// The unit of length of the body over that of the table: the factor of wavenumbers.
-    length: f64,
-    /// The compliance in the units of the body over that in those of the table.
-    compliance: f64,
-}
-
-impl Table {
-    fn compliance(&self, q: f64) -> f64 {
-        let [logarithm, _] = self.curve.at((q * self.length).ln());
-        self.compliance * logarithm.exp()
-    }
-}
-
 /// Properties that a body with a table of normal compliances does not have.
 const UNKNOWN: Blocks =
     Blocks { longitudinal: f64::NAN, normal: f64::NAN, coupling: [f64::NAN; 2], transverse: f64::NAN };
@@ -90,24 +68,31 @@ impl Body {
     /// do not rise.
     pub fn tabulated(contact_modulus: f64, rows: &[[f64; 2]], uniform: f64) -> Result<Self, GreenError> {
         let material = Material::from_contact_modulus(contact_modulus, 0.0)?;
-        for (row, numbers) in (1..).zip(rows) {
-            if let Some(&found) = numbers.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
-                return Err(GreenError::Compliance { row, found });
-            }
-        }
-        if !(uniform.is_finite() && uniform >= 0.0) {
-            return Err(GreenError::UniformCompliance(uniform));
-        }
-        let logarithms: Vec<[f64; 2]> = rows.iter().map(|row| row.map(f64::ln)).collect();
-        let curve = Curve::new(&logarithms).map_err(GreenError::Table)?;
-        let table = Table { curve: curve.into(), uniform, length: 1.0, compliance: 1.0 };
-        Ok(Self { table: Some(table), ..Self::half_space(material) })
+        Ok(Self { table: Some(Table::isotropic(rows, uniform)?), ..Self::half_space(material) })
+    }
+
+    /// A body whose normal compliance depends on the direction of the wave vector, as that of a crystal or a composite:
+    /// a table with the rows [q_x, q_y (rad/length), compliance (length/stress)], in any order. Every wavenumber has the
+    /// same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q. Between
+    /// them ln G is the trigonometric polynomial of the angle, with coefficients that are cubics of ln q as in
+    /// [`tabulated`](Self::tabulated) (theory.md, section 4.4).
+    ///
+    /// # Errors
+    /// The errors of `tabulated`; wave vectors that are zero, or at other angles.
+    pub fn tabulated_by_direction(contact_modulus: f64, rows: &[[f64; 3]], uniform: f64) -> Result<Self, GreenError> {
+        let material = Material::from_contact_modulus(contact_modulus, 0.0)?;
+        Ok(Self { table: Some(Table::anisotropic(rows, uniform)?), ..Self::half_space(material) })
+    }
+
+    /// True if waves of one length have one normal compliance in all directions.
+    pub fn is_isotropic(&self) -> bool {
+        self.table.as_ref().is_none_or(Table::is_isotropic)
     }
 
     /// The wavenumbers (rad/length) of the first and the last row of a [tabulated](Self::tabulated) body; `None` for
     /// other bodies.
     pub fn tabulated_wavenumbers(&self) -> Option<[f64; 2]> {
-        self.table.as_ref().map(|table| table.curve.ends().map(|end| end.exp() / table.length))
+        self.table.as_ref().map(Table::wavenumbers)
     }
 
     /// A slab of `height` (length) bonded to a rigid base.
@@ -186,12 +171,7 @@ impl Body {
             base => base.clone(),
         };
         let second = self.second.as_ref().map(|second| second.in_units(stress, length).into());
-        let table = self.table.as_ref().map(|table| Table {
-            length: table.length / length,
-            compliance: table.compliance * stress / length,
-            uniform: table.uniform * stress / length,
-            ..table.clone()
-        });
+        let table = self.table.as_ref().map(|table| table.in_units(stress, length));
         Self { material: self.material.in_units(stress), height, base, second, table }
     }
 
@@ -341,7 +321,8 @@ impl Body {
 
     /// The frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress, without
     /// shear traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0 it is height/C11
-    /// for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate.
+    /// for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate. NaN where it depends on
+    /// the direction: [`normal_compliance_along`](Self::normal_compliance_along).
     #[inline]
     pub fn normal_compliance(&self, q: f64) -> f64 {
         let q = q.abs();
@@ -349,7 +330,7 @@ impl Body {
             return self.uniform_compliance().normal;
         }
         if let Some(table) = &self.table {
-            return table.compliance(q);
+            return if table.is_isotropic() { table.compliance([q, 0.0]) } else { f64::NAN };
         }
         let first = match self.height {
             Height::Infinite => half_space::normal_compliance(&self.material, q),
@@ -375,6 +356,27 @@ impl Body {
     #[inline]
     pub fn normal_stiffness(&self, q: f64) -> f64 {
         1.0 / self.normal_compliance(q)
+    }
+
+    /// The [`normal_compliance`](Self::normal_compliance) of the wave vector `q` (rad/length).
+    #[inline]
+    pub fn normal_compliance_along(&self, q: [f64; 2]) -> f64 {
+        match &self.table {
+            Some(table) if !table.is_isotropic() && q != [0.0; 2] => table.compliance(q),
+            _ => self.normal_compliance(q[0].hypot(q[1])),
+        }
+    }
+
+    /// The frictionless normal stiffness of a mode of a grid, in stress/length: the mean over the waves that the grid does
+    /// not tell apart, which differ if the body is not [isotropic](Self::is_isotropic), so that real fields remain real.
+    pub fn normal_stiffness_of(&self, mode: &Mode) -> f64 {
+        if mode.is_uniform() || self.is_isotropic() {
+            return self.normal_stiffness(if mode.is_uniform() { 0.0 } else { mode.wavenumber() });
+        }
+        let (sum, count) = mode
+            .aliases()
+            .fold((0.0, 0.0), |(sum, count), q| (sum + 1.0 / self.normal_compliance_along(q), count + 1.0));
+        sum / count
     }
 
     /// The normal stiffness K_N of the wavenumber `q` (rad/length) of a surface without lateral displacement, in

@@ -28,6 +28,40 @@ pub enum GreenError {
         /// The number.
         found: f64,
     },
+    /// A wave vector of a table that is zero or not finite.
+    #[error("row {row} of the table of compliances has the wave vector {found:?}; it must be finite and not zero")]
+    WaveVector {
+        /// The row, from 1.
+        row: usize,
+        /// The wave vector.
+        found: [f64; 2],
+    },
+    /// A table by wave vector whose directions do not fit.
+    #[error(
+        "the table of compliances has {found} rows with the smallest wavenumber, and {rows} in all; it must have 4 or \
+         more directions of the wave vector, and all of them at every wavenumber"
+    )]
+    Directions {
+        /// The number of directions at the smallest wavenumber.
+        found: usize,
+        /// The number of rows.
+        rows: usize,
+    },
+    /// A row of such a table that is elsewhere.
+    #[error(
+        "row {row} of the table of compliances has the wavenumber {q:.6e} at {angle:.3} degrees; each wavenumber must have \
+         {directions} directions, at multiples of 180/{directions} degrees from the x axis"
+    )]
+    Direction {
+        /// The row, from 1.
+        row: usize,
+        /// The length of the wave vector.
+        q: f64,
+        /// Its angle to the x axis, in degrees from 0 to 180.
+        angle: f64,
+        /// The number of directions at the smallest wavenumber.
+        directions: usize,
+    },
     /// The compliance of the uniform mode is negative or not finite.
     #[error("the uniform compliance is {0}; it must be 0 or positive, and finite")]
     UniformCompliance(f64),

@@ -60,6 +60,7 @@ mod slab;
 mod stack;
 mod stacking;
 mod tables;
+mod tabulated;
 
 pub use blocks::{Blocks, Matrix2, Matrix3};
 pub use body::{Base, Body, Height};
@@ -74,5 +75,5 @@ pub use section::{ContinuousMatrix, Section, StressMatrix2, StressMatrix3};
 pub use stacking::{BaseKind, UnknownBase};
 pub use tables::{
     StiffnessRange, normal_stiffness_range, normal_stiffness_table, restricted_normal_stiffness_table, stiffness_range,
-    table_of_lanes,
+    table_of_lanes, table_of_modes,
 };

@@ -15,6 +15,9 @@ const CHUNK: usize = 4096;
 /// slab, whose mean displacement is fixed at zero instead (theory.md, section 3). At a Nyquist mode the entry is
 /// 1/G_zz(|q|), as at any other mode (theory.md, section 0).
 pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
+    if !body.is_isotropic() {
+        return table_of_modes(grid, all_lanes(grid), uniform, |mode| body.normal_stiffness_of(mode));
+    }
     table_of_lanes(grid, all_lanes(grid), uniform, |q| body.normal_stiffness(q))
 }
 
@@ -53,6 +56,21 @@ pub fn table_of_lanes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: imp
     table
 }
 
+/// The table of a function of the modes in some lanes of the half spectrum, laid out as that of [`table_of_lanes`], for
+/// bodies that are not [isotropic](Body::is_isotropic). `uniform` is the entry of the mode q = 0.
+pub fn table_of_modes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: impl Fn(&Mode) -> f64 + Sync) -> Vec<f64> {
+    let [_, positions] = grid.spectrum_shape();
+    let mut table = vec![0.0; lanes.len() * positions];
+    table.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, entries)| {
+        for (offset, entry) in entries.iter_mut().enumerate() {
+            let index = chunk * CHUNK + offset;
+            let mode = grid.mode(lanes.start + index / positions, index % positions);
+            *entry = if mode.is_uniform() { uniform } else { value(&mode) };
+        }
+    });
+    table
+}
+
 fn all_lanes(grid: &Grid) -> Range<usize> {
     0..grid.spectrum_shape()[0]
 }
@@ -76,8 +94,8 @@ pub struct StiffnessRange {
 /// compliance (half-space, incompressible slab), since no solver then uses its stiffness. `None` if no mode is left.
 pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let [_, uniform] = body.level_compliance();
-    range(grid, |mode| {
-        let stiffness = if mode.is_uniform() { 1.0 / uniform } else { body.normal_stiffness(mode.wavenumber()) };
+    range(grid, !body.is_isotropic(), |mode| {
+        let stiffness = if mode.is_uniform() { 1.0 / uniform } else { body.normal_stiffness_of(mode) };
         [stiffness; 3]
     })
 }
@@ -89,7 +107,7 @@ pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange
 pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let line = grid.is_line();
     let [lateral, normal] = body.level_compliance().map(f64::recip);
-    range(grid, |mode| {
+    range(grid, false, |mode| {
         if mode.is_uniform() {
             return [lateral, lateral, normal];
         }
@@ -125,11 +143,11 @@ fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64
     }
 }
 
-/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m. Of equal
-/// values the first counts.
-fn range(grid: &Grid, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
+/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m unless it takes
+/// `all` modes. Of equal values the first counts.
+fn range(grid: &Grid, all: bool, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
     let [lanes, positions] = grid.spectrum_shape();
-    let different = if grid.is_line() { positions } else { positions / 2 + 1 };
+    let different = if all || grid.is_line() { positions } else { positions / 2 + 1 };
     let of_lane = |lane: usize| {
         let mut extremes = [(f64::INFINITY, lane, 0), (0.0, lane, 0)];
         for position in 0..different {

@@ -18,7 +18,7 @@ pub use body::{
     BodyArgs, HEIGHTS, Layer, OtherArgs, RecordedBodyArgs, body_of, height, height_if, parse_height, sides,
 };
 pub use choice::{Choice, named, named_if, parse_choice};
-pub use compliance::{ComplianceArgs, check_wavenumbers};
+pub use compliance::{ComplianceArgs, Row, check_wavenumbers};
 pub use dynamics::{DampedBy, DynamicsArgs};
 use flags::without_flags;
 pub use generator::{GeneratorArgs, LARGEST_SEED, Method};

@@ -12,7 +12,7 @@ use gfmd_green::Height;
 use gfmd_interface::StoredFields;
 use gfmd_law::{Kind, Law};
 use gfmd_problem::options::flags::{self, keys, of_keys};
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
 use gfmd_problem::{Accuracy, Facts, Posed, Rest};
 use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
 use gfmd_run::accuracy;
@@ -66,7 +66,13 @@ pub(crate) fn check_law(
 
 /// Checks the table of compliances of a body, and the compliance of its mean level.
 #[pyfunction]
-pub(crate) fn check_compliance(py: Python<'_>, table: Vec<[f64; 2]>, uniform: f64) -> PyResult<()> {
+pub(crate) fn check_compliance(py: Python<'_>, table: Vec<Vec<f64>>, uniform: f64) -> PyResult<()> {
+    let row = |row: Vec<f64>| match row[..] {
+        [q, g] => Ok(Row::Wavenumber([q, g])),
+        [x, y, g] => Ok(Row::WaveVector([x, y, g])),
+        _ => Err(refused(py, &format!("compliance has a row of {} numbers; it must have 2 or 3", row.len()))),
+    };
+    let table = table.into_iter().map(row).collect::<PyResult<_>>()?;
     let args = ComplianceArgs { compliance: table, uniform_compliance: Some(uniform) };
     let body = BodyArgs { young: Some(1.0), ..BodyArgs::default() };
     args.body(&body).map(|_| ()).map_err(|error| refused(py, &error))

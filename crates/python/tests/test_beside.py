@@ -98,11 +98,15 @@ def test_figures_and_notebooks():
     for drawn in (SMALL.plot(), contacts.plot(), contacts[0].plot(), contacts[0].plot("gap"), gfmd.self_affine(n=32, dim=2).plot(), loop.plot()):
         assert isinstance(drawn, matplotlib.axes.Axes)
         matplotlib.pyplot.close(drawn.figure)
-    for shown in (SMALL, contacts, contacts[0], loop, gfmd.punch(n=16)):
-        text = shown._repr_html_()
-        assert "data:image/png;base64" in text and text.count("<table>") == text.count("</table>")
+    assert "data:image/png;base64" in SMALL._repr_html_() and "<img" not in gfmd.self_affine(n=32, dim=2)._repr_html_()
+    # Results are shown with the first figures of their page, lightly.
     line = gfmd.contact(gfmd.self_affine(n=32, dim=2), BODY, p_star=0.05)
-    assert "<table>" in line._repr_html_() and "png" not in line._repr_html_()
+    large = gfmd.contact(gfmd.self_affine(n=512, eps_f_inv=4), BODY, p_star=0.05)
+    for result in (contacts, contacts[0], loop, gfmd.punch(n=16), line, large):
+        text = result._repr_html_()
+        assert text.count("data:image/svg+xml;base64") in (1, 2) and len(text) < 125_000, type(result)
+        assert text.count("<table>") == text.count("</table>") > 0
+    assert "<img" not in contacts[:0]._repr_html_()
 
 
 def test_the_small_map_is_a_picture():

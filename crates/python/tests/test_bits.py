@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import re
 
 import gfmd
 import numpy as np
@@ -259,3 +260,15 @@ def test_kappa_sweep_is_that_of_the_program(run_program, tmp_path):
     found = gfmd.kappa_sweep(tmp_path / "k.toml")
     for key in ("points", "fit", "fits", "theory"):
         assert plain(found[key]) == wanted[key], key
+    # The file, the page and the figures are those of the program, and a second sweep is equal.
+    cells = {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}
+    again = gfmd.kappa_sweep({"points": cells, "statistics": {"realisations": 4}, "fit": {"resamples": 500}, "body": {"young": "1 Pa"}})
+    assert found == again == pickle.loads(pickle.dumps(found)) and found != wanted and hash(found) == hash(again)
+    found.save(tmp_path / "saved.h5")
+    assert run_program("check", str(tmp_path / "saved.h5"))["differing"] == 0
+    run_program("report", str(tmp_path / "k.h5"), "--out", str(tmp_path / "theirs.html"))
+    found.report(tmp_path / "ours.html")
+    drawn = [[re.sub(r"figure\d+", "", svg) for svg in re.findall("<svg.*?</svg>", (tmp_path / name).read_text(), re.S)] for name in ("ours.html", "theirs.html")]
+    assert drawn[0] == drawn[1] and len(drawn[0]) == len(found.figures()) == len(found.save_figures(tmp_path / "drawn")) > 1
+    pytest.importorskip("pandas")
+    assert found.to_dataframe().kappa.tolist() == [point.kappa for point in found.points]

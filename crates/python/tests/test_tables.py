@@ -111,3 +111,49 @@ def test_tables_that_are_no_body_are_refused(surface):
         gfmd.contact(surface, short, p_star=0.1)
     with pytest.raises(gfmd.InputError, match="compliance"):
         gfmd.contact(surface, gfmd.Body(young=1.0, compliance=(waves, 1 / waves)), p_star=0.1, components="held")
+
+
+def test_a_body_by_direction_presses_waves_as_their_directions_do(tmp_path, run_program):
+    """Cosines along x and y, and obliquely, in full contact (p = h/G) and in part of it (Westergaard)."""
+    waves = np.geomspace(5.0, 1000.0, 6)
+
+    def compliance(x, y):
+        angle = np.arctan2(y, x)
+        return 2.0 / np.hypot(x, y) / (1.0 + 0.3 * np.cos(2.0 * angle) + 0.2 * np.sin(2.0 * angle))
+
+    body = gfmd.Body(e_star=1.0, compliance=(waves, 32, compliance))
+    assert body == pickle.loads(pickle.dumps(body)) and len(body["compliance"]) == 192
+    assert body == gfmd.Body(e_star=1.0, compliance=np.array(body["compliance"]))
+    n, amplitude = 64, 1e-3
+    x = 2.0 * np.pi * np.arange(n)[:, None] / n
+    for p, q in ((1, 0), (0, 1), (1, 1), (1, -1), (2, 1)):
+        heights = amplitude * np.cos(p * x + q * x.T)
+        softness = compliance(2.0 * np.pi * p, 2.0 * np.pi * q)
+        full = amplitude / softness
+        surface = gfmd.Surface(heights, size=1.0)
+        pressed = gfmd.contact(surface, body, mean_pressure=1.5 * full)
+        assert np.abs(pressed.pressure - 1.5 * full - heights / softness).max() < 1e-6 * full
+        # The area of a wave below the pressure of full contact, to the points of its crest.
+        part = gfmd.contact(surface, body, mean_pressure=0.4 * full)
+        assert part.area_fraction == pytest.approx(2.0 / np.pi * np.arcsin(np.sqrt(0.4)), abs=2.0 * max(abs(p), abs(q)) / n)
+    part.save(tmp_path / "a.h5")
+    assert gfmd.load(tmp_path / "a.h5").body == body
+    assert run_program("check", str(tmp_path / "a.h5"), "--rerun")["differing"] == 0
+    bumps = np.random.default_rng(1).normal(size=part.surface.heights.shape)
+    step = 1e-7 * amplitude
+    ends = [gfmd.contact(gfmd.Surface(part.surface.heights + sign * step * bumps, size=1.0), body, mean_pressure=0.4 * full, tolerance=1e-12) for sign in (1, -1)]
+    wanted = (ends[0].elastic_energy - ends[1].elastic_energy) / (2.0 * step)
+    assert np.sum(part.vjp(elastic_energy=1.0).heights * bumps) == pytest.approx(wanted, rel=1e-3)
+
+
+def test_tables_by_direction_that_are_none_are_refused():
+    waves = np.geomspace(1.0, 1000.0, 5)
+    for given, words in [
+        ((waves, 3, lambda x, y: 1 / np.hypot(x, y)), "directions of compliance is 3"),
+        ((waves, 8, np.ones((5, 7))), r"shape \[5, 7\]"),
+        ((waves, 8, lambda x, y: -np.hypot(x, y)), "must be positive and finite"),
+        (np.ones((4, 3)), "3 rows|4 rows|directions|row"),
+        (np.ones((4, 5)), "an array of rows"),
+    ]:
+        with pytest.raises(gfmd.InputError, match=words):
+            gfmd.Body(young=1.0, compliance=given)

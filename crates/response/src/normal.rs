@@ -1,7 +1,8 @@
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use gfmd_field::{Grid, Share, Transform};
-use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes};
+use gfmd_field::{Grid, Mode, Share, Transform};
+use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes, table_of_modes};
 use gfmd_vector::{once, pass};
 
 use crate::patch_table::{Parity, PatchTable};
@@ -17,14 +18,13 @@ pub struct NormalResponse {
     compliance: Vec<f64>,
     /// Tabulated when it is first used, as the contacts with a hard wall do not need it.
     stiffness: OnceLock<Vec<f64>>,
-    /// The stiffness of a wavenumber.
-    stiffness_of: fn(&Body, f64) -> f64,
+    stiffness_of: StiffnessOf,
     body: Body,
     uniform_compliance: f64,
     stiffness_range: [f64; 2],
     contact_modulus: f64,
     rounded: OnceLock<Rounded>,
-    /// True unless the modes were changed one by one: waves of one length then have one stiffness.
+    /// True if waves of one length have one stiffness: the body is isotropic, and modes were not changed one by one.
     is_isotropic: bool,
 }
 
@@ -37,6 +37,37 @@ fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
     table
 }
 
+/// The stiffness of a wave vector.
+type StiffnessOf = fn(&Body, [f64; 2]) -> f64;
+
+/// The stiffness of a mode other than the uniform one: the mean over the waves that the grid does not tell apart, which
+/// differ if the body is not isotropic.
+fn stiffness_of_mode(body: &Body, mode: &Mode, of: StiffnessOf) -> f64 {
+    if body.is_isotropic() {
+        return of(body, [mode.wavenumber(), 0.0]);
+    }
+    let (sum, count) = mode.aliases().fold((0.0, 0.0), |(sum, count), q| (sum + of(body, q), count + 1.0));
+    sum / count
+}
+
+/// The stiffness of the modes in some lanes.
+fn stiffness_table(grid: &Grid, lanes: Range<usize>, body: &Body, of: StiffnessOf) -> Vec<f64> {
+    match body.is_isotropic() {
+        true => table_of_lanes(grid, lanes, 0.0, |q| of(body, [q, 0.0])),
+        false => table_of_modes(grid, lanes, 0.0, |mode| stiffness_of_mode(body, mode, of)),
+    }
+}
+
+/// The stiffness 1/G_zz of a surface with free lateral displacement.
+fn free(body: &Body, q: [f64; 2]) -> f64 {
+    1.0 / body.normal_compliance_along(q)
+}
+
+/// The stiffness K_N of a surface without lateral displacement.
+fn held(body: &Body, [x, y]: [f64; 2]) -> f64 {
+    body.restricted_normal_stiffness(x.hypot(y))
+}
+
 impl NormalResponse {
     /// Tabulates the response of `body` on `grid`, with free lateral displacement of the surface.
     pub fn new(grid: Grid, body: &Body) -> Self {
@@ -46,7 +77,7 @@ impl NormalResponse {
     /// Tabulates the response of `body` on `grid` for the rows that are the `share` of this process, with free lateral
     /// displacement.
     pub fn over(grid: Grid, body: &Body, share: &Share) -> Self {
-        Self::tabulated(grid, body, share, Body::normal_stiffness)
+        Self::tabulated(grid, body, share, free)
     }
 
     /// Tabulates the response of a surface without lateral displacement: the stiffness is K_N in place of 1/G_zz
@@ -57,20 +88,20 @@ impl NormalResponse {
 
     /// The response of [`held_sideways`](Self::held_sideways) for the rows that are the `share` of this process.
     pub fn held_sideways_over(grid: Grid, body: &Body, share: &Share) -> Self {
-        Self::tabulated(grid, body, share, Body::restricted_normal_stiffness)
+        Self::tabulated(grid, body, share, held)
     }
 
     /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has no
     /// resistance, since the bulk is not part of that of a contact (theory.md, section 7.6).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Self {
-        let conductance = |body: &Body, q: f64| 1.0 / body.transverse_compliance(q);
+        let conductance = |body: &Body, [x, y]: [f64; 2]| 1.0 / body.transverse_compliance(x.hypot(y));
         let response = Self::tabulated(grid, conductor.body(), &grid.whole(), conductance);
         Self { uniform_compliance: 0.0, ..response }
     }
 
-    fn tabulated(grid: Grid, body: &Body, share: &Share, stiffness_of: fn(&Body, f64) -> f64) -> Self {
+    fn tabulated(grid: Grid, body: &Body, share: &Share, stiffness_of: StiffnessOf) -> Self {
         let transform = Transform::over(grid, share);
-        let mut compliance = table_of_lanes(&grid, transform.lanes(), 0.0, |q| stiffness_of(body, q));
+        let mut compliance = stiffness_table(&grid, transform.lanes(), body, stiffness_of);
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let first = usize::from(transform.lanes().contains(&0));
         let none = [f64::INFINITY, 0.0];
@@ -97,7 +128,7 @@ impl NormalResponse {
             stiffness_range: range,
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
-            is_isotropic: true,
+            is_isotropic: body.is_isotropic(),
         }
     }
 
@@ -125,7 +156,7 @@ impl NormalResponse {
             transform: table.transform.into(),
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
-            stiffness_of: Body::normal_stiffness,
+            stiffness_of: free,
             body: body.clone(),
             uniform_compliance,
             stiffness_range: [1.0 / softest, 1.0 / stiffest],
@@ -190,7 +221,7 @@ impl NormalResponse {
         once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest, *is_isotropic))
     }
 
-    /// True if waves of equal length have equal stiffness, as in every body.
+    /// True if waves of equal length have equal stiffness.
     pub(crate) fn is_isotropic(&self) -> bool {
         self.is_isotropic
     }
@@ -223,14 +254,14 @@ impl NormalResponse {
         let own = index.checked_sub(self.transform.lanes().start * positions);
         own.and_then(|own| self.compliance.get(own).copied()).unwrap_or_else(|| {
             let mode = self.grid().mode_at(index);
-            if mode.is_uniform() { 0.0 } else { 1.0 / (self.stiffness_of)(&self.body, mode.wavenumber()) }
+            if mode.is_uniform() { 0.0 } else { 1.0 / stiffness_of_mode(&self.body, &mode, self.stiffness_of) }
         })
     }
 
     /// 1/G_zz(q) in stress/length of the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
         let Self { transform, stiffness_of, body, .. } = self;
-        let table = || table_of_lanes(self.grid(), transform.lanes(), 0.0, |q| stiffness_of(body, q));
+        let table = || stiffness_table(self.grid(), transform.lanes(), body, *stiffness_of);
         once::<Vec<f64>>(&self.stiffness, table)
     }
 

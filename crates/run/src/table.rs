@@ -1,4 +1,4 @@
-//! Tables of two columns, in text files that options name.
+//! Tables of two or three columns, in text files that options name.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -8,14 +8,16 @@ use crate::failure::Failure;
 /// The largest size of a file, in bytes.
 const LARGEST: u64 = 1 << 20;
 
-/// The rows of the table in `file`, as the text of an option has them: `A:B,...`, with the units of the heads if `in_units`.
+/// The rows of the table in `file`, as the text of an option has them: `A:B,...`, with the units of the heads if
+/// `in_units`.
 ///
-/// Rows are two numbers with commas, semicolons or blanks between; lines that begin with # are comments. The first line may have
-/// the heads `columns`, each with a unit if there is one: `gap [nm],traction [MPa]`, `gap_nm traction_MPa`.
+/// Rows are numbers with commas, semicolons or blanks between; lines that begin with # are comments. The first line may
+/// have the heads, one of the lists in `columns`, each with a unit if there is one: `gap [nm],traction [MPa]`,
+/// `gap_nm traction_MPa`. Without heads, a row has as many numbers as one of the lists.
 ///
 /// # Errors
 /// A file that cannot be read, or is too large; a line that is no row; heads of other columns.
-pub(crate) fn rows(flag: &str, file: &str, columns: [&str; 2], in_units: bool) -> Result<String, Failure> {
+pub(crate) fn rows(flag: &str, file: &str, columns: &[&[&str]], in_units: bool) -> Result<String, Failure> {
     let refuse = |reason: String| Failure::input(flag, format!("{file}: {reason}"));
     let mut text = String::new();
     let read = File::open(file).and_then(|opened| opened.take(LARGEST + 1).read_to_string(&mut text));
@@ -23,7 +25,8 @@ pub(crate) fn rows(flag: &str, file: &str, columns: [&str; 2], in_units: bool) -
     if text.len() as u64 > LARGEST {
         return Err(refuse(format!("it has more than {LARGEST} bytes; it must have at most that many")));
     }
-    let (mut units, mut rows) = ([String::new(), String::new()], Vec::new());
+    // The columns, once they are known, and their units.
+    let (mut known, mut units, mut rows) = (None, Vec::new(), Vec::new());
     for (number, line) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
         let (line, is_comment) = match line.trim().strip_prefix('#') {
             Some(comment) => (comment.trim(), true),
@@ -32,39 +35,59 @@ pub(crate) fn rows(flag: &str, file: &str, columns: [&str; 2], in_units: bool) -
         if line.is_empty() {
             continue;
         }
-        let heads = if rows.is_empty() { heads(line, columns) } else { None };
-        match (heads, is_comment) {
-            (Some(found), _) => units = found,
+        let found =
+            columns.iter().filter(|_| rows.is_empty()).find_map(|names| Some((names.len(), heads(line, names)?)));
+        match (found, is_comment) {
+            (Some((count, found)), _) => (known, units) = (Some(count), found),
             (None, true) => {}
             (None, false) => {
                 let words = line.split([',', ';', '\t', ' ']).map(str::trim).filter(|word| !word.is_empty());
                 let words: Vec<&str> = words.collect();
-                let is_row = words.len() == 2 && words.iter().all(|word| word.parse().is_ok_and(f64::is_finite));
-                if !is_row {
-                    let [first, second] = columns;
-                    let allowed = format!("two finite numbers, {first} and {second}, or before them these heads");
-                    return Err(refuse(format!("line {number} is {line:?}; it must be {allowed}")));
+                let may_have = |names: &&&[&str]| names.len() == known.unwrap_or(words.len());
+                let fits = columns.iter().find(may_have).is_some_and(|names| names.len() == words.len());
+                if !fits || !words.iter().all(|word| word.parse().is_ok_and(f64::is_finite)) {
+                    return Err(refuse(format!("line {number} is {line:?}; it must be {}", allowed(columns, known))));
                 }
-                rows.push([words[0], words[1]].map(str::to_owned));
+                known = Some(words.len());
+                rows.push(words.into_iter().map(str::to_owned).collect::<Vec<_>>());
             }
         }
     }
     if rows.is_empty() {
-        return Err(refuse("it has no row; it must have rows of two numbers".into()));
+        return Err(refuse("it has no row; it must have rows of numbers".into()));
     }
-    let units = if in_units { units } else { Default::default() };
-    let rows: Vec<String> =
-        rows.iter().map(|[first, second]| format!("{first}{}:{second}{}", units[0], units[1])).collect();
-    Ok(rows.join(","))
+    let unit = |column: usize| units.get(column).filter(|_| in_units).map_or("", String::as_str);
+    // A blank, so that the 1 of `1/m` is no digit of the number.
+    let blank = |unit: &str| if unit.starts_with('1') { " " } else { "" };
+    let entry = |(column, number): (usize, &String)| format!("{number}{}{}", blank(unit(column)), unit(column));
+    let row = |row: &Vec<String>| row.iter().enumerate().map(entry).collect::<Vec<_>>().join(":");
+    Ok(rows.iter().map(row).collect::<Vec<_>>().join(","))
 }
 
-/// The units in a line of heads; `None` of a line without these columns.
-fn heads(line: &str, [first, second]: [&str; 2]) -> Option<[String; 2]> {
+/// The words on the rows that a table may have.
+fn allowed(columns: &[&[&str]], known: Option<usize>) -> String {
+    let of = |names: &&&[&str]| known.is_none_or(|count| names.len() == count);
+    let lists = columns.iter().filter(of).map(|names| match names {
+        [first, second] => format!("two finite numbers, {first} and {second}"),
+        names => format!("{} finite numbers, {}", names.len(), names.join(", ")),
+    });
+    format!("{}, or before them these heads", lists.collect::<Vec<_>>().join(", or "))
+}
+
+/// The units in a line of heads; `None` of a line without these columns in this order.
+fn heads(line: &str, names: &[&str]) -> Option<Vec<String>> {
     let lower = line.to_ascii_lowercase();
-    let (begin, next) = (lower.find(first)?, lower.find(second)?);
     let around = |c: char| c.is_whitespace() || ",;[](){}_:\"'".contains(c);
     let unit = |text: &str| text.trim_matches(around).trim_start_matches("/ ").to_owned();
-    (begin < next).then(|| [unit(&line[begin + first.len()..next]), unit(&line[next + second.len()..])])
+    let (mut ends, mut starts) = (Vec::new(), Vec::new());
+    for name in names {
+        let from = ends.last().copied().unwrap_or(0);
+        let begin = from + lower[from..].find(name)?;
+        starts.push(begin);
+        ends.push(begin + name.len());
+    }
+    starts.push(line.len());
+    Some(ends.iter().zip(&starts[1..]).map(|(end, next)| unit(&line[*end..*next])).collect())
 }
 
 #[cfg(test)]
@@ -75,7 +98,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("law.csv");
         std::fs::write(&file, text).unwrap();
-        rows("--law-table", file.to_str().unwrap(), ["gap", "traction"], in_units).map_err(|error| error.to_string())
+        rows("--law-table", file.to_str().unwrap(), &[&["gap", "traction"]], in_units)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
@@ -95,6 +119,35 @@ mod tests {
     }
 
     #[test]
+    fn a_table_may_have_one_of_several_lists_of_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("g.csv");
+        let columns: &[&[&str]] = &[&["wavenumber", "compliance"], &["qx", "qy", "compliance"]];
+        let of = |text: &str| {
+            std::fs::write(&file, text).unwrap();
+            rows("--compliance", file.to_str().unwrap(), columns, true).map_err(|error| error.to_string())
+        };
+        assert_eq!(of("1,2\n2 1\n"), Ok("1:2,2:1".into()));
+        assert_eq!(of("1,-2,3\n"), Ok("1:-2:3".into()));
+        let heads = "qx [1/um],qy [1/um],compliance [um/GPa]\n1,0,3\n";
+        assert_eq!(of(heads), Ok("1 1/um:0 1/um:3um/GPa".into()));
+        for (text, words) in [
+            (
+                "1,2\n1,2,3\n",
+                "line 2 is \"1,2,3\"; it must be two finite numbers, wavenumber and compliance, or before",
+            ),
+            (
+                "qx,qy,compliance\n1,2\n",
+                "line 2 is \"1,2\"; it must be 3 finite numbers, qx, qy, compliance, or before",
+            ),
+            ("1\n", "two finite numbers, wavenumber and compliance, or 3 finite numbers, qx, qy, compliance"),
+        ] {
+            let error = of(text).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
     fn files_that_are_no_table_are_refused_by_their_line() {
         for (text, words) in [
             ("", "it has no row"),
@@ -111,7 +164,10 @@ mod tests {
         let large = "0,1\n".repeat(300_000);
         assert!(of(&large, true).unwrap_err().contains("it has more than 1048576 bytes"));
         assert!(
-            rows("--law-table", "none.csv", ["gap", "traction"], true).unwrap_err().to_string().contains("none.csv")
+            rows("--law-table", "none.csv", &[&["gap", "traction"]], true)
+                .unwrap_err()
+                .to_string()
+                .contains("none.csv")
         );
     }
 }

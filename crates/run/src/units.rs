@@ -116,10 +116,11 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
     }
     let mut words = words;
     for (index, key, before, text) in &mut values {
-        if let Some(columns) = columns(key).filter(|_| !is_rows(text)) {
+        let columns = columns(key);
+        if !columns.is_empty() && !is_rows(text) {
             let flag = format!("--{}", key.replace('_', "-"));
             // The numbers of a command without units are those of the table, whatever its units.
-            *text = table::rows(&flag, text, columns, !without_units(sub.get_name()))?;
+            *text = table::rows(&flag, text, &columns, !without_units(sub.get_name()))?;
             words[*index] = format!("{before}{text}").into();
         }
     }

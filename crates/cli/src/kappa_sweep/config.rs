@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use gfmd_sweep::Config;
+use gfmd_unit::{Quantity, Units};
 use serde::Deserialize;
+use toml::{Table, Value};
 
 use gfmd_run::failure::Failure;
 
@@ -14,7 +16,7 @@ use gfmd_run::failure::Failure;
 #[serde(untagged)]
 pub enum Configured {
     /// Its contents.
-    Contents(toml::Table),
+    Contents(Table),
     /// A file.
     File(PathBuf),
 }
@@ -45,13 +47,71 @@ impl Configured {
     }
 }
 
+/// The moduli of a body, by their fields: numbers, and the first ones of lists. Of a result only ratios of moduli matter.
+const MODULI: [&str; 4] = ["young", "base_young", "layers", "second_body"];
+
 fn parsed(name: &str, text: &str) -> Result<Config, Failure> {
+    if let Ok(mut table) = text.parse::<Table>()
+        && bare(name, &mut table)?
+    {
+        let config = Value::Table(table).try_into::<Config>();
+        return config.map_err(|error| Failure::input(name, error.message().replace('\n', ", ")));
+    }
     toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
         let place = format!("{name}, line {}", 1 + before.matches('\n').count());
         let reason = error.message().replace('\n', ", ");
         Failure::input(&place, field(before).map_or(reason.clone(), |field| format!("{field}: {reason}")))
     })
+}
+
+/// Puts moduli in Pa in place of those with a unit; true if there are some.
+///
+/// # Errors
+/// A quantity with a unit that is no modulus.
+fn bare(name: &str, config: &mut Table) -> Result<bool, Failure> {
+    let mut found = false;
+    for (group, fields) in config {
+        let Value::Table(fields) = fields else { continue };
+        for (key, value) in fields {
+            let field = format!("{group}.{key}");
+            found |= bare_in(name, &field, value, group == "body" && MODULI.contains(&key.as_str()))?;
+        }
+    }
+    Ok(found)
+}
+
+/// [`bare`] for the value of a field, or an entry of it.
+fn bare_in(name: &str, field: &str, value: &mut Value, is_modulus: bool) -> Result<bool, Failure> {
+    match value {
+        Value::String(text) => {
+            let refuse = |error: String| Failure::input(&format!("{name}: {field}"), format!("{text:?}: {error}"));
+            let quantity = match Quantity::parse(text) {
+                Ok(Some(quantity)) => quantity,
+                Err(error) if is_modulus => return Err(refuse(error.to_string())),
+                _ => return Ok(false),
+            };
+            if !is_modulus {
+                let reason = "a sweep has no unit of lengths: its cell has length 1, heights of bodies are over that length, \
+                              and loads and surfaces are ratios; moduli alone may have a unit";
+                return Err(Failure::input(&format!("{name}: {field} is {text:?}"), reason));
+            }
+            let units = Units::new(Some("m"), Some(Units::PASCAL));
+            let pascals = units.value(&quantity, "stress").map_err(|error| refuse(error.to_string()))?;
+            *value = Value::Float(pascals);
+            Ok(true)
+        }
+        Value::Array(entries) => {
+            // The modulus comes first; the entries of `layers` are lists.
+            let mut found = false;
+            for (index, entry) in entries.iter_mut().enumerate() {
+                let is_modulus = is_modulus && (index == 0 || entry.is_array());
+                found |= bare_in(name, field, entry, is_modulus)?;
+            }
+            Ok(found)
+        }
+        _ => Ok(false),
+    }
 }
 
 /// The dotted name of the field whose value begins where `before` ends.

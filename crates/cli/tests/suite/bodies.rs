@@ -155,6 +155,27 @@ fn a_sweep_has_bodies_of_its_own() {
         let text = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && text.contains(named), "{line}: {text}");
     }
+    // Moduli may have a unit, of which the ratios matter; nothing else has one.
+    for (with, without) in [("\"3GPa\"", "3e9"), ("\"2 GPa\"", "2e9")] {
+        let body = |modulus: &str| format!("[body]\nyoung = 1e9\nheight = 0.2\nlayers = [[{modulus}, 0.3, 0.1]]\n");
+        let shown = [with, without].map(|modulus| {
+            std::fs::write(folder.join("u.toml"), body(modulus)).unwrap();
+            String::from_utf8(gfmd(folder, &words("kappa-sweep --config u.toml --show-config")).stdout).unwrap()
+        });
+        assert!(shown[0] == shown[1] && shown[0].contains("young = 1000000000.0"), "{shown:?}");
+    }
+    for (line, named) in [
+        ("height = \"20um\"", "body.height is \"20um\": a sweep has no unit of lengths"),
+        ("young = \"3mm\"", "body.young: \"3mm\": it is a length"),
+        ("young = \"3GPaa\"", "body.young: \"3GPaa\": \"GPaa\" is no unit"),
+        ("layers = [[\"3GPa\", 0.3, \"1um\"]]", "body.layers is \"1um\": a sweep has no unit of lengths"),
+        ("young = \"3GPa\"\npoisson = true", "poisson"),
+    ] {
+        std::fs::write(folder.join("w.toml"), format!("[body]\n{line}\n")).unwrap();
+        let output = gfmd(folder, &words("kappa-sweep --config w.toml --dry-run"));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && text.contains(named), "{line}: {text}");
+    }
     std::fs::write(folder.join("w.toml"), "[body]\nbase = \"free\"\n").unwrap();
     let output = gfmd(folder, &words("kappa-sweep --config w.toml --dry-run"));
     assert!(
@@ -306,6 +327,45 @@ fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
             assert!(gfmd(folder.path(), &["report", "t.h5", "-q"]).status.success());
         }
     }
+}
+
+/// A stiffness (1/2) |A q| with a diagonal A is that of a half-space on a cell whose sides are over those of A.
+#[test]
+fn a_table_by_direction_is_a_half_space_on_a_stretched_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().chain(["--json", "-q"]).collect::<Vec<_>>());
+    let angle = |j: i32| std::f64::consts::PI * f64::from(j) / 40.0;
+    let waves = (0..6).flat_map(|k| (0..40).map(move |j| (5.0 * 3_f64.powi(k), angle(j))));
+    let rows = waves.map(|(q, angle)| [q * angle.cos(), q * angle.sin()]);
+    let rows: String = rows.map(|[x, y]| format!("{x:e},{y:e},{:e}\n", 2.0 / (2.0 * x).hypot(y))).collect();
+    std::fs::write(folder.path().join("g.csv"), format!("qx [um^-1],qy [um^-1],compliance [um/MPa]\n{rows}")).unwrap();
+    let surface = "surface --n 32 --eps-f-inv 8 --out h.npy";
+    run(surface);
+    for (loads, of) in [
+        ("contact --pressure 2kPa,20kPa --statistics", "loads"),
+        ("contact --displacement 5nm", "loads"),
+        ("contact --pressure 5kPa --law exponential --param gamma=2e-5J/m^2,range=3nm --grid-error none", "loads"),
+        ("contact --pressure 50kPa --hardness 100kPa", "loads"),
+        ("path --pressure 5kPa,1kPa --steps 2", "steps"),
+        ("wear --pressure 5kPa --coefficient 1e-9/Pa --distance 0,10um --steps 2", "steps"),
+    ] {
+        let all = |body: &str| run(&format!("{loads} --surface h.npy --unit um {body}"));
+        let found = all("--length 1um --e-star 1MPa --compliance g.csv --out t.h5");
+        let wanted = all("--length 0.5um,1um --e-star 1MPa");
+        for (found, wanted) in found[of].as_array().unwrap().iter().zip(wanted[of].as_array().unwrap()) {
+            for name in ["displacement", "mean_gap", "elastic_energy", "area_fraction", "stiffness", "mean_pressure"] {
+                let [Some(found), Some(wanted)] = [found, wanted].map(|load| load[name].as_f64()) else { continue };
+                assert!((found - wanted).abs() < 1e-6 * wanted.abs(), "{loads}, {name}: {found} {wanted}");
+            }
+        }
+        for command in ["check t.h5", "check t.h5 --rerun"] {
+            assert_eq!(run(command)["differing"], 0, "{loads}");
+        }
+        assert!(gfmd(folder.path(), &["report", "t.h5", "-q"]).status.success());
+    }
+    let mixed = "contact --n 16 --p-star 0.1 --young 1 --compliance 1:1,1:0:1";
+    let told = gfmd(folder.path(), &mixed.split_whitespace().collect::<Vec<_>>());
+    assert!(String::from_utf8_lossy(&told.stderr).contains("some rows have two numbers and some three"));
 }
 
 #[test]

@@ -7,24 +7,51 @@ use serde::{Deserialize, Serialize};
 
 use super::BodyArgs;
 use super::law::LONGEST_TABLE;
-use super::values::parse_row;
 use crate::{Facts, Support, Unusable};
 
 /// Flags of a body that is known by its compliance.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ComplianceArgs {
-    /// Normal compliance of the body by wavenumber, in place of that of its moduli: FILE of two columns, wavenumber (rad/length) and
-    /// compliance (length/stress), whose heads may have units; or the rows, WAVENUMBER:COMPLIANCE,.. E* of --young or --e-star is then
-    /// that of p* alone
-    #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS")]
+    /// Normal compliance of the body, in place of that of its moduli: FILE of two columns, wavenumber (rad/length) and compliance
+    /// (length/stress), or of three, qx, qy and compliance, of a body that is not isotropic, whose heads may have units; or the rows,
+    /// WAVENUMBER:COMPLIANCE,.. or QX:QY:COMPLIANCE,.. E* of --young or --e-star is then that of p* alone
+    #[arg(long, value_parser = Row::parse, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub compliance: Vec<[f64; 2]>,
+    pub compliance: Vec<Row>,
     /// Compliance of the mean level of such a body, length/stress; 0, a fixed mean level as that of a half-space, if not given
     #[arg(long, value_name = "G0", requires = "compliance", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uniform_compliance: Option<f64>,
 }
+
+/// A row of a table of compliances.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Row {
+    /// Wavenumber (rad/length) and compliance (length/stress).
+    Wavenumber([f64; 2]),
+    /// Both components of the wave vector, and the compliance.
+    WaveVector([f64; 3]),
+}
+
+impl Row {
+    /// The row `A:B` or `A:B:C`.
+    ///
+    /// # Errors
+    /// Other text.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<f64>, _> = text.split(':').map(|number| number.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[q, g]) => Ok(Self::Wavenumber([q, g])),
+            Ok(&[x, y, g]) => Ok(Self::WaveVector([x, y, g])),
+            _ => Err("it must be FILE, or rows Q:G, or rows QX:QY:G".into()),
+        }
+    }
+}
+
+/// The longest table by wave vector.
+const LONGEST_BY_DIRECTION: usize = 20_000;
 
 /// The flag of the table.
 const FLAG: &str = "--compliance";
@@ -65,16 +92,36 @@ impl ComplianceArgs {
                 "--young or --e-star is missing; p* and kappa are over E*, which a table of compliances does not have";
             return Err(Unusable::of(reason));
         }
-        let rows = self.compliance.len();
-        if rows > LONGEST_TABLE {
-            return Err(Unusable::value(FLAG, format!("{rows} rows"), format!("at most {LONGEST_TABLE}")));
+        self.tabulated(own.contact_modulus())
+    }
+
+    fn tabulated(&self, contact_modulus: f64) -> Result<Body, Unusable> {
+        let (mut by_wavenumber, mut by_direction) = (Vec::new(), Vec::new());
+        for row in &self.compliance {
+            match row {
+                Row::Wavenumber(row) => by_wavenumber.push(*row),
+                Row::WaveVector(row) => by_direction.push(*row),
+            }
         }
-        Body::tabulated(own.contact_modulus(), &self.compliance, self.uniform_compliance.unwrap_or(0.0)).map_err(
-            |error| {
-                let of_uniform = matches!(error, GreenError::UniformCompliance(_));
-                Unusable::input(if of_uniform { "--uniform-compliance" } else { FLAG }, error)
-            },
-        )
+        if !by_wavenumber.is_empty() && !by_direction.is_empty() {
+            return Err(Unusable::input(FLAG, "some rows have two numbers and some three; all must have the same"));
+        }
+        let uniform = self.uniform_compliance.unwrap_or(0.0);
+        let (rows, most) = match by_direction.is_empty() {
+            true => (by_wavenumber.len(), LONGEST_TABLE),
+            false => (by_direction.len(), LONGEST_BY_DIRECTION),
+        };
+        if rows > most {
+            return Err(Unusable::value(FLAG, format!("{rows} rows"), format!("at most {most}")));
+        }
+        let body = match by_direction.is_empty() {
+            true => Body::tabulated(contact_modulus, &by_wavenumber, uniform),
+            false => Body::tabulated_by_direction(contact_modulus, &by_direction, uniform),
+        };
+        body.map_err(|error| {
+            let of_uniform = matches!(error, GreenError::UniformCompliance(_));
+            Unusable::input(if of_uniform { "--uniform-compliance" } else { FLAG }, error)
+        })
     }
 
     /// The facts of a problem with this body in place of its own.

@@ -54,25 +54,38 @@ const KINDS: &[(&str, &[&str])] = &[
     ("qy", &["1/length"]),
 ];
 
-/// The options that are tables of two columns, with the names of these: FILE, or rows of numbers with a colon between.
-const TABLES: &[(&str, [&str; 2])] =
-    &[("law_table", ["gap", "traction"]), ("compliance", ["wavenumber", "compliance"])];
+/// An option that is a table, with the names of its columns.
+type Named = (&'static str, &'static [&'static str]);
 
-/// The names of the columns of an option that is a table.
-pub fn columns(key: &str) -> Option<[&'static str; 2]> {
-    TABLES.iter().find(|(other, _)| *other == key).map(|(_, names)| *names)
+/// The options that are tables, with the names of their columns: FILE, or rows of numbers with colons between.
+const TABLES: &[Named] = &[
+    ("law_table", &["gap", "traction"]),
+    ("compliance", &["wavenumber", "compliance"]),
+    ("compliance", &["qx", "qy", "compliance"]),
+];
+
+/// The names of the columns that an option may have, if it is a table.
+pub fn columns(key: &str) -> Vec<&'static [&'static str]> {
+    TABLES.iter().filter(|(other, _)| *other == key).map(|(_, names)| *names).collect()
 }
 
 /// True if the entries of an option are numbers of several kinds with colons between.
 fn has_columns(key: &str) -> bool {
-    key == "prony" || columns(key).is_some()
+    key == "prony" || !columns(key).is_empty()
 }
 
-/// True if the value of an option is a table of two columns whose rows are written out.
+/// The kind of a number in a row of an option that is a list of rows of this length.
+fn kind_in_row(key: &str, column: usize, length: usize) -> &'static str {
+    match (key, length) {
+        ("compliance", 3) => ["1/length", "1/length", "length/stress"][column.min(2)],
+        _ => kinds(key).map_or("1", |kinds| kinds[column % kinds.len()]),
+    }
+}
+
+/// True if the value of an option is a table whose rows are written out.
 pub fn is_rows(text: &str) -> bool {
     let is_number = |text: &str| text.trim().parse::<f64>().is_ok() || matches!(Quantity::parse(text), Ok(Some(_)));
-    let is_row = |row: &str| row.split_once(':').is_some_and(|(first, second)| is_number(first) && is_number(second));
-    text.split(',').all(is_row)
+    text.split(',').all(|row| row.contains(':') && row.split(':').all(is_number))
 }
 
 /// True if the numbers of an option may have a unit.
@@ -157,8 +170,9 @@ pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Opti
             kinds[index % kinds.len()]
         };
         let mut parts = Vec::new();
+        let length = values.split(':').count();
         for (column, part) in values.split(':').enumerate() {
-            let kind = if has_columns(key) { kinds[column % kinds.len()] } else { kind };
+            let kind = if has_columns(key) { kind_in_row(key, column, length) } else { kind };
             let found = number(key, part, kind, take)?;
             changed |= found.is_some();
             parts.push(found.map_or_else(|| part.to_owned(), |number| format!("{number:e}")));
@@ -189,12 +203,12 @@ fn in_list(key: &str, value: &mut Value, kind: &str, take: &mut impl Take) -> Re
             }
         }
         Value::Array(entries) => {
-            let all = kinds(key).unwrap_or_default();
+            let length = entries.len();
             // A parameter of a law is its name and its value.
             let named = entries.first().and_then(Value::as_str).filter(|_| key == "param" && entries.len() == 2);
             let named = named.map(kind_of_parameter);
             for (index, entry) in entries.iter_mut().enumerate() {
-                in_list(key, entry, named.unwrap_or(all[index % all.len()]), take)?;
+                in_list(key, entry, named.unwrap_or_else(|| kind_in_row(key, index, length)), take)?;
             }
         }
         _ => {}
@@ -237,6 +251,8 @@ mod tests {
             ("time", "0,1ms:2h:4,3 min", Some("0,1e-3:7.2e3:4,1.8e2")),
             ("prony", "10 ms:0.3,1d:0.4,2:0.1", Some("1e-2:0.3,8.64e4:0.4,2:0.1")),
             ("heat", "0.2W/(m K),1e-7m^2/s", Some("2e17,1e11")),
+            ("compliance", "2/um:3nm/GPa", Some("2e-3:3e-9")),
+            ("compliance", "2/um:0:3nm/GPa", Some("2e-3:0:3e-9")),
             ("law_table", "0nm:2MPa,1nm:1kPa,3:0", Some("0e0:2e6,1e0:1e3,3:0")),
         ] {
             assert_eq!(texts(key, text), Ok(found.map(str::to_owned)), "{key} {text}");

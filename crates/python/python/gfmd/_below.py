@@ -87,12 +87,6 @@ class Punch(Computed):
         """
         return interior(self, depths, **options)
 
-    def _repr_html_(self) -> str:
-        from . import _show
-
-        shown = _show.maps_html([-self.traction[..., -1]], "normal pressure") if "traction" in self else ""
-        return shown + super()._repr_html_()
-
 
 class FieldsBelow(Computed):
     """Fields below a surface, those that were asked for.

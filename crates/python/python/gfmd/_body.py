@@ -10,9 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _gfmd
-from ._check import Array, Quantity, array, in_units, number, quantity, shown, word
+from ._check import Array, Quantity, array, in_units, integer, number, quantity, shown, word
 from ._errors import InputError
 from ._record import Record
+
+_Compliance = Union[
+    Array,
+    "tuple[npt.ArrayLike, npt.ArrayLike | Callable[[Array], npt.ArrayLike]]",
+    "tuple[npt.ArrayLike, int, npt.ArrayLike | Callable[[Array, Array], npt.ArrayLike]]",
+]
 
 _BASES = ("bonded", "sliding", "free", "half-space")
 
@@ -40,7 +46,10 @@ class Body(Record):
         compliance: normal compliance of the whole body in place of that of its moduli, for graded and other bodies: wavenumbers q, rad /
             length, in rising order, and either the compliance u_z/pressure at each, length / stress, or a function of q that gives it.
             Four to 1000 wavenumbers from 2 pi over the longest side to pi sqrt(2) over the spacing; between them ln G is a
-            shape-preserving cubic of ln q. `young` or `e_star` is then the modulus of p*, and needed.
+            shape-preserving cubic of ln q. `young` or `e_star` is then the modulus of p*, and needed. Of a body that is not isotropic
+            (wavenumbers, M, G), with the compliance [wavenumber, direction] in M directions of the wave vector, j pi/M from the x axis
+            for j = 0 .. M-1, or a function of q_x and q_y that gives it: between directions ln G is the trigonometric polynomial.
+            An array [n, 2] or [n, 3] has the rows of a table, (q, G) or (q_x, q_y, G).
         uniform_compliance: compliance of the mean level of such a body, length / stress; None for a fixed mean level, as that of a half-space.
 
     `e_star` is the contact modulus of which p* is formed: that of the material of the top layer; with a second body
@@ -58,6 +67,9 @@ class Body(Record):
         ((0.1, 0.3), (10.0, 0.4))
         >>> graded = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 200), lambda q: 2 / q * (1 + 1 / q)))
         >>> gfmd.contact(gfmd.self_affine(n=64), graded, p_star=0.05).converged
+        True
+        >>> fibres = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 10), 16, lambda x, y: 2 / np.hypot(4 * x, y)))
+        >>> gfmd.contact(gfmd.self_affine(n=64), fibres, p_star=0.05).converged
         True
     """
 
@@ -88,7 +100,7 @@ class Body(Record):
         prony: Sequence[Sequence[Quantity]] = (),
         moduli: Literal["long-term", "instantaneous"] | str = "long-term",
         relaxes: Literal["both", "shear"] | str = "both",
-        compliance: Optional[tuple[npt.ArrayLike, npt.ArrayLike | Callable[[Array], npt.ArrayLike]]] = None,
+        compliance: Optional[_Compliance] = None,
         uniform_compliance: Optional[float] = None,
     ) -> None:
         if young is not None and e_star is not None:
@@ -216,15 +228,31 @@ def _compliance(given: object, uniform: object) -> dict[str, Any]:
         if uniform is not None:
             raise InputError(f"uniform_compliance is {shown(uniform)}; it must be left out without compliance")
         return {}
-    if isinstance(given, (str, bytes)) or not isinstance(given, Sequence) or len(given) != 2:
-        raise InputError(f"compliance is {shown(given)}; it must be (wavenumbers, compliances or a function of the wavenumber)")
+    if isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] in (2, 3):
+        return _rows([tuple(row) for row in array("compliance", given).tolist()], uniform)
+    if isinstance(given, (str, bytes)) or not isinstance(given, Sequence) or len(given) not in (2, 3):
+        form = "an array of rows, (wavenumbers, compliances or a function of the wavenumber), or (wavenumbers, number of directions, compliances or a function of q_x and q_y)"
+        raise InputError(f"compliance is {shown(given)}; it must be {form}")
     waves = array("wavenumbers of compliance", given[0])
-    found = array("compliance", given[1](waves.copy()) if callable(given[1]) else given[1])
-    if waves.ndim != 1 or found.shape != waves.shape:
-        raise InputError(f"compliance has the shape {list(found.shape)} at wavenumbers of the shape {list(waves.shape)}; it must be [n] at [n]")
+    if waves.ndim != 1:
+        raise InputError(f"wavenumbers of compliance has the shape {list(waves.shape)}; it must be [n]")
+    vectors = [waves] if len(given) == 2 else _vectors(waves, integer("directions of compliance", given[1], 4, 1000))
+    found = array("compliance", given[-1](*(part.copy() for part in vectors)) if callable(given[-1]) else given[-1])
+    if found.shape != vectors[0].shape:
+        raise InputError(f"compliance has the shape {list(found.shape)} at wave vectors of the shape {list(vectors[0].shape)}; it must be the same")
+    return _rows([tuple(row) for row in np.stack([*vectors, found], axis=-1).reshape(-1, len(given)).tolist()], uniform)
+
+
+def _vectors(waves: Array, directions: int) -> list[Array]:
+    """The components of wave vectors [wavenumber, direction]."""
+    angles = np.pi * np.arange(directions) / directions
+    return [waves[:, None] * np.cos(angles), waves[:, None] * np.sin(angles)]
+
+
+def _rows(rows: list[tuple[float, ...]], uniform: object) -> dict[str, Any]:
     level = None if uniform is None else number("uniform_compliance", uniform)
-    _gfmd.check_compliance(list(zip(waves.tolist(), found.tolist())), 0.0 if level is None else level)
-    return {"compliance": tuple(zip(waves.tolist(), found.tolist())), "uniform_compliance": level}
+    _gfmd.check_compliance([list(row) for row in rows], 0.0 if level is None else level)
+    return {"compliance": tuple(rows), "uniform_compliance": level}
 
 
 def _composite(first: float, other: tuple[Quantity, ...]) -> float:
@@ -268,7 +296,7 @@ def _body(
     uniform_compliance: Optional[float] = None,
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
-    table = None if compliance is None else ([q for q, _ in compliance], [found for _, found in compliance])
+    table = None if compliance is None else np.array(compliance, dtype=np.float64)
     relaxation = {"prony": prony, "moduli": moduli, "relaxes": relaxes, "compliance": table, "uniform_compliance": uniform_compliance}
     return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below, **relaxation)  # type: ignore[arg-type]
 

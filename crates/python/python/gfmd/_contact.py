@@ -595,9 +595,7 @@ class Contact(Result, Record):
         return _show.field(fields[field], self.surface, field, ax, self.units, contact)
 
     def _repr_html_(self) -> str:
-        from . import _show
-
-        return _show.maps_html([self.pressure], "pressure") + super()._repr_html_()
+        return self._pictures(self.pressure.size) + super()._repr_html_()
 
 
 class Contacts(Result, Sequence[Contact]):
@@ -738,5 +736,5 @@ class Contacts(Result, Sequence[Contact]):
     def _repr_html_(self) -> str:
         from . import _show
 
-        maps = _show.maps_html([contact.pressure for contact in self._contacts], "pressure") if self._contacts else ""
-        return f"<b>{len(self)} contacts</b>{maps}{_show.table_html(self._rows()[0], self._rows()[1:])}"
+        pictures = self._pictures(sum(contact.pressure.size for contact in self._contacts))
+        return f"<b>{len(self)} contacts</b>{pictures}{_show.table_html(self._rows()[0], self._rows()[1:])}"

@@ -15,11 +15,14 @@ import numpy as np
 from . import _command
 from ._check import flag, path
 from ._errors import InputError, Interrupted, NotConverged
-from ._record import Record
+from ._record import Record, json_of
+from ._result import Computed, Contents
 
 
-class KappaSweep(Record):
-    """A kappa sweep.
+class KappaSweep(Computed):
+    """A kappa sweep, with the file, the page and the figures of `gfmd report kappa.h5`.
+
+    Sweeps are equal if all of their numbers but the times are.
 
     Attributes:
         points: a Record for each discretisation and load: `dim`, `hurst`, `eps_t_inv`, `eps_f_inv`, `eps_c_inv`, `n`,
@@ -57,6 +60,29 @@ class KappaSweep(Record):
         names = dict.fromkeys(name for point in self.points for name in point)
         columns = {name: ("point", [np.nan if point.get(name) is None else point[name] for point in self.points]) for name in names}
         return _show.needed("xarray", "to_xarray").Dataset(columns)
+
+    def to_dataframe(self) -> Any:
+        """Returns the points as a pandas.DataFrame with a row for each discretisation and load; none has a unit.
+
+        Raises:
+            Error: no pandas.
+
+        Example:
+            >>> k.to_dataframe().kappa.shape == (len(k.points),)  # doctest: +SKIP
+            True
+        """
+        from . import _show
+
+        return _show.needed("pandas", "to_dataframe").DataFrame([dict(point) for point in self.points])
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, KappaSweep):
+            return False
+        numbers = [{name: value for name, value in sweep.items() if name != "seconds"} for sweep in (self, other)]
+        return json_of(numbers[0]) == json_of(numbers[1])
+
+    def __hash__(self) -> int:
+        return hash((self.fit.kappa_tfc, len(self.points)))
 
     def plot(self, ax: Any = None) -> Any:
         """Draws kappa at the load of the fit over the number of points along a side, and the limit, with matplotlib. Returns the axes.
@@ -98,7 +124,8 @@ def kappa_sweep(
     """Many contacts, one kappa in the thermodynamic, fractal and continuum limit, with its uncertainty.
 
     Args:
-        config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents.
+        config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents. Moduli of the body
+            may be texts with a unit ("70GPa"); everything else is a ratio, without a unit.
         out: the HDF5 file to keep, with figures beside it; nothing is kept by default.
         resume: continue a sweep to `out` that was interrupted.
         threads: number of threads; all cores by default.
@@ -121,7 +148,8 @@ def kappa_sweep(
         file = file if out is None else path("out", out)
         problem = {**_config(config), "out": file, "resume": flag("resume", resume)}
         values, failure, *_ = _command.solve("kappa-sweep", problem, threads=threads)
-        return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}), failure)
+        contents = Contents(Path(file).read_bytes())
+        return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}, contents), failure)
     except (KeyboardInterrupt, NotConverged) as error:
         if isinstance(getattr(error, "state", None), KappaSweep):
             raise

@@ -110,12 +110,6 @@ class Path(Leaks, Computed):
 
         return _show.steps_dataset(self, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
 
-    def _repr_html_(self) -> str:
-        from . import _show
-
-        reached = [field for field in self.get("pressure", ()) if np.isfinite(field).all()]
-        return (_show.maps_html(reached, "pressure at the waypoints") if reached else "") + super()._repr_html_()
-
 
 def _column(values: list[Any]) -> Array:
     """Returns the numbers of the steps as an array; NaN for those without a value, also of a component."""

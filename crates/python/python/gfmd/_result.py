@@ -10,16 +10,22 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Optional
 
+import numpy as np
+
 from . import _check, _gfmd
 from ._check import Array
 from ._errors import Error, InputError
 from ._record import Record
 
 
+# The largest grid, the bytes and the number of the figures of a result in a notebook.
+_MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
+
+
 class Result:
     """A result with the file, the page and the figures that the program makes of it.
 
-    `Contact`, `Contacts`, `Path`, `Slide`, `Wear`, `Punch` and `FieldsBelow` are results.
+    `Contact`, `Contacts`, `Path`, `Slide`, `Wear`, `Punch`, `FieldsBelow` and `KappaSweep` are results.
 
     Example:
         >>> isinstance(c, gfmd.Result)
@@ -82,6 +88,21 @@ class Result:
         """
         with self._stored() as file:
             return Figures(_gfmd.figures(file))
+
+    def _pictures(self, points: int) -> str:
+        """The first figures of the page for a notebook: two, of a result that draws quickly and lightly."""
+        if points > _MOST_POINTS:
+            return ""
+        try:
+            figures = self.figures()
+        except Error:
+            return ""  # a result without a state
+        kept, bytes_left = Figures(), _MOST_BYTES
+        for name, svg in figures.items():
+            if len(kept) < _MOST_PICTURES and 4 * len(svg.encode()) <= 3 * bytes_left:  # base64
+                bytes_left -= 4 * len(svg.encode()) // 3
+                kept[name] = svg
+        return kept._repr_html_()
 
     def save_figures(self, folder: str | os.PathLike[str]) -> list[str]:
         """Writes the `figures` as NAME.svg into a folder, which is made if it does not exist. Returns their paths.
@@ -164,3 +185,7 @@ class Computed(Result, Record):
 
     def _write(self, path: str) -> None:
         self._file.write(path)
+
+    def _repr_html_(self) -> str:
+        fields = [value.size // len(value) for value in self._values.values() if isinstance(value, np.ndarray) and value.ndim > 1 and len(value)]
+        return self._pictures(max(fields, default=0)) + super()._repr_html_()

@@ -221,16 +221,12 @@ def _png(values: Array) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
 
 
-_MOST_MAPS = 6
-
-
-def maps_html(fields: Sequence[Array], caption: str) -> str:
-    """Small maps side by side, of at most six of the fields; of profiles, the caption alone."""
-    if not fields or fields[0].shape[1] == 1:
+def map_html(values: Array, caption: str) -> str:
+    """A small map; of a profile, the caption alone."""
+    if values.shape[1] == 1:
         return f"<p>{html.escape(caption)}</p>"
-    kept = [fields[round(k)] for k in np.linspace(0, len(fields) - 1, min(len(fields), _MOST_MAPS))]
-    images = "".join(f'<img width="128" src="data:image/png;base64,{base64.b64encode(_png(field)).decode()}"> ' for field in kept)
-    return f"<figure>{images}<figcaption>{html.escape(caption)}</figcaption></figure>"
+    image = f'<img width="128" src="data:image/png;base64,{base64.b64encode(_png(values)).decode()}">'
+    return f"<figure>{image}<figcaption>{html.escape(caption)}</figcaption></figure>"
 
 
 def table_html(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

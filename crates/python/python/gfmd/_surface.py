@@ -540,7 +540,7 @@ class Surface:
     def _repr_html_(self) -> str:
         from . import _show
 
-        return _show.maps_html([self._heights], repr(self))
+        return _show.map_html(self._heights, repr(self))
 
 
 def _surface(heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin | str) -> Surface:
