@@ -72,8 +72,8 @@ impl Body {
     }
 
     /// A body whose normal compliance depends on the direction of the wave vector, as that of a crystal or a composite:
-    /// a table with the rows [q_x, q_y (rad/length), compliance (length/stress)], in any order. Every wavenumber has the
-    /// same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q. Between
+    /// a table with the rows [q_x, q_y (rad/length), compliance (length/stress)], in any order. Every wavenumber has
+    /// the same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q. Between
     /// them ln G is the trigonometric polynomial of the angle, with coefficients that are cubics of ln q as in
     /// [`tabulated`](Self::tabulated) (theory.md, section 4.4).
     ///
@@ -367,8 +367,9 @@ impl Body {
         }
     }
 
-    /// The frictionless normal stiffness of a mode of a grid, in stress/length: the mean over the waves that the grid does
-    /// not tell apart, which differ if the body is not [isotropic](Self::is_isotropic), so that real fields remain real.
+    /// The frictionless normal stiffness of a mode of a grid, in stress/length: the mean over the waves that the grid
+    /// does not tell apart, which differ if the body is not [isotropic](Self::is_isotropic), so that real fields remain
+    /// real.
     pub fn normal_stiffness_of(&self, mode: &Mode) -> f64 {
         if mode.is_uniform() || self.is_isotropic() {
             return self.normal_stiffness(if mode.is_uniform() { 0.0 } else { mode.wavenumber() });

@@ -49,8 +49,8 @@ pub enum GreenError {
     },
     /// A row of such a table that is elsewhere.
     #[error(
-        "row {row} of the table of compliances has the wavenumber {q:.6e} at {angle:.3} degrees; each wavenumber must have \
-         {directions} directions, at multiples of 180/{directions} degrees from the x axis"
+        "row {row} of the table of compliances has the wavenumber {q:.6e} at {angle:.3} degrees; each wavenumber must \
+         have {directions} directions, at multiples of 180/{directions} degrees from the x axis"
     )]
     Direction {
         /// The row, from 1.

@@ -143,8 +143,8 @@ fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64
     }
 }
 
-/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m unless it takes
-/// `all` modes. Of equal values the first counts.
+/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m unless it
+/// takes `all` modes. Of equal values the first counts.
 fn range(grid: &Grid, all: bool, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
     let [lanes, positions] = grid.spectrum_shape();
     let different = if all || grid.is_line() { positions } else { positions / 2 + 1 };

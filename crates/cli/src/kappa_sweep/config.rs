@@ -47,7 +47,7 @@ impl Configured {
     }
 }
 
-/// The moduli of a body, by their fields: numbers, and the first ones of lists. Of a result only ratios of moduli matter.
+/// The moduli of a body, by their fields: numbers, and the first ones of lists. Only their ratios matter.
 const MODULI: [&str; 4] = ["young", "base_young", "layers", "second_body"];
 
 fn parsed(name: &str, text: &str) -> Result<Config, Failure> {
@@ -92,8 +92,8 @@ fn bare_in(name: &str, field: &str, value: &mut Value, is_modulus: bool) -> Resu
                 _ => return Ok(false),
             };
             if !is_modulus {
-                let reason = "a sweep has no unit of lengths: its cell has length 1, heights of bodies are over that length, \
-                              and loads and surfaces are ratios; moduli alone may have a unit";
+                let reason = "a sweep has no unit of lengths: its cell has length 1, heights of bodies are over that \
+                              length, and loads and surfaces are ratios; moduli alone may have a unit";
                 return Err(Failure::input(&format!("{name}: {field} is {text:?}"), reason));
             }
             let units = Units::new(Some("m"), Some(Units::PASCAL));

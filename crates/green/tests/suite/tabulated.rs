@@ -100,7 +100,7 @@ fn a_table_by_direction_converges_exponentially_in_the_directions() {
     assert!(errors[2] < 1e-6, "{errors:?}");
 }
 
-/// A mode at Nyquist stands for waves of both signs, and the stiffness is real and even, so that real fields remain real.
+/// A mode at Nyquist stands for waves of both signs; the stiffness is real and even, so that real fields remain real.
 #[test]
 fn modes_of_a_grid_have_the_mean_stiffness_of_their_aliases() {
     let rows = polar(4, 8, |q, angle| (2.0 + (2.0 * angle + 0.5).sin()) / q);
