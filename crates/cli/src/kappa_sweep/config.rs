@@ -54,14 +54,19 @@ fn parsed(name: &str, text: &str) -> Result<Config, Failure> {
     if let Ok(mut table) = text.parse::<Table>()
         && bare(name, &mut table)?
     {
-        let config = Value::Table(table).try_into::<Config>();
-        return config.map_err(|error| Failure::input(name, error.message().replace('\n', ", ")));
+        // Another text, whose lines are not those of the file.
+        let text = toml::to_string(&table).map_err(|error| Failure::input(name, error))?;
+        return of_text(&text, |_| name.to_owned());
     }
+    of_text(text, |before| format!("{name}, line {}", 1 + before.matches('\n').count()))
+}
+
+/// The configuration in a text; `place` names the place behind the part of a text before an error.
+fn of_text(text: &str, place: impl Fn(&str) -> String) -> Result<Config, Failure> {
     toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
-        let place = format!("{name}, line {}", 1 + before.matches('\n').count());
         let reason = error.message().replace('\n', ", ");
-        Failure::input(&place, field(before).map_or(reason.clone(), |field| format!("{field}: {reason}")))
+        Failure::input(&place(before), field(before).map_or(reason.clone(), |field| format!("{field}: {reason}")))
     })
 }
 
