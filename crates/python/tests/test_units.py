@@ -19,6 +19,15 @@ def pressed(scan):
     return gfmd.contact(scan, gfmd.Body(young="70 GPa", poisson=0.3), mean_pressure="100 MPa")
 
 
+def test_conductivities_have_units():
+    scan = gfmd.self_affine(n=32, size="10 um", unit="um", eps_f_inv=4)
+    c = gfmd.contact(scan, gfmd.Body(young="3 MPa"), p_star=0.05)
+    assert c.conductance("0.2 W/(m K)", "5e4 mW/m/K") == pytest.approx(c.conductance(0.2, 50.0), rel=1e-14)
+    for wrong, words in (("3 MPa", "k1 is .*it is a stress"), (None, "k1 is None"), ("0.2", "k1")):
+        with pytest.raises(gfmd.InputError, match=words):
+            c.conductance(wrong, 50.0)
+
+
 def test_a_quantity_is_its_number(scan, pressed):
     body = gfmd.Body(young=70e9, poisson=0.3)
     bare = gfmd.contact(scan, body, mean_pressure=1e8, stress_unit="Pa")

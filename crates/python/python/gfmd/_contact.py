@@ -419,7 +419,7 @@ class Contact(Result, Record):
         return Record(found)
 
     def conductance(
-        self, k1: Optional[float] = None, k2: Optional[float] = None, *, conductor_height: Quantity = float("inf")
+        self, k1: Optional[Quantity] = None, k2: Optional[Quantity] = None, *, conductor_height: Quantity = float("inf")
     ) -> float:
         """Returns the conductance of the points in contact between two conductors of heat or electric current, per area, 1 / length.
 
@@ -431,7 +431,8 @@ class Contact(Result, Record):
         with free boundaries on conductors without end, with finite slopes, and with a lower surface.
 
         Args:
-            k1, k2: conductivities of both conductors, W/(m K) or S/m; both or none. Without a unit of lengths per unit length of the surface.
+            k1, k2: conductivities of both conductors, W/(m K) or S/m, or texts with a unit ("0.2 W/(m K)"); both or none. Without a unit of
+                lengths per unit length of the surface.
             conductor_height: depth of the electrodes of both conductors below the surface, length, or a text with a unit; infinite by default.
 
         Raises:
@@ -447,7 +448,8 @@ class Contact(Result, Record):
             return math.nan
         if k1 is None and k2 is None:
             return found
-        first, second = number("k1", k1), number("k2", k2)
+        conductivity = "stress*length^2/time*temperature"
+        first, second = in_units("k1", k1, conductivity), in_units("k2", k2, conductivity)
         if not (0.0 < first < math.inf and 0.0 < second < math.inf):
             raise InputError(f"k1 and k2 are {k1!r}, {k2!r}; they must be positive and finite")
         return found / (1.0 / first + 1.0 / second) / metre(self.surface.unit)
