@@ -340,6 +340,8 @@ impl Contact {
         };
         let (input, output) = (Rows(&pressure[..], columns), Rows(&mut displacement[..], columns));
         compliance.apply_rows(response.compliance(), (input, source), (output, sink));
+        // The gap of the solution needs the memory.
+        compliance.release();
         let uniform = match self.uniform_compliance() {
             0.0 => 0.0,
             compliance => compliance * self.share.total_of(&pressure) / self.share.total() as f64,

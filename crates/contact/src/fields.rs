@@ -10,7 +10,9 @@ pub trait Fields {
 
     /// The repulsive part of the pressure, in stress ≥ 0; its points are those in contact.
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
-        self.pressure().mapv(|p| p.max(0.0)).into()
+        let pressure = self.pressure();
+        let is_repulsion = pressure.iter().all(|p| *p >= 0.0);
+        if is_repulsion { pressure } else { pressure.mapv(|p| p.max(0.0)).into() }
     }
 
     /// Normal displacement u_z of the elastic surface, in length; negative downwards.

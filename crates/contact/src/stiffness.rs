@@ -18,8 +18,9 @@ pub struct Stiffness {
     /// In stress/length. Infinite in full contact with a body whose mean level is fixed (periodic half-space, incompressible
     /// slab); NaN for a profile with free boundaries on a half-space, whose displacement is known up to a constant.
     pub value: f64,
-    /// The relative error of `value`, from the residual of the linear problem with fresh transforms: ⟨r, M r⟩ / ⟨q, G q⟩ with
-    /// M the preconditioner, which is at least about the inverse of G on the contact.
+    /// The largest relative error of `value`, from the residual r of the linear problem with fresh transforms: the compliance of
+    /// the pressure found exceeds the exact one by a part of ⟨r, M r⟩ that the preconditioner M bounds on both sides, and
+    /// `value` takes the middle (theory.md, section 7.3).
     pub error: f64,
     /// Effort of the solve.
     pub effort: Effort,
@@ -30,8 +31,13 @@ impl Stiffness {
     pub const TOLERANCE: f64 = 5e-6;
 }
 
-/// The bound of the error over ⟨r, M r⟩ of few points, whose M may be smaller than the inverse of G, by some 15 %.
-const OF_FEW: f64 = 2.0;
+/// The least and the largest excess of the compliance over ⟨r, M r⟩ of few points, whose M may be smaller than the inverse of G,
+/// by some 15 %. Measured: 0.9 to 1.2 (256² and 1024², H = 0 and 0.8, half-space and slab, p* to 0.05).
+const OF_FEW: [f64; 2] = [0.5, 1.5];
+
+/// The least excess of the compliance over ⟨r, M r⟩, over the shortest step of the conjugate gradients so far, which is a quotient of
+/// the inverse of G and M itself. Chosen; measured: 0.95 to 1.1 (the same surfaces, p* to 0.6).
+const OF_STEPS: f64 = 0.75;
 
 /// The largest number of corrections on few points.
 const CORRECTIONS: usize = 3;
@@ -83,20 +89,27 @@ impl Contact {
         }
         let mut few = Few::of(self, pressure);
         let certified = few.as_mut().and_then(|few| unit.correct(few, tolerance));
-        let (ended, sums) = certified.map_or_else(|| unit.solve(tolerance), |sums| (Ok(()), sums));
+        let of_few = |sums| (Ok(()), sums, OF_FEW);
+        let (ended, sums, range) = certified.map_or_else(|| unit.solve(tolerance), of_few);
         // ⟨q, G q⟩ of the pressure q with mean 1 is N times the displacement, whose lowest value is the one sought.
-        let [work, excess] = sums.map(|sum| sum / n as f64);
-        let compliance = work + self.uniform_compliance();
+        let [work, slope] = sums.map(|sum| sum / n as f64);
+        let [middle, half] = middle_of(range);
+        let compliance = work - middle * slope + self.uniform_compliance();
         let mut effort = unit.effort();
         few.iter().for_each(|few| effort.add(few.effort()));
         let stiffness =
-            Stiffness { value: self.units().stiffness() / compliance, error: excess.abs() / compliance, effort };
+            Stiffness { value: self.units().stiffness() / compliance, error: half * slope.abs() / compliance, effort };
         match ended {
             _ if stiffness.error <= tolerance => Ok(stiffness),
             Ok(()) => Err((stiffness, Why::Certificate)),
             Err(why) => Err((stiffness, why)),
         }
     }
+}
+
+/// The middle of a range, and half of its width.
+fn middle_of([least, most]: [f64; 2]) -> [f64; 2] {
+    [0.5 * (most + least), 0.5 * (most - least)]
 }
 
 /// The pressure with mean 1 that displaces all points in contact by the same amount. It has single precision: the error of
@@ -118,6 +131,8 @@ struct Unit<'a> {
     /// M 1 over its sum, if this is more than rounding errors.
     constant: Option<Vec<f32>>,
     iterations: u64,
+    /// The shortest step so far, zero without any.
+    shortest: f64,
 }
 
 impl<'a> Unit<'a> {
@@ -135,6 +150,7 @@ impl<'a> Unit<'a> {
             image: vec![0.0; n],
             constant: None,
             iterations: 0,
+            shortest: 0.0,
         }
     }
 
@@ -156,28 +172,29 @@ impl<'a> Unit<'a> {
     }
 
     /// Corrects the pressure on few points, each time to some 4e-4 of its error. Returns ⟨q, G q⟩ from fresh transforms in double
-    /// precision, and twice ⟨r, M r⟩ with the preconditioner of the few points, if that is sufficient.
+    /// precision, and ⟨r, M r⟩ with the preconditioner of the few points, if that is sufficient.
     fn correct(&mut self, few: &mut Few, tolerance: f64) -> Option<[f64; 2]> {
         few.start(self.share.total() as f64 / self.count);
         for _ in 0..CORRECTIONS {
-            few.correct(tolerance, &mut self.variation);
+            few.correct(tolerance / middle_of(OF_FEW)[1], &mut self.variation);
             let work = self.refresh();
-            let excess = OF_FEW * few.take(&self.residual, self.dual.unit());
-            if excess.abs() <= tolerance * work {
-                return Some([work, excess]);
+            let slope = few.take(&self.residual, self.dual.unit());
+            if middle_of(OF_FEW)[1] * slope.abs() <= tolerance * work {
+                return Some([work, slope]);
             }
         }
         None
     }
 
     /// Conjugate gradients until the error is at most `tolerance`. Returns also ⟨q, G q⟩ and ⟨r, M r⟩ from fresh transforms in
-    /// double precision.
-    fn solve(&mut self, tolerance: f64) -> (Result<(), Why>, [f64; 2]) {
+    /// double precision, and the range of the excess over the latter.
+    fn solve(&mut self, tolerance: f64) -> (Result<(), Why>, [f64; 2], [f64; 2]) {
         let mut direction = vec![0.0; self.contact.len()];
-        let [mut work, mut slope] = self.certify();
-        let (mut last, mut is_fresh) = (f64::INFINITY, true);
+        let [mut work, mut slope] = self.begin(&mut direction);
+        let (mut last, mut is_fresh) = (f64::INFINITY, false);
         loop {
-            let enough = tolerance * work;
+            let range = [OF_STEPS * self.shortest.clamp(0.0, 1.0), 1.0];
+            let enough = tolerance * work / middle_of(range)[1];
             let ended = match slope.abs() <= enough {
                 true => Some(Ok(())),
                 // A preconditioner that is not positive says nothing of the error.
@@ -186,7 +203,7 @@ impl<'a> Unit<'a> {
                 false => None,
             };
             match ended {
-                Some(ended) if is_fresh => return (ended, [work, slope]),
+                Some(ended) if is_fresh => return (ended, [work, slope], range),
                 Some(_) => is_fresh = true,
                 None => {
                     self.step(&mut direction, [last, slope]);
@@ -197,6 +214,20 @@ impl<'a> Unit<'a> {
             }
             [work, slope] = if is_fresh { self.certify() } else { [work, self.precondition() * self.dual.unit()] };
         }
+    }
+
+    /// ⟨q, G q⟩ and ⟨r, M r⟩ of the uniform pressure, which takes the place of the `pressure`, from single precision.
+    fn begin(&mut self, pressure: &mut [f32]) -> [f64; 2] {
+        let (uniform, hardness) = ((self.share.total() as f64 / self.count) as f32, self.hardness);
+        for_each((&mut *pressure, self.contact, hardness), &|_, (pressure, contact, hardness)| {
+            for (i, (q, p)) in pressure.iter_mut().zip(contact).enumerate() {
+                *q = if (*p > 0.0) & (*p < hardness.at(i)) { uniform } else { 0.0 };
+            }
+        });
+        self.displace(pressure);
+        std::mem::swap(&mut self.residual, &mut self.image);
+        let work = self.share.dot(pressure, &self.residual);
+        [work, self.precondition()].map(|sum| sum * self.dual.unit())
     }
 
     /// A step of conjugate gradients along the `direction` that follows from the preconditioned residual in `image`; the last
@@ -218,7 +249,9 @@ impl<'a> Unit<'a> {
             }
         });
         self.displace(direction);
-        let step = (slope / self.dual.unit() / self.share.dot(direction, &self.image)) as f32;
+        let step = slope / self.dual.unit() / self.share.dot(direction, &self.image);
+        self.shortest = if self.iterations == 0 { step } else { step.min(self.shortest) };
+        let step = step as f32;
         let vectors = (&mut self.variation[..], &mut self.residual[..], &*direction, &self.image[..]);
         for_each(vectors, &|_, (variation, residual, direction, image)| {
             variation.iter_mut().zip(direction).for_each(|(q, d)| *q -= step * d);

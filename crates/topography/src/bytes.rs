@@ -128,8 +128,9 @@ impl Sample {
     fn decode(self, bytes: &[u8], order: Order) -> f64 {
         let mut word = [0; 8];
         let size = bytes.len();
-        for (k, &byte) in bytes.iter().enumerate() {
-            word[if order == Order::Little { k } else { size - 1 - k }] = byte;
+        word[..size].copy_from_slice(bytes);
+        if order == Order::Big {
+            word[..size].reverse();
         }
         let bits = u64::from_le_bytes(word);
         match self {
@@ -229,7 +230,8 @@ impl Grid {
         heights.resize(nx * ny, 0.0);
         let [back_x, back_y] = self.backwards;
         let mut buffer = [0; 4096];
-        let mut point = 0;
+        let row = if self.layout == Layout::Lines { nx } else { ny };
+        let (mut point, mut outer, mut inner) = (0, 0, 0);
         while point < nx * ny {
             let count = (nx * ny - point).min(buffer.len() / size);
             let part = &mut buffer[..count * size];
@@ -240,19 +242,19 @@ impl Grid {
                 _ => format!("the heights are damaged: {error}"),
             })?;
             for bytes in part.chunks_exact(size) {
-                let [mut x, mut y] = match self.layout {
-                    Layout::Lines => [point % nx, point / nx],
-                    Layout::Columns => [point / ny, point % ny],
+                let [x, y] = match self.layout {
+                    Layout::Lines => [inner, outer],
+                    Layout::Columns => [outer, inner],
                 };
-                if back_x {
-                    x = nx - 1 - x;
-                }
-                if back_y {
-                    y = ny - 1 - y;
-                }
+                let x = if back_x { nx - 1 - x } else { x };
+                let y = if back_y { ny - 1 - y } else { y };
                 heights[x * ny + y] = height(self.sample.decode(bytes, self.order));
-                point += 1;
+                inner += 1;
+                if inner == row {
+                    (outer, inner) = (outer + 1, 0);
+                }
             }
+            point += count;
         }
         Array2::from_shape_vec((nx, ny), heights).map_err(|error| error.to_string())
     }

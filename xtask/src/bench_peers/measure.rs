@@ -34,7 +34,7 @@ const INDULGENCE: f64 = 5.0;
 const GROWTH: f64 = 3.0;
 
 /// Factor on the bound in the search for the tolerance of a peer: residuals of repeated solves differ by rounding.
-const MARGIN: f64 = 0.98;
+pub(super) const MARGIN: f64 = 0.98;
 
 /// The result of a peer on a smaller grid.
 #[derive(Clone, Copy)]

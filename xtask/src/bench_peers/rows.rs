@@ -23,7 +23,7 @@ pub(super) const PLACE: &str = "rows";
 #[derive(ClapArgs, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
   gfmd bench-rows --quick
-  gfmd bench-rows --python venv/bin/python --write-docs
+  gfmd bench-rows --python venv/bin/python --tamaas --write-docs
   gfmd bench-rows --n 512 --large 1024 --repeats 1 --json")]
 pub struct Args {
     /// Points along a side for the process, the stiffness and the ramp
@@ -47,6 +47,9 @@ pub struct Args {
     /// Python with gfmd installed, built for release
     #[arg(long, default_value = "python3", value_name = "PROGRAM")]
     pub python: PathBuf,
+    /// Solve by Tamaas, too, which is installed as by bench-peers
+    #[arg(long)]
+    pub tamaas: bool,
     /// Command that starts several processes, with its own flags
     #[arg(long, default_value = "mpirun", value_name = "COMMAND")]
     pub mpirun: String,
@@ -169,6 +172,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Rows, Failure> {
         rows: Vec::new(),
     };
     rows.add(trial.processes()?);
+    rows.add(trial.tamaas()?);
     rows.add(trial.ramp()?);
     rows.add(trial.flow()?);
     rows.add(trial.many()?);
@@ -241,7 +245,7 @@ impl Rows {
             text,
             "\n{date}. {machine}. gfmd {version}, commit {short}. Self-affine surfaces as above, H = {hurst}. Seconds, or MB. Both sides of\n\
              a ratio are measured in turns, {repeats} times; the median ratio is compared with the aim.\n\
-             `cargo xtask bench-rows --python PYTHON --write-docs`, with a Python that has gfmd, makes this table.\n\n"
+             `cargo xtask bench-rows --python PYTHON --tamaas --write-docs`, with a Python that has gfmd, makes this table.\n\n"
         );
         text
     }

@@ -171,6 +171,7 @@ impl<'a> Candidates<'a> {
     fn measure(&mut self) {
         let Self { contact, approach, .. } = *self;
         let far = 2.0 * (contact.scaled.mean_clearance() + approach.abs());
+        self.linear = Vec::new();
         let mut linear = self.at_points(contact.scaled.clearance());
         linear.resize(linear.len().next_multiple_of(STRETCH), far);
         linear.iter_mut().for_each(|c| *c -= approach);
@@ -349,6 +350,9 @@ impl<'a> Candidates<'a> {
             self.measure();
             return true;
         }
+        // The vectors for the new blocks need the memory.
+        self.release();
+        self.points.release();
         blocks.extend(survey.found.iter().map(|place| (*place, [0.0; LANES])));
         blocks.sort_unstable_by_key(|(place, _)| *place);
         let (places, values): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();

@@ -1,5 +1,6 @@
 //! The measurements of each row.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
@@ -10,6 +11,7 @@ use gfmd_contact::{Boundary, Contact, Equilibrium as _, Load, Solution, Solver, 
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_problem::MemoryNeed;
+use gfmd_problem::options::flags::without_flags;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use ndarray::{Array2, Array3, Axis};
@@ -18,9 +20,14 @@ use rayon::ThreadPoolBuilder;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use super::super::contestant::{Problem, own};
+use super::super::contestant::{Contestant, Place, Problem, own};
+use super::super::judge::{Verdict, judge};
+use super::super::measure::MARGIN;
+use super::super::process::Ended;
+use super::super::python::{Environment, LONG};
 use super::super::solve::Solve;
-use super::super::{rough, work_folder};
+use super::super::tolerance::loosest;
+use super::super::{Args as PeerArgs, Peer, problems, rough, work_folder};
 use super::{Args, Case, Row};
 
 /// Reduced pressures of the loads.
@@ -33,6 +40,8 @@ const RAMP: (f64, f64, usize) = (0.001, 0.5, 20);
 const TOLERANCE: f64 = 1e-8;
 /// The number of processes of one thread.
 const RANKS: usize = 4;
+/// Hurst exponents of the surfaces that Tamaas gets, too.
+const HURST: [f64; 2] = [0.0, 0.8];
 /// Points along a side at which the memory is predicted.
 const HUGE: usize = 16384;
 /// Points along a side of small contacts, and the fraction of their number.
@@ -138,9 +147,14 @@ impl<'a> Trial<'a> {
         Ok((seconds, serde_json::from_slice(&output.stdout).map_err(failed)?))
     }
 
-    /// The time of the load, as the program tells it.
+    /// The time of the usual load, as the program tells it.
     fn told(&self, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
-        let (_, report) = self.contact(more, rough, USUAL, threads)?;
+        self.told_at(USUAL, rough, more, threads)
+    }
+
+    /// The time of a load, as the program tells it.
+    fn told_at(&self, p_star: f64, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
+        let (_, report) = self.contact(more, rough, p_star, threads)?;
         report["loads"][0]["seconds"].as_f64().ok_or_else(|| failed("the report of contact has no seconds"))
     }
 
@@ -174,6 +188,54 @@ impl<'a> Trial<'a> {
             row("process `contact --surface` over its solution", 1.6, Ok(process)),
             row("stiffness over the solution", 0.15, Ok(stiffness)),
         ])
+    }
+
+    /// The solution by Tamaas over the time of the load in `contact`, to the same certified residual.
+    pub(super) fn tamaas(&self) -> Result<Vec<Row>, Failure> {
+        let what = "solution by Tamaas over `seconds` of `contact`";
+        let cases = if self.args.tamaas { self.beside_tamaas()? } else { Err("not asked for by --tamaas".into()) };
+        Ok(vec![Row { at_least: true, ..row(what, 20.0, cases) }])
+    }
+
+    /// The cases with Tamaas, or the reason why it does not run here.
+    fn beside_tamaas(&self) -> Result<Result<Vec<Case>, String>, Failure> {
+        let (n, session) = (self.args.n, self.session);
+        let peers = PeerArgs { p_star: LOADS.into(), ..without_flags::<PeerArgs>() }.resolved();
+        let environment = Environment::prepare(&peers, &work_folder()?, session)?;
+        if !environment.has(Peer::Tamaas) {
+            return Ok(Err("Tamaas is not installed".into()));
+        }
+        let place = Place { environment: &environment, session, limit: LONG };
+        let tamaas = Contestant::Peer(Peer::Tamaas);
+        let (name, out) = (tamaas.to_string(), tamaas.pressure_file(environment.scratch(), 1));
+        let fields = BTreeMap::from([(name.clone(), out.clone())]);
+        let failure = |ended: Ended| ended.failure("a solution by Tamaas");
+        let mut cases = Vec::new();
+        for hurst in HURST {
+            for problem in problems(&peers, n, hurst, environment.scratch())? {
+                let solve = |tolerance: f64| {
+                    let solve = tamaas.solve(&problem, tolerance, 1, Some(&out), place)?.converged()?;
+                    let verdicts = judge(&problem, &fields, &name, &environment, session)?;
+                    Ok((verdicts.get(&name).map_or(f64::NAN, Verdict::worst), solve))
+                };
+                let found = loosest(MARGIN * TOLERANCE, TOLERANCE, solve).map_err(failure)?;
+                let found = found.ok_or_else(|| failed("Tamaas does not reach the residual"))?;
+                let p_star = problem.p_star;
+                let rough = Rough {
+                    heights: Array2::zeros([0, 0]),
+                    rms_gradient: problem.mean_pressure / p_star,
+                    file: problem.heights.clone(),
+                };
+                let mut case = self.case(n, p_star, 1);
+                case.of = format!("{n}², H = {hurst}, p* = {p_star}");
+                for _ in 0..self.args.repeats {
+                    case.over.push(self.told_at(p_star, &rough, (&[], &[]), 1)?);
+                    case.found.push(solve(found.tolerance).map_err(failure)?.1.seconds);
+                }
+                cases.push(case);
+            }
+        }
+        Ok(Ok(cases))
     }
 
     /// A ramp, each load from the last one, over the same loads without a start.
