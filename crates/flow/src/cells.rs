@@ -82,7 +82,9 @@ impl Potential {
 
 /// Cells with conductivities under a unit mean gradient along one axis.
 pub(crate) struct Cells<'a> {
-    grid: Grid,
+    points: [usize; 2],
+    lengths: [f64; 2],
+    spacing: [f64; 2],
     conductivity: &'a [f64],
     boundary: Boundary,
     /// The axis of the gradient.
@@ -101,17 +103,18 @@ impl<'a> Cells<'a> {
         numbering: &'a Numbering,
         axis: usize,
     ) -> Self {
-        let [dx, dy] = grid.spacing();
-        Self { grid: *grid, conductivity, boundary, axis, numbering, shape: [dy / dx, dx / dy] }
+        let (points, lengths, spacing) = (grid.points(), grid.lengths(), grid.spacing());
+        let shape = [spacing[1] / spacing[0], spacing[0] / spacing[1]];
+        Self { points, lengths, spacing, conductivity, boundary, axis, numbering, shape }
     }
 
     /// The width of a face across the gradient.
     pub(crate) fn width(&self) -> f64 {
-        self.grid.spacing()[1 - self.axis]
+        self.spacing[1 - self.axis]
     }
 
     pub(crate) fn area(&self) -> f64 {
-        self.grid.lengths().iter().product()
+        self.lengths.iter().product()
     }
 
     pub(crate) fn axis(&self) -> usize {
@@ -128,10 +131,9 @@ impl<'a> Cells<'a> {
 
     /// The face of a cell along `axis`, on its far side or on its near one; none if nothing passes.
     fn face(&self, cell: usize, index: usize, axis: usize, far: bool) -> Option<Face> {
-        let (points, spacing) = (self.grid.points(), self.grid.spacing());
-        let (n, stride) = if axis == 0 { (points[0], points[1]) } else { (points[1], 1) };
+        let (n, stride) = if axis == 0 { (self.points[0], self.points[1]) } else { (self.points[1], 1) };
         let at_edge = if far { index + 1 == n } else { index == 0 };
-        let (here, distance) = (self.conductivity[cell], spacing[axis]);
+        let (here, distance) = (self.conductivity[cell], self.spacing[axis]);
         if at_edge && self.boundary == Boundary::Free {
             // The reservoirs lie at the edges along the gradient.
             let face = Face { beside: None, conductance: 2.0 * here * self.shape[axis], distance: 0.5 * distance };
@@ -151,9 +153,14 @@ impl<'a> Cells<'a> {
         Some(Face { beside: Some(number), conductance, distance })
     }
 
+    /// The indices of a cell. Numbers of cells have 32 bits, whose division is the faster one.
+    fn place(&self, cell: u32) -> [usize; 2] {
+        let columns = self.points[1] as u32;
+        [cell / columns, cell % columns].map(|index| index as usize)
+    }
+
     fn faces(&self, cell: usize) -> impl Iterator<Item = (usize, bool, Face)> + '_ {
-        let columns = self.grid.points()[1];
-        let place = [cell / columns, cell % columns];
+        let place = self.place(cell as u32);
         let sides = [(0, false), (0, true), (1, false), (1, true)];
         sides
             .into_iter()
@@ -175,11 +182,11 @@ impl<'a> Cells<'a> {
         links
     }
 
-    /// The flow out of a cell through one of its faces.
-    fn out(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
+    /// The fall of the potential out of a cell through one of its faces.
+    fn fall(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
         let beside = face.beside.map_or(Potential::default(), |beside| potential[beside as usize]);
         let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
-        face.conductance * potential[number].over(beside, drop)
+        potential[number].over(beside, drop)
     }
 
     /// True if the equations of other cells are the same, but for the gradient.
@@ -189,24 +196,23 @@ impl<'a> Cells<'a> {
 
     /// The flow in the part of cells with the numbers from `start`.
     fn sums(&self, potential: &[Potential], start: usize, cells: &[u32]) -> Sums {
-        let points = self.grid.points();
-        let stride = if self.axis == 0 { points[1] } else { 1 };
-        let index = |cell: u32| cell as usize / stride % points[self.axis];
-        let first = cells.iter().map(|cell| index(*cell)).min().unwrap_or(0);
-        let last = cells.iter().map(|cell| index(*cell)).max().unwrap_or(0);
-        let mut sums =
-            Sums { flux: [0.0; 2], power: 0.0, sections: vec![0.0; last - first + 2], first, missing: Vec::new() };
+        let index = |cell: u32| self.place(cell)[self.axis];
+        let (first, last) =
+            cells.iter().map(|cell| index(*cell)).fold((usize::MAX, 0), |(a, b), index| (a.min(index), b.max(index)));
+        let (sections, missing) = (vec![0.0; last - first + 2], Vec::with_capacity(cells.len()));
+        let mut sums = Sums { flux: [0.0; 2], power: 0.0, sections, first, missing };
         for (number, cell) in (start..).zip(cells) {
             let index = index(*cell) - first;
             let mut sum = 0.0;
             for part in self.faces(*cell as usize) {
-                let out = self.out(potential, number, &part);
+                let fall = self.fall(potential, number, &part);
                 let (axis, far, face) = part;
+                let out = face.conductance * fall;
                 sum += out;
                 // Each inner face belongs to two cells, each with half of the way.
                 let share = if face.beside.is_some() { 0.5 } else { 1.0 };
                 sums.flux[axis] += share * face.distance * if far { out } else { -out };
-                sums.power += share * out * out / face.conductance;
+                sums.power += share * out * fall;
                 match (axis == self.axis, far, face.beside) {
                     (true, true, _) => sums.sections[index + 1] += out,
                     (true, false, None) => sums.sections[index] -= out,
@@ -220,7 +226,7 @@ impl<'a> Cells<'a> {
 
     /// The flow with a potential, from each cell's faces anew.
     pub(crate) fn balance(&self, potential: &[Potential]) -> Balance {
-        let (lengths, points) = (self.grid.lengths(), self.grid.points());
+        let Self { lengths, points, .. } = *self;
         let parts = self.numbering.open.par_chunks(PART).enumerate();
         let parts: Vec<Sums> = parts.map(|(part, cells)| self.sums(potential, part * PART, cells)).collect();
         let (mut flux, mut power) = ([0.0; 2], 0.0);
@@ -248,14 +254,14 @@ impl<'a> Cells<'a> {
 
     /// The magnitude of the flux at every cell: flow per width, averaged over opposite faces; zero where nothing flows.
     pub(crate) fn flux(&self, potential: &[Potential]) -> Vec<f64> {
-        let spacing = self.grid.spacing();
         self.at_every_cell(|cell, number| {
             let mut flux = [0.0; 2];
             for part in self.faces(cell) {
-                let out = self.out(potential, number, &part) / spacing[1 - part.0];
-                flux[part.0] += 0.5 * if part.1 { out } else { -out };
+                let out = part.2.conductance * self.fall(potential, number, &part);
+                flux[part.0] += if part.1 { out } else { -out };
             }
-            flux[0].hypot(flux[1])
+            let mean = |axis: usize| 0.5 * flux[axis] / self.spacing[1 - axis];
+            mean(0).hypot(mean(1))
         })
     }
 

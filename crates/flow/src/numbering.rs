@@ -31,30 +31,37 @@ impl Numbering {
         let points = grid.points();
         let [rows, columns] = points.map(|n| Axis::new(n, boundary));
         let blocks = rows.blocks * columns.blocks;
-        let class = |cell: usize, label: u32| {
-            let [i, j] = [cell / points[1], cell % points[1]];
-            (label > 0 && chosen[label as usize - 1]).then(|| {
-                let block = rows.block(i) * columns.blocks + columns.block(j);
-                if (i + j) % 2 == 0 && rows.alternates(i) && columns.alternates(j) {
-                    blocks + 1 + block
-                } else if rows.is_border(i) || columns.is_border(j) {
-                    blocks
-                } else {
-                    block
-                }
-            })
+        let places = [&rows, &columns].map(Axis::places);
+        let classes = |i: usize| {
+            let (row, labels) = (&places[0][i], patches.labels.row(i));
+            places[1]
+                .iter()
+                .zip(labels)
+                .enumerate()
+                .filter(|(_, (_, label))| **label > 0 && chosen[**label as usize - 1])
+                .map(move |(j, (column, _))| {
+                    let block = row.block * columns.blocks + column.block;
+                    if (i + j).is_multiple_of(2) && row.alternates && column.alternates {
+                        (j, blocks + 1 + block)
+                    } else if row.is_border || column.is_border {
+                        (j, blocks)
+                    } else {
+                        (j, block)
+                    }
+                })
         };
-        let classes = || patches.labels.iter().enumerate().map(|(cell, label)| class(cell, *label));
         let mut starts = vec![0; 2 * blocks + 2];
-        classes().flatten().for_each(|class| starts[class + 1] += 1);
+        (0..points[0]).flat_map(classes).for_each(|(_, class)| starts[class + 1] += 1);
         (1..starts.len()).for_each(|k| starts[k] += starts[k - 1]);
         let mut next = starts.clone();
         let (mut numbers, mut open) = (vec![CLOSED; grid.len()], vec![0; starts[2 * blocks + 1]]);
-        for (cell, class) in classes().enumerate() {
-            let Some(class) = class else { continue };
-            numbers[cell] = next[class] as u32;
-            open[next[class]] = cell as u32;
-            next[class] += 1;
+        for i in 0..points[0] {
+            for (j, class) in classes(i) {
+                let cell = i * points[1] + j;
+                numbers[cell] = next[class] as u32;
+                open[next[class]] = cell as u32;
+                next[class] += 1;
+            }
         }
         let halves = starts[blocks + 1];
         starts.truncate(blocks + 1);
@@ -82,6 +89,13 @@ impl Numbering {
     }
 }
 
+/// The place of an index on an axis.
+struct Place {
+    block: usize,
+    is_border: bool,
+    alternates: bool,
+}
+
 /// The division of an axis.
 struct Axis {
     points: usize,
@@ -92,6 +106,15 @@ struct Axis {
 impl Axis {
     fn new(points: usize, boundary: Boundary) -> Self {
         Self { points, blocks: (points / BLOCK).max(1), repeats: boundary == Boundary::Periodic }
+    }
+
+    fn places(&self) -> Vec<Place> {
+        let of = |index| Place {
+            block: self.block(index),
+            is_border: self.is_border(index),
+            alternates: self.alternates(index),
+        };
+        (0..self.points).map(of).collect()
     }
 
     fn block(&self, index: usize) -> usize {

@@ -18,7 +18,7 @@ struct Edge {
 pub(crate) struct Neighbour {
     pub(crate) node: u32,
     edges: [u32; COPIES],
-    copies: usize,
+    copies: u32,
     pub(crate) weight: f64,
     /// The sum of the weights up to this one.
     sum: f64,
@@ -69,26 +69,25 @@ impl Remaining {
         around.clear();
         let mut next = self.firsts[node];
         while next != NONE {
-            let Edge { end, next: after, weight } = self.edges[next as usize];
-            if weight > 0.0 {
-                around.push(Neighbour { node: end, edges: [next; COPIES], copies: 1, weight, sum: 0.0 });
-            }
+            let (edge, Edge { end, next: after, weight }) = (next, self.edges[next as usize]);
             next = after;
-        }
-        around.sort_unstable_by_key(|neighbour| (neighbour.node, neighbour.edges[0]));
-        around.dedup_by(|again, kept| {
-            let same = again.node == kept.node;
-            if same {
-                kept.weight += again.weight;
-                if kept.copies < COPIES {
-                    kept.edges[kept.copies] = again.edges[0];
-                    kept.copies += 1;
-                } else {
-                    self.remove(again.edges[0], kept.node, queue);
+            if weight == 0.0 {
+                continue;
+            }
+            // Few edges: a search is faster than an order.
+            match around.iter_mut().find(|neighbour| neighbour.node == end) {
+                None => around.push(Neighbour { node: end, edges: [edge; COPIES], copies: 1, weight, sum: 0.0 }),
+                Some(kept) => {
+                    kept.weight += weight;
+                    if (kept.copies as usize) < COPIES {
+                        kept.edges[kept.copies as usize] = edge;
+                        kept.copies += 1;
+                    } else {
+                        self.remove(edge, end, queue);
+                    }
                 }
             }
-            same
-        });
+        }
         around.sort_unstable_by(|a, b| a.weight.total_cmp(&b.weight).then(a.node.cmp(&b.node)));
         let mut sum = 0.0;
         for neighbour in around {
@@ -114,16 +113,16 @@ impl Remaining {
         let Some((last, others)) = around.split_last() else { return 0.0 };
         for (place, neighbour) in others.iter().enumerate() {
             let (later, left) = (&around[place + 1..], last.sum - neighbour.sum);
-            let weight = neighbour.weight * (left / last.sum) / neighbour.copies as f64;
+            let weight = neighbour.weight * (left / last.sum) / f64::from(neighbour.copies);
             let first = self.draw();
             for copy in 0..neighbour.copies {
                 // One of the later neighbours, by weight; the copies are spread evenly.
-                let drawn = neighbour.sum + (first + copy as f64) / neighbour.copies as f64 * left;
+                let drawn = neighbour.sum + (first + f64::from(copy)) / f64::from(neighbour.copies) * left;
                 let other = &later[later.partition_point(|other| other.sum < drawn).min(later.len() - 1)];
-                self.turn(neighbour.edges[copy], neighbour.node, other.node, weight, queue);
+                self.turn(neighbour.edges[copy as usize], neighbour.node, other.node, weight, queue);
             }
         }
-        (0..last.copies).for_each(|copy| self.remove(last.edges[copy], last.node, queue));
+        last.edges[..last.copies as usize].iter().for_each(|edge| self.remove(*edge, last.node, queue));
         last.sum
     }
 

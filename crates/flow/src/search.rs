@@ -16,7 +16,7 @@ const ITERATIONS: usize = 1000;
 const ROUNDS: usize = 12;
 
 /// The largest reduction of the error in a round, beyond which rounding counts.
-const REDUCTION: f64 = 1e-10;
+const REDUCTION: f64 = 1e-12;
 
 /// The part of the tolerance that the iterations of the first round leave; those of each further one leave this part of it.
 const MARGIN: f64 = 0.3;
