@@ -15,7 +15,7 @@ use super::python::{Environment, Yardstick};
 use super::report::{Case, Entry, Timing};
 use super::solve::Solve;
 use super::table::{in_words, median};
-use super::tolerance::loosest;
+use super::tolerance::{MARGIN, loosest};
 
 /// The largest grid on which solves are repeated, in points along a side.
 const REPEATED: usize = 1024;
@@ -32,9 +32,6 @@ const INDULGENCE: f64 = 5.0;
 
 /// The time of a peer grows with about this power of the points along a side.
 const GROWTH: f64 = 3.0;
-
-/// Factor on the bound in the search for the tolerance of a peer: residuals of repeated solves differ by rounding.
-pub(super) const MARGIN: f64 = 0.98;
 
 /// The result of a peer on a smaller grid.
 #[derive(Clone, Copy)]

@@ -12,6 +12,9 @@ pub(super) struct Found<T> {
     pub(super) solve: T,
 }
 
+/// Factor on the bound in the search for the tolerance of a peer: residuals of repeated solves differ by rounding.
+pub(super) const MARGIN: f64 = 0.98;
+
 /// A residual between this fraction of the target and the target is accepted: one order of magnitude costs these
 /// methods about a tenth of their iterations.
 const CLOSE: f64 = 0.3;

@@ -123,11 +123,31 @@ impl StepCheck<'_> {
             return Ok(());
         }
         let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
-        let found = through(surface, [pressure.view(), gap.view()], mean_gap, |_| {})?;
+        let (mut repulsion, floor) = self.repulsion(&pressure, &gap);
+        let least = self.args.search.tol * floor;
+        repulsion.mapv_inplace(|p| if p > least { p } else { 0.0 });
+        let found = through(surface, [repulsion.view(), gap.view()], mean_gap, |_| {})?;
         for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
             comparison.number(&format!("/path/{name}"), number(name), found.conductivity[row][column], 1e-3);
         }
         Ok(())
+    }
+
+    /// The pressure of the wall, or of a law that repels; and a stress below which tractions of a law are those that a search
+    /// may leave where the surfaces are apart, zero without a law.
+    fn repulsion(&self, pressure: &Array2<f64>, gap: &Array2<f64>) -> (Array2<f64>, f64) {
+        let Prepared { facts, law, .. } = self.stored.prepared;
+        if !facts.has_law() {
+            return (pressure.clone(), 0.0);
+        }
+        let least = OF_LAW * self.stored.prepared.unit_pressure();
+        let floor = pressure.iter().fold(least, |most: f64, p| most.max(p.abs()));
+        let of_wall = |p: f64, gap: f64| if gap <= 0.0 { p + law.traction(gap, [0.0; 2])[2] } else { 0.0 };
+        let repulsion = ndarray::Zip::from(pressure).and(gap).map_collect(|p, gap| match law.has_wall() {
+            true => of_wall(*p, *gap),
+            false => *p,
+        });
+        (repulsion, floor)
     }
 
     /// Compares the balance of work and energy of a step of a viscoelastic body with the error that it states. With a law
@@ -182,12 +202,8 @@ impl StepCheck<'_> {
         let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
         let mean = |field: &Array2<f64>| field.mean().unwrap_or(f64::NAN);
         let Prepared { facts, law, .. } = file.prepared;
-        // The pressure of the wall, or of a law that repels.
-        let mut repulsion = pressure.clone();
-        let mut floor = 0.0;
+        let (repulsion, floor) = self.repulsion(&pressure, &gap);
         if facts.has_law() {
-            // Tractions below it are those that a search may leave, where the surfaces are apart.
-            floor = pressure.iter().fold(OF_LAW * file.prepared.unit_pressure(), |most: f64, p| most.max(p.abs()));
             let touches = |gap: f64| law.has_wall() && gap <= 0.0;
             let law_pressure = gap.mapv(|gap| -law.traction(gap, [0.0; 2])[2]);
             let left = pressure.iter().zip(&law_pressure).zip(&gap).map(|((p, of_law), gap)| {
@@ -199,12 +215,6 @@ impl StepCheck<'_> {
             let energy = mean(&gap.mapv(|gap| law.opening_energy(gap)));
             let size = number("elastic_energy").abs() + energy.abs();
             comparison.number("/path/interface_energy", number("interface_energy"), energy, size);
-            if law.has_wall() {
-                repulsion = ndarray::Zip::from(&pressure)
-                    .and(&law_pressure)
-                    .and(&gap)
-                    .map_collect(|p, of_law, gap| if touches(*gap) { p - of_law } else { 0.0 });
-            }
         } else {
             comparison.at_most("/fields/pressure (tension)", -least(&pressure), 0.0);
             let pressed = pressure.sum();

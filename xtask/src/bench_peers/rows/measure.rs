@@ -22,11 +22,10 @@ use tempfile::TempDir;
 
 use super::super::contestant::{Contestant, Place, Problem, own};
 use super::super::judge::{Verdict, judge};
-use super::super::measure::MARGIN;
 use super::super::process::Ended;
 use super::super::python::{Environment, LONG};
 use super::super::solve::Solve;
-use super::super::tolerance::loosest;
+use super::super::tolerance::{MARGIN, loosest};
 use super::super::{Args as PeerArgs, Peer, problems, rough, work_folder};
 use super::{Args, Case, Row};
 

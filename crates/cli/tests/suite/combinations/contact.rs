@@ -546,7 +546,8 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
     let has_level = !(case.is_free && case.is_line && case.conductor_height.is_none());
     let expected = if has_level && !case.is_steep { conductors.stiffness(&touching) } else { f64::INFINITY };
     match expected.is_finite() {
-        true => found.is(load, "conductance", expected, 1e-6),
+        // The accuracy that the default states of it, as of a stiffness: five digits.
+        true => found.is(load, "conductance", expected, gfmd_contact::Stiffness::TOLERANCE),
         false => found.null(load, "conductance"),
     }
 }
