@@ -1,5 +1,6 @@
 """Ctrl-C, and other exceptions while it computes: it stops, and what is done is kept."""
 
+import gc
 import os
 import pickle
 import signal
@@ -24,6 +25,8 @@ def ctrl_c():
     """Presses Ctrl-C some time after it is called. A shell in the background has the signal ignored, Python then too."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     over = threading.Event()
+    # Python loses an exception that a signal raises in a finaliser, such as those of figures of other tests.
+    gc.collect()
 
     def press(seconds=0.5, when=None):
         def wait():
