@@ -268,7 +268,8 @@ def test_kappa_sweep_is_that_of_the_program(run_program, tmp_path):
     assert run_program("check", str(tmp_path / "saved.h5"))["differing"] == 0
     run_program("report", str(tmp_path / "k.h5"), "--out", str(tmp_path / "theirs.html"))
     found.report(tmp_path / "ours.html")
-    drawn = [[re.sub(r"figure\d+", "", svg) for svg in re.findall("<svg.*?</svg>", (tmp_path / name).read_text(), re.S)] for name in ("ours.html", "theirs.html")]
+    pages = [(tmp_path / name).read_text() for name in ("ours.html", "theirs.html")]
+    drawn = [[re.sub(r"figure\d+", "", svg) for svg in re.findall("<svg.*?</svg>", page, re.S)] for page in pages]
     assert drawn[0] == drawn[1] and len(drawn[0]) == len(found.figures()) == len(found.save_figures(tmp_path / "drawn")) > 1
     pytest.importorskip("pandas")
     assert found.to_dataframe().kappa.tolist() == [point.kappa for point in found.points]

@@ -141,7 +141,8 @@ def test_a_body_by_direction_presses_waves_as_their_directions_do(tmp_path, run_
     assert run_program("check", str(tmp_path / "a.h5"), "--rerun")["differing"] == 0
     bumps = np.random.default_rng(1).normal(size=part.surface.heights.shape)
     step = 1e-7 * amplitude
-    ends = [gfmd.contact(gfmd.Surface(part.surface.heights + sign * step * bumps, size=1.0), body, mean_pressure=0.4 * full, tolerance=1e-12) for sign in (1, -1)]
+    moved = [gfmd.Surface(part.surface.heights + sign * step * bumps, size=1.0) for sign in (1, -1)]
+    ends = [gfmd.contact(surface, body, mean_pressure=0.4 * full, tolerance=1e-12) for surface in moved]
     wanted = (ends[0].elastic_energy - ends[1].elastic_energy) / (2.0 * step)
     assert np.sum(part.vjp(elastic_energy=1.0).heights * bumps) == pytest.approx(wanted, rel=1e-3)
 

@@ -64,9 +64,9 @@ pub trait ElasticContact: Resumable + Clone {
 /// The moduli of a step over the long-term ones.
 #[derive(Clone, Debug)]
 pub enum Stiffening {
-    /// The same of all waves.
+    /// One factor of all waves.
     All(f64),
-    /// Those of each wave, laid out as the [modes](gfmd_field::Grid::modes) of the grid.
+    /// One factor of each wave, laid out as the [modes](gfmd_field::Grid::modes) of the grid.
     Waves(Vec<f64>),
 }
 

@@ -72,7 +72,7 @@ pub(crate) fn check(
 
 /// The least stress by which tractions of a law are compared, over E* times the rms gradient.
 const OF_LAW: f64 = 1e-3;
-/// What rounding leaves of a balance of energy that is closed, over its largest part.
+/// The largest rounding error of a balance of energy that is closed, over its largest part.
 const CLOSED: f64 = 1e-9;
 
 /// The check of the numbers of a step that do not follow from its state alone.

@@ -62,7 +62,7 @@ fn a_patch_may_be_turned_over_and_its_margin_cut_off() {
     turned.invert_axis(Axis(0));
     let turned = press(&grid, &turned.as_standard_layout().to_owned(), Load::MeanPressure(load));
     assert!((turned.approach / whole.approach - 1.0).abs() < 1e-9);
-    // The same force on a patch without the margin: the margin does not matter.
+    // An equal force on a patch without the margin: the margin has no effect.
     let part = bump.slice(ndarray::s![..24, ..26]).to_owned();
     let grid = Grid::new([24, 26], [24.0 / 32.0, 26.0 / 32.0]).unwrap();
     let share = 24.0 * 26.0 / 1024.0;

@@ -231,7 +231,10 @@ def _compliance(given: object, uniform: object) -> dict[str, Any]:
     if isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] in (2, 3):
         return _rows([tuple(row) for row in array("compliance", given).tolist()], uniform)
     if isinstance(given, (str, bytes)) or not isinstance(given, Sequence) or len(given) not in (2, 3):
-        form = "an array of rows, (wavenumbers, compliances or a function of the wavenumber), or (wavenumbers, number of directions, compliances or a function of q_x and q_y)"
+        form = (
+            "an array of rows, (wavenumbers, compliances or a function of the wavenumber), or "
+            "(wavenumbers, number of directions, compliances or a function of q_x and q_y)"
+        )
         raise InputError(f"compliance is {shown(given)}; it must be {form}")
     waves = array("wavenumbers of compliance", given[0])
     if waves.ndim != 1:
