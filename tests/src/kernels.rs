@@ -114,7 +114,7 @@ fn other_bases(reference: &Reference) -> Result<Worst, ValidationError> {
     let mut worst = Worst::new();
     for row in reference.table("slab_other_bases.json")? {
         let q = row.get("q");
-        for (suffix, base) in [("slide", Base::Sliding), ("free", Base::Free)] {
+        for (suffix, base) in [("slide", Base::SLIDING), ("free", Base::FREE)] {
             let body = slab(&row)?.on(base)?;
             let k = body.stiffness_blocks(q);
             for (name, found) in [

@@ -1,5 +1,5 @@
 use gfmd_field::{Grid, ShapeError, Transform};
-use gfmd_green::{Base, Body, Complex64, Matrix3};
+use gfmd_green::{Body, Complex64, Condition, Ground, Matrix3};
 use gfmd_response::Components;
 
 use crate::InteriorError;
@@ -9,19 +9,11 @@ use crate::interior::check_finite;
 /// a line, component after component.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BaseField {
-    /// Displacement (length) of a bonded base, or of a sliding base, whose lateral components must be zero.
+    /// Displacement (length) of a base that fixes u_z: bonded, or sliding, whose lateral components must be zero.
     Displacement(Vec<f64>),
     /// Traction (stress) on the lower face of a plate. Its mean must be zero, since the mean traction balances the load
     /// (theory.md, section 4.2).
     Traction(Vec<f64>),
-}
-
-/// The support of the base, which determines the field that it can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Support {
-    Bonded,
-    Sliding,
-    Free,
 }
 
 impl BaseField {
@@ -37,7 +29,7 @@ impl BaseField {
     /// displacement of a sliding base.
     pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
         let body = body.alone();
-        let (field, support) = self.check(&body, &grid)?;
+        let (field, ground) = self.check(&body, &grid)?;
         let (components, points) = (Components::of(&grid), grid.len());
         let transform = Transform::new(grid);
         let mut memory = transform.workspace();
@@ -54,13 +46,20 @@ impl BaseField {
             let given = [at(0), at(1), at(2)];
             let found = if mode.is_uniform() {
                 // A base that moves as a whole takes the body with it.
-                if support == Support::Free { [Complex64::ZERO; 3] } else { given }
+                match self {
+                    Self::Displacement(_) => given,
+                    Self::Traction(_) => [Complex64::ZERO; 3],
+                }
             } else {
-                let rows = base.continuous_transfer_of(&mode);
-                let below: Matrix3 = match support {
-                    Support::Bonded => [rows[5], rows[4], rows[3]],
-                    Support::Sliding => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], rows[3]],
-                    Support::Free => base.displacement_transfer_of(&mode),
+                let below: Matrix3 = match self {
+                    Self::Displacement(_) => {
+                        let [.., zz, yz, xz] = base.continuous_transfer_of(&mode);
+                        match ground.lateral {
+                            Condition::Fixed => [xz, yz, zz],
+                            Condition::Free => [[Complex64::ZERO; 3], [Complex64::ZERO; 3], zz],
+                        }
+                    }
+                    Self::Traction(_) => base.displacement_transfer_of(&mode),
                 };
                 reversed(&below, &body.compliance_of(&mode), given)
             };
@@ -75,26 +74,16 @@ impl BaseField {
         Ok(lifted)
     }
 
-    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Support), InteriorError> {
-        let mut lowest = body;
-        while let Base::Elastic(below) = lowest.base() {
-            lowest = below;
-        }
-        let on = match lowest.base() {
-            _ if body.total_height() == f64::INFINITY => None,
-            Base::Bonded => Some(Support::Bonded),
-            Base::Sliding => Some(Support::Sliding),
-            _ => Some(Support::Free),
-        };
-        let (field, support) = match (self, on) {
-            (Self::Displacement(field), Some(support @ (Support::Bonded | Support::Sliding))) => (field, support),
+    fn check(&self, body: &Body, grid: &Grid) -> Result<(&[f64], Ground), InteriorError> {
+        let (field, ground) = match (self, body.ground()) {
+            (Self::Displacement(field), Some(ground)) if ground.normal == Condition::Fixed => (field, ground),
             (Self::Displacement(_), _) => {
                 return Err(InteriorError::Base {
                     given: "displacement",
                     allowed: "layers on a bonded or sliding base",
                 });
             }
-            (Self::Traction(field), Some(Support::Free)) => (field, Support::Free),
+            (Self::Traction(field), Some(Ground::NONE)) => (field, Ground::NONE),
             (Self::Traction(_), _) => {
                 return Err(InteriorError::Base { given: "traction", allowed: "a plate, whose base is free" });
             }
@@ -105,7 +94,7 @@ impl BaseField {
         }
         check_finite(field)?;
         let largest = field.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        if support == Support::Free {
+        if matches!(self, Self::Traction(_)) {
             for component in field.chunks_exact(points) {
                 let mean = component.iter().sum::<f64>() / points as f64;
                 if mean.abs() > 1e-12 * largest {
@@ -113,12 +102,13 @@ impl BaseField {
                 }
             }
         }
-        if support == Support::Sliding
+        if matches!(self, Self::Displacement(_))
+            && ground.lateral == Condition::Free
             && let Some(index) = field[..expected - points].iter().position(|value| *value != 0.0)
         {
             return Err(InteriorError::Sideways { found: field[index], index });
         }
-        Ok((field, support))
+        Ok((field, ground))
     }
 }
 

@@ -250,7 +250,7 @@ impl Interior {
     /// # Errors
     /// Another body; a displacement of the wrong length or with a value that is not finite.
     pub fn with_base(mut self, displacement: &[f64]) -> Result<Self, InteriorError> {
-        if *self.body.base() != Base::Bonded || self.body.height() == Height::Infinite {
+        if *self.body.base() != Base::BONDED || self.body.height() == Height::Infinite {
             return Err(InteriorError::Base { given: "displacement", allowed: "one slab on a bonded base" });
         }
         let points = self.grid().len();

@@ -65,7 +65,7 @@ impl Domain {
     /// A body that is not a half-space or one slab on a bonded base; a grid that is no line or has an even number of
     /// points; a mask of another length.
     pub fn new(body: &Body, grid: &Grid, held: &[bool]) -> Result<Self, DislocationError> {
-        if body.second().is_some() || *body.base() != Base::Bonded {
+        if body.second().is_some() || *body.base() != Base::BONDED {
             return Err(DislocationError::Body);
         }
         let points = grid.len();

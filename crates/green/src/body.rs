@@ -2,7 +2,7 @@ use gfmd_field::Mode;
 use num_complex::Complex64;
 
 use crate::{
-    Blocks, GreenError, Material, Matrix2, Matrix3,
+    Blocks, Condition, GreenError, Ground, Material, Matrix2, Matrix3,
     blocks::{VECTOR_ROWS, average_aliases, direction},
     half_space,
     slab::LayerMode,
@@ -20,17 +20,21 @@ pub enum Height {
 }
 
 /// The boundary condition at the bottom of a slab.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Base {
-    /// Bonded to a rigid base: u = 0.
-    #[default]
-    Bonded,
-    /// On a rigid base without friction or gap: u_z = 0, no shear traction.
-    Sliding,
-    /// No traction: a plate.
-    Free,
+    /// Rigid ground, or none.
+    Rigid(Ground),
     /// Bonded to another body: a coating on a half-space, or a stack of layers.
     Elastic(Box<Body>),
+}
+
+impl Base {
+    /// Bonded to rigid ground: u = 0.
+    pub const BONDED: Self = Self::Rigid(Ground::BONDED);
+    /// On rigid ground without friction or gap: u_z = 0, no shear traction.
+    pub const SLIDING: Self = Self::Rigid(Ground::SLIDING);
+    /// No traction: a plate.
+    pub const FREE: Self = Self::Rigid(Ground::NONE);
 }
 
 /// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`]; or two such bodies with
@@ -55,7 +59,7 @@ const UNKNOWN: Blocks =
 impl Body {
     /// A half-space.
     pub fn half_space(material: Material) -> Self {
-        Self { material, height: Height::Infinite, base: Base::Bonded, second: None, table: None }
+        Self { material, height: Height::Infinite, base: Base::BONDED, second: None, table: None }
     }
 
     /// A body whose normal compliance is given by a table with the rows [wavenumber (rad/length), compliance
@@ -110,7 +114,7 @@ impl Body {
     pub fn new(material: Material, height: Height) -> Result<Self, GreenError> {
         match height {
             Height::Finite(height) if !(height.is_finite() && height > 0.0) => Err(GreenError::Height(height)),
-            _ => Ok(Self { material, height, base: Base::Bonded, second: None, table: None }),
+            _ => Ok(Self { material, height, base: Base::BONDED, second: None, table: None }),
         }
     }
 
@@ -168,7 +172,7 @@ impl Body {
         };
         let base = match &self.base {
             Base::Elastic(below) => Base::Elastic(below.in_units(stress, length).into()),
-            base => base.clone(),
+            Base::Rigid(ground) => Base::Rigid(*ground),
         };
         let second = self.second.as_ref().map(|second| second.in_units(stress, length).into());
         let table = self.table.as_ref().map(|table| table.in_units(stress, length));
@@ -200,9 +204,18 @@ impl Body {
         self.height
     }
 
-    /// The base of the slab; [`Base::Bonded`] for a half-space, which has none.
+    /// The base of the slab; [`Base::BONDED`] for a half-space, which has none.
     pub fn base(&self) -> &Base {
         &self.base
+    }
+
+    /// The rigid ground below all layers, of a pair that of the first body; `None` if a half-space is below them.
+    pub fn ground(&self) -> Option<Ground> {
+        match (self.height, &self.base) {
+            (Height::Infinite, _) => None,
+            (Height::Finite(_), Base::Elastic(below)) => below.ground(),
+            (Height::Finite(_), Base::Rigid(ground)) => Some(*ground),
+        }
     }
 
     /// The stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
@@ -337,9 +350,7 @@ impl Body {
             Height::Finite(height) => {
                 let layer = LayerMode::new(&self.material, height, q);
                 match &self.base {
-                    Base::Bonded => layer.bonded_normal_compliance(),
-                    Base::Sliding => layer.sliding_normal_compliance(),
-                    Base::Free => layer.free_normal_compliance(),
+                    Base::Rigid(ground) => layer.normal_compliance_over(*ground),
                     Base::Elastic(_) => layer.compliance_on(&self.base).normal,
                 }
             }
@@ -423,9 +434,13 @@ pub(crate) fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 pub(crate) fn uniform_compliance(material: &Material, height: f64, base: &Base) -> Blocks {
     let (lateral, normal) = (height / material.shear_modulus(), height * material.p_wave_compliance());
     match base {
-        Base::Bonded => Blocks::diagonal(lateral, normal),
-        Base::Sliding => Blocks::diagonal(f64::INFINITY, normal),
-        Base::Free => Blocks::diagonal(f64::INFINITY, f64::INFINITY),
+        Base::Rigid(ground) => {
+            let over = |condition: Condition, compliance: f64| match condition {
+                Condition::Fixed => compliance,
+                Condition::Free => f64::INFINITY,
+            };
+            Blocks::diagonal(over(ground.lateral, lateral), over(ground.normal, normal))
+        }
         Base::Elastic(below) => {
             let below = below.uniform_compliance();
             Blocks::diagonal(lateral + below.transverse, normal + below.normal)

@@ -83,12 +83,10 @@ pub enum GreenError {
     /// A half-space or a pair of bodies, pressed on both faces.
     #[error("the body is {0}; a body that is pressed on both faces must be a slab or a stack of layers")]
     Plate(&'static str),
-    /// Shear of a patch with free boundaries on a body that slides on its base.
-    #[error(
-        "the base is sliding, which does not hold the body sideways; with free boundaries and shear it must be bonded or half-space"
-    )]
+    /// Shear of a patch with free boundaries on a body whose base leaves it free sideways.
+    #[error("the base does not hold the body sideways; with free boundaries and shear it must be bonded or half-space")]
     FreeSliding,
-    /// A patch with free boundaries on a plate.
+    /// A patch with free boundaries on a body whose base leaves it free along z.
     #[error("nothing holds the plate; with free boundaries the base must be bonded, sliding or half-space")]
     FreePlate,
     /// Layers that are too thin for a patch.

@@ -1,4 +1,4 @@
-use crate::{Base, Blocks, Body, GreenError, Height, Material, sagittal::product, slab::LayerMode};
+use crate::{Base, Blocks, Body, GreenError, Ground, Height, Material, sagittal::product, slab::LayerMode};
 
 /// A slab or a stack of layers pressed on both faces without friction. A base is ignored: the plate is held by the
 /// pressures alone (theory.md, section 4.3).
@@ -45,9 +45,9 @@ impl Plate {
             let Base::Elastic(below) = local.base() else { break };
             local = below;
         }
-        let plate = Body::stack(&layers, Base::Free)?;
+        let plate = Body::stack(&layers, Base::FREE)?;
         layers.reverse();
-        Ok(Self { body: plate, turned: Body::stack(&layers, Base::Free)? })
+        Ok(Self { body: plate, turned: Body::stack(&layers, Base::FREE)? })
     }
 
     /// The plate upside down.
@@ -76,10 +76,11 @@ impl Plate {
             let [_, compression] = self.body.level_compliance();
             return PlateCompliance { squeezing: 0.5 * compression, bending: f64::INFINITY, mixed: 0.0 };
         }
-        if let (Base::Free, Height::Finite(height)) = (self.body.base(), self.body.height()) {
+        if let (Base::Rigid(_), Height::Finite(height)) = (self.body.base(), self.body.height()) {
             // Mirror images: each half is a slab on a base that slides, or that yields only normally.
             let half = LayerMode::new(self.body.material(), 0.5 * height, q);
-            let [squeezing, bending] = [half.sliding_normal_compliance(), half.bending_normal_compliance()];
+            let [squeezing, bending] =
+                [Ground::SLIDING, Ground::GUIDED].map(|ground| half.normal_compliance_over(ground));
             return PlateCompliance { squeezing, bending, mixed: 0.0 };
         }
         let [upper, lower] = [&self.body, &self.turned].map(|body| body.normal_compliance(q));

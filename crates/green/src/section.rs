@@ -2,7 +2,7 @@ use gfmd_field::Mode;
 use num_complex::Complex64;
 
 use crate::{
-    Base, Blocks, Body, GreenError, Height, Material, Matrix2, Matrix3,
+    Base, Blocks, Body, GreenError, Ground, Height, Material, Matrix2, Matrix3,
     blocks::{VECTOR_ROWS, average_aliases, direction},
     body::{on_axes, plus, uniform_compliance, wavevector},
     half_space,
@@ -309,19 +309,18 @@ impl<'a> Section<'a> {
             }
         };
         let base = self.local.base();
+        let is_bonded = matches!(base, Base::Rigid(Ground::BONDED));
         let below = LayerMode::new(material, self.height, q);
         let transfer = || bonded_transfer(material, q * self.height, q * self.depth);
         if below.is_thin() {
             let whole = LayerMode::new(material, thickness, q);
             let state = below.propagated(&whole.base_state(base));
-            return if *base == Base::Bonded { State { displacement: transfer(), ..state } } else { state };
+            return if is_bonded { State { displacement: transfer(), ..state } } else { state };
         }
         // The part of the layer below the plane is a slab on the same base.
         let support = below.stiffness_on(base);
-        let displacement = match base {
-            Base::Bonded => transfer(),
-            _ => LayerMode::new(material, self.depth, q).transfer_to(&support),
-        };
+        let displacement =
+            if is_bonded { transfer() } else { LayerMode::new(material, self.depth, q).transfer_to(&support) };
         State { displacement, traction: product(&support, &displacement) }
     }
 

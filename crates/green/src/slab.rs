@@ -1,12 +1,27 @@
-//! A slab of finite height at one wavenumber, on each of the bases that have a closed form.
+//! A slab of finite height at one wavenumber, on rigid ground, in closed form.
 
-use crate::{Blocks, Material, hyperbolic::Hyperbolic};
+use crate::{Blocks, Condition, Ground, Material, hyperbolic::Hyperbolic};
 
 /// One layer at one wavenumber q > 0.
 pub(crate) struct LayerMode<'a> {
     pub(crate) material: &'a Material,
     pub(crate) q: f64,
     pub(crate) t: Hyperbolic,
+}
+
+/// Numerators on ground that fixes one of u_long and u_z: for u_z the mirror-symmetric mode of a plate of twice the
+/// height, for u_long its antisymmetric mode (theory.md, section 4).
+struct Mixed {
+    /// The denominator of the compliance, sinh h cosh h ± h, in units of E* q/2.
+    determinant: f64,
+    /// The denominator of the stiffness, sinh h cosh h ∓ r h.
+    of_stiffness: f64,
+    /// Of the compliance; of the stiffness it is that of the other component.
+    longitudinal: f64,
+    normal: f64,
+    coupling: f64,
+    /// The transverse stiffness over its unit, and its inverse.
+    transverse: [f64; 2],
 }
 
 impl<'a> LayerMode<'a> {
@@ -55,6 +70,37 @@ impl<'a> LayerMode<'a> {
         t.factor * t.factor + m.one_minus_s_squared() * t.sinh * t.sinh + stretched * stretched
     }
 
+    /// The stiffness at the top of a slab on `ground`.
+    pub(crate) fn stiffness_over(&self, ground: Ground) -> Blocks {
+        match (ground.lateral, ground.normal) {
+            (Condition::Fixed, Condition::Fixed) => self.bonded_stiffness(),
+            (Condition::Free, Condition::Free) => self.free_stiffness(),
+            (Condition::Free, Condition::Fixed) | (Condition::Fixed, Condition::Free) => self.mixed_stiffness(ground),
+        }
+    }
+
+    /// The compliance at the top of a slab on `ground`.
+    pub(crate) fn compliance_over(&self, ground: Ground) -> Blocks {
+        match (ground.lateral, ground.normal) {
+            (Condition::Fixed, Condition::Fixed) => self.bonded_compliance(),
+            (Condition::Free, Condition::Free) => self.free_compliance(),
+            (Condition::Free, Condition::Fixed) | (Condition::Fixed, Condition::Free) => self.mixed_compliance(ground),
+        }
+    }
+
+    /// The normal compliance at the top of a slab on `ground`, without shear traction there.
+    #[inline]
+    pub(crate) fn normal_compliance_over(&self, ground: Ground) -> f64 {
+        match (ground.lateral, ground.normal) {
+            (Condition::Fixed, Condition::Fixed) => self.bonded_normal_compliance(),
+            (Condition::Free, Condition::Free) => self.free_normal_compliance(),
+            (Condition::Free, Condition::Fixed) | (Condition::Fixed, Condition::Free) => {
+                let Mixed { determinant, normal, .. } = self.mixed(ground);
+                normal / determinant / self.contact_unit()
+            }
+        }
+    }
+
     /// The stiffness on a bonded base, u = 0 (theory.md, section 1).
     pub(crate) fn bonded_stiffness(&self) -> Blocks {
         // Quotients first: at tiny h the product of numerator and unit would underflow.
@@ -64,7 +110,7 @@ impl<'a> LayerMode<'a> {
         Blocks::hermitian(longitudinal, coupling, normal, self.shear_unit() * self.t.coth())
     }
 
-    pub(crate) fn bonded_compliance(&self) -> Blocks {
+    fn bonded_compliance(&self) -> Blocks {
         let (determinant, unit) = (self.full_determinant(), self.unit());
         let [normal, longitudinal] = self.bonded_numerators().map(|n| n / determinant / unit);
         let coupling = -self.bonded_coupling() / determinant / unit;
@@ -72,51 +118,51 @@ impl<'a> LayerMode<'a> {
     }
 
     #[inline]
-    pub(crate) fn bonded_normal_compliance(&self) -> f64 {
+    fn bonded_normal_compliance(&self) -> f64 {
         self.bonded_numerators()[0] / self.full_determinant() / self.unit()
     }
 
-    /// The numerator of the coupling, s sinh h cosh h − (1 − s) h, with 2s − 1 = −ν/(1 − ν).
-    fn sliding_coupling(&self) -> f64 {
-        let (m, t) = (self.material, &self.t);
-        m.s() * t.sinh_cosh_minus_h - m.poisson() / (1.0 - m.poisson()) * t.h_twice_scaled
-    }
-
-    /// The stiffness on a frictionless rigid base, u_z = 0 and no shear traction (theory.md, section 4).
-    pub(crate) fn sliding_stiffness(&self) -> Blocks {
-        let t = &self.t;
-        let (determinant, unit) = (self.bonded_numerators()[0], self.unit());
-        let stiffness = |n: f64| unit * (n / determinant);
-        Blocks::hermitian(
-            stiffness(t.sinh * t.sinh),
-            stiffness(self.sliding_coupling()),
-            stiffness(t.cosh * t.cosh),
-            self.shear_unit() * t.tanh(),
-        )
-    }
-
-    pub(crate) fn sliding_compliance(&self) -> Blocks {
-        let t = &self.t;
-        let determinant = t.sinh_cosh_plus_h() * self.contact_unit();
-        Blocks::hermitian(
-            t.cosh * t.cosh / determinant,
-            -self.sliding_coupling() / determinant,
-            t.sinh * t.sinh / determinant,
-            t.coth() / self.shear_unit(),
-        )
-    }
-
+    /// The closed forms on ground that fixes one of u_long and u_z.
     #[inline]
-    pub(crate) fn sliding_normal_compliance(&self) -> f64 {
-        let t = &self.t;
-        t.sinh * t.sinh / t.sinh_cosh_plus_h() / self.contact_unit()
+    fn mixed(&self, ground: Ground) -> Mixed {
+        let (m, t) = (self.material, &self.t);
+        let [sinh, cosh] = [t.sinh * t.sinh, t.cosh * t.cosh];
+        let (bonded, s) = (self.bonded_numerators(), m.s() * t.sinh_cosh_minus_h);
+        match ground.lateral {
+            Condition::Free => Mixed {
+                determinant: t.sinh_cosh_plus_h(),
+                of_stiffness: bonded[0],
+                longitudinal: cosh,
+                normal: sinh,
+                // s sinh h cosh h − (1 − s) h, with 2s − 1 = −ν/(1 − ν).
+                coupling: s - m.poisson() / (1.0 - m.poisson()) * t.h_twice_scaled,
+                transverse: [t.tanh(), t.coth()],
+            },
+            Condition::Fixed => Mixed {
+                determinant: t.sinh_cosh_minus_h,
+                of_stiffness: bonded[1],
+                longitudinal: sinh,
+                normal: cosh,
+                // s sinh h cosh h + (1 − s) h.
+                coupling: s + t.h_twice_scaled,
+                transverse: [t.coth(), t.tanh()],
+            },
+        }
     }
 
-    /// The normal compliance of the upper half of a plate that bends: u_x = 0 and no normal traction on the mid-plane
-    /// (theory.md, section 4).
-    pub(crate) fn bending_normal_compliance(&self) -> f64 {
-        let t = &self.t;
-        t.cosh * t.cosh / t.sinh_cosh_minus_h / self.contact_unit()
+    /// The stiffness on ground that fixes one of u_long and u_z: the inverse of [`Self::mixed_compliance`].
+    fn mixed_stiffness(&self, ground: Ground) -> Blocks {
+        let (mixed, unit) = (self.mixed(ground), self.unit());
+        let stiffness = |n: f64| unit * (n / mixed.of_stiffness);
+        let transverse = self.shear_unit() * mixed.transverse[0];
+        Blocks::hermitian(stiffness(mixed.normal), stiffness(mixed.coupling), stiffness(mixed.longitudinal), transverse)
+    }
+
+    fn mixed_compliance(&self, ground: Ground) -> Blocks {
+        let Mixed { determinant, longitudinal, normal, coupling, transverse, .. } = self.mixed(ground);
+        let determinant = determinant * self.contact_unit();
+        let transverse = transverse[1] / self.shear_unit();
+        Blocks::hermitian(longitudinal / determinant, -coupling / determinant, normal / determinant, transverse)
     }
 
     /// The numerator of the coupling, s sinh² h + (1 − s) h².
@@ -127,7 +173,7 @@ impl<'a> LayerMode<'a> {
 
     /// The stiffness of a plate, whose base bears no traction: the inverse of [`Self::free_compliance`], with the determinant
     /// N over sinh² h − h² (theory.md, section 4).
-    pub(crate) fn free_stiffness(&self) -> Blocks {
+    fn free_stiffness(&self) -> Blocks {
         let t = &self.t;
         let factor = self.contact_unit() / self.full_determinant();
         Blocks::hermitian(
@@ -140,7 +186,7 @@ impl<'a> LayerMode<'a> {
 
     /// The compliance of a plate: half the sum of the compliances of its mirror-symmetric and its antisymmetric mode. The
     /// diagonal has positive terms only, so that nothing cancels in a thin plate.
-    pub(crate) fn free_compliance(&self) -> Blocks {
+    fn free_compliance(&self) -> Blocks {
         let t = &self.t;
         let determinant = self.free_determinant();
         Blocks::hermitian(
@@ -152,7 +198,7 @@ impl<'a> LayerMode<'a> {
     }
 
     #[inline]
-    pub(crate) fn free_normal_compliance(&self) -> f64 {
+    fn free_normal_compliance(&self) -> f64 {
         self.t.sinh_cosh_plus_h() / self.free_determinant()
     }
 

@@ -1,7 +1,7 @@
 //! A layer on its base: the stiffness at its top, and the state at its bottom.
 
 use crate::{
-    Base, Blocks,
+    Base, Blocks, Condition, Ground,
     sagittal::{Real2, add, blocks, hermitian, inverse, product, real, scaled, times, transposed},
     slab::LayerMode,
 };
@@ -56,9 +56,7 @@ impl LayerMode<'_> {
     /// The stiffness at the top of the layer on `base`.
     pub(crate) fn stiffness_on(&self, base: &Base) -> Blocks {
         match base {
-            Base::Bonded => self.bonded_stiffness(),
-            Base::Sliding => self.sliding_stiffness(),
-            Base::Free => self.free_stiffness(),
+            Base::Rigid(ground) => self.stiffness_over(*ground),
             Base::Elastic(below) if !self.is_thin() => self.thick_stiffness(&below.stiffness_blocks(self.q)),
             Base::Elastic(_) => self.basis_on(base).stiffness(),
         }
@@ -67,9 +65,7 @@ impl LayerMode<'_> {
     /// The compliance at the top of the layer on `base`.
     pub(crate) fn compliance_on(&self, base: &Base) -> Blocks {
         match base {
-            Base::Bonded => self.bonded_compliance(),
-            Base::Sliding => self.sliding_compliance(),
-            Base::Free => self.free_compliance(),
+            Base::Rigid(ground) => self.compliance_over(*ground),
             Base::Elastic(_) => self.basis_on(base).compliance(),
         }
     }
@@ -85,16 +81,15 @@ impl LayerMode<'_> {
 
     /// The basis at the bottom of the layer, if it is thin.
     fn bottom_basis(&self, base: &Base) -> Basis {
-        // Displacement and traction that the base allows, laterally and normally.
-        let allowed = |lateral: [f64; 2], normal: [f64; 2]| {
-            let displacement = Blocks::diagonal(lateral[0], normal[0]);
-            let traction = Blocks::diagonal(lateral[1], normal[1]).map(|entry| self.shear_unit() * entry);
-            Basis { state: State { displacement, traction }, reach: 0.0 }
-        };
         match base {
-            Base::Bonded => allowed([0.0, 1.0], [0.0, 1.0]),
-            Base::Sliding => allowed([1.0, 0.0], [0.0, 1.0]),
-            Base::Free => allowed([1.0, 0.0], [1.0, 0.0]),
+            Base::Rigid(ground) => {
+                // One if the ground leaves this open: the traction, or the displacement.
+                let open = |condition: Condition, by: Condition| f64::from(u8::from(condition == by));
+                let of = |by: Condition| Blocks::diagonal(open(ground.lateral, by), open(ground.normal, by));
+                let displacement = of(Condition::Free);
+                let traction = of(Condition::Fixed).map(|entry| self.shear_unit() * entry);
+                Basis { state: State { displacement, traction }, reach: 0.0 }
+            }
             Base::Elastic(below) => {
                 let basis = below.basis(self.q);
                 if basis.reach + self.t.raw < 1.0 { basis } else { Basis::of_stiffness(basis.stiffness()) }
@@ -105,7 +100,7 @@ impl LayerMode<'_> {
     /// The displacement and the traction at the bottom of the layer on `base`, per displacement of its top.
     pub(crate) fn base_state(&self, base: &Base) -> State {
         match base {
-            Base::Bonded => {
+            Base::Rigid(Ground::BONDED) => {
                 let up = self.cross_stiffness();
                 let traction = scaled(transposed(real(&up)), -1.0);
                 State { displacement: Blocks::diagonal(0.0, 0.0), traction: blocks(traction, -up.transverse) }
@@ -114,11 +109,11 @@ impl LayerMode<'_> {
                 let bottom = self.bottom_basis(base).state;
                 bottom.per(&self.propagated(&bottom).displacement)
             }
-            Base::Sliding => self.thick_sliding_state(),
-            Base::Free => {
+            Base::Rigid(Ground::NONE) => {
                 let nothing = Blocks::diagonal(0.0, 0.0);
                 State { displacement: self.transfer_to(&nothing), traction: nothing }
             }
+            Base::Rigid(ground) => self.thick_state(*ground),
             Base::Elastic(below) => {
                 let support = below.stiffness_blocks(self.q);
                 let displacement = self.transfer_to(&support);
@@ -127,16 +122,21 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The state at the bottom of a thick layer on a sliding base: u_z = 0 and σ_xz = 0 there; u_long and σ_zz follow.
-    fn thick_sliding_state(&self) -> State {
+    /// The state at the bottom of a thick layer on ground that fixes one of u_long and u_z there. The traction of the other is
+    /// zero, which gives its displacement, and that the traction of the fixed one.
+    fn thick_state(&self, ground: Ground) -> State {
+        let cross = self.cross_stiffness();
         let bottom = real(&self.bonded_stiffness().mirrored());
-        let down = transposed(real(&self.cross_stiffness()));
-        let longitudinal = down[0].map(|entry| -entry / bottom[0][0]);
-        let normal = [0, 1].map(|column| -down[1][column] - bottom[1][0] * longitudinal[column]);
-        State {
-            displacement: blocks([longitudinal, [0.0; 2]], self.t.factor / self.t.cosh),
-            traction: blocks([[0.0; 2], normal], 0.0),
-        }
+        let down = transposed(real(&cross));
+        let (free, fixed, transverse) = match ground.lateral {
+            Condition::Free => (0, 1, [self.t.factor / self.t.cosh, 0.0]),
+            Condition::Fixed => (1, 0, [0.0, -cross.transverse]),
+        };
+        let moved = down[free].map(|entry| -entry / bottom[free][free]);
+        let (mut displacement, mut traction) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+        displacement[free] = moved;
+        traction[fixed] = [0, 1].map(|column| -down[fixed][column] - bottom[fixed][free] * moved[column]);
+        State { displacement: blocks(displacement, transverse[0]), traction: blocks(traction, transverse[1]) }
     }
 
     /// The displacement of the bottom per displacement of the top, on a base with the stiffness `support`.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::{Base, Body, GreenError, Material};
+use crate::{Base, Body, GreenError, Ground, Material};
 
 /// The kinds of [`Base`], by their names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -23,24 +23,33 @@ impl BaseKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Bonded, Self::Sliding, Self::Free, Self::HalfSpace];
 
-    /// The name on the command line and in configurations.
-    pub fn name(self) -> &'static str {
+    /// The name, a description in one line, and the ground; `None` with an elastic base.
+    const fn row(self) -> (&'static str, &'static str, Option<Ground>) {
         match self {
-            Self::Bonded => "bonded",
-            Self::Sliding => "sliding",
-            Self::Free => "free",
-            Self::HalfSpace => "half-space",
+            Self::Bonded => ("bonded", "bonded to a rigid base", Some(Ground::BONDED)),
+            Self::Sliding => ("sliding", "on a rigid base without friction", Some(Ground::SLIDING)),
+            Self::Free => (
+                "free",
+                "no base: a plate, held by the opposite of the mean traction on its lower face",
+                Some(Ground::NONE),
+            ),
+            Self::HalfSpace => ("half-space", "bonded to an elastic half-space: a coating", None),
         }
     }
 
+    /// The name on the command line and in configurations.
+    pub const fn name(self) -> &'static str {
+        self.row().0
+    }
+
     /// A description in one line.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Bonded => "bonded to a rigid base",
-            Self::Sliding => "on a rigid base without friction",
-            Self::Free => "no base: a plate, held by the opposite of the mean traction on its lower face",
-            Self::HalfSpace => "bonded to an elastic half-space: a coating",
-        }
+    pub const fn meaning(self) -> &'static str {
+        self.row().1
+    }
+
+    /// The ground; `None` with an elastic base.
+    pub const fn ground(self) -> Option<Ground> {
+        self.row().2
     }
 
     /// The base, with the material of the half-space below.
@@ -48,11 +57,9 @@ impl BaseKind {
     /// # Errors
     /// An elastic half-space without its material, or a material for another base.
     pub fn with(self, below: Option<Material>) -> Result<Base, GreenError> {
-        match (self, below) {
-            (Self::Bonded, None) => Ok(Base::Bonded),
-            (Self::Sliding, None) => Ok(Base::Sliding),
-            (Self::Free, None) => Ok(Base::Free),
-            (Self::HalfSpace, Some(material)) => Ok(Base::Elastic(Box::new(Body::half_space(material)))),
+        match (self.ground(), below) {
+            (Some(ground), None) => Ok(Base::Rigid(ground)),
+            (None, Some(material)) => Ok(Base::Elastic(Box::new(Body::half_space(material)))),
             _ => Err(GreenError::BaseMaterial(self)),
         }
     }
@@ -66,7 +73,7 @@ impl fmt::Display for BaseKind {
 
 /// Error: no base has the given name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the base is {found}; it must be bonded, sliding, free or half-space")]
+#[error("the base is {found}; it must be one of {}", BaseKind::ALL.map(BaseKind::name).join(", "))]
 pub struct UnknownBase {
     /// The name given.
     pub found: String,

@@ -1,5 +1,5 @@
 use gfmd_contact::Boundary;
-use gfmd_green::{BaseKind, Height};
+use gfmd_green::{BaseKind, Condition, Ground, Height};
 use gfmd_law::Kind;
 use gfmd_viscoelastic::Relaxes;
 
@@ -46,7 +46,15 @@ impl Support {
 
     /// True if nothing rigid holds the body from below: points far from a line load sink without end.
     fn is_open(self) -> bool {
-        matches!(self, Self::HalfSpace | Self::Slab(BaseKind::HalfSpace | BaseKind::Free))
+        self != Self::Table && self.ground().is_none_or(|ground| ground.normal == Condition::Free)
+    }
+
+    /// The rigid ground below; `None` with a half-space below, or if it is not known.
+    pub(crate) fn ground(self) -> Option<Ground> {
+        match self {
+            Self::HalfSpace | Self::Table => None,
+            Self::Slab(base) => base.ground(),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use gfmd_contact::Boundary;
-use gfmd_green::BaseKind;
+use gfmd_green::{BaseKind, Condition, Ground};
 use gfmd_viscoelastic::Relaxes;
 
 use crate::Unusable;
@@ -61,15 +61,12 @@ parts! {
     HalfSpace: |_| ("--height", "inf", "--height inf"), |f| f.support == Support::HalfSpace;
     /// A body of which the normal compliance alone is known.
     Table: |_| ("--compliance", "given", "--compliance"), |f| f.support == Support::Table;
-    /// A slab that no base holds.
-    Plate: |_| ("--base", "free", "--base free"), |f| f.support == Support::Slab(BaseKind::Free);
-    /// A base without friction.
-    Sliding: |_| ("--base", "sliding", "--base sliding"), |f| f.support == Support::Slab(BaseKind::Sliding);
+    /// A slab that no base holds along z.
+    Plate: |f| base(f, "free"), |f| f.support.ground().is_some_and(|ground| ground.normal == Condition::Free);
+    /// A base that holds a slab along z alone.
+    Sliding: |f| base(f, "sliding"), |f| f.support.ground() == Some(Ground::SLIDING);
     /// A base that is not the rigid one to which a slab is bonded.
-    OtherBase: |f| match f.support {
-        Support::Slab(base) => ("--base", base.name(), "--base"),
-        Support::HalfSpace | Support::Table => ("--base", "given", "--base"),
-    }, |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
+    OtherBase: |f| base(f, "given"), |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
     /// A second elastic body.
     SecondBody: |_| ("--second-body", "given", "--second-body"), |f| f.second.is_some();
     /// Layers below the top one.
@@ -118,6 +115,12 @@ parts! {
     Resume: |_| ("--resume", "given", "--resume"), |f| f.resume;
     /// Processes that share a problem.
     Several: |_| ("mpirun", "given", "several processes"), |f| f.processes > 1;
+}
+
+/// The words for a base: that of the facts, in lists the names of all that are meant.
+fn base(facts: &Facts, names: &'static str) -> Words {
+    let found = if let Support::Slab(base) = facts.support { base.name() } else { names };
+    ("--base", found, "--base")
 }
 
 /// A rule: one part is refused in combination with another.

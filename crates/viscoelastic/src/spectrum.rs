@@ -2,7 +2,7 @@
 
 use gfmd_contact::Refusal;
 use gfmd_field::Grid;
-use gfmd_green::{Base, Body, Height, Material};
+use gfmd_green::{Base, Body, Ground, Height, Material};
 use rayon::prelude::*;
 
 use crate::bulk::bulk;
@@ -73,9 +73,9 @@ impl Spectrum {
             _ if body.second().is_some() => refuse("a second body"),
             (Height::Infinite, _) => Ok(Self::Common(of_half_space(material, prony))),
             (_, Base::Elastic(_)) => refuse("layers"),
-            (_, Base::Sliding | Base::Free) => refuse("a base other than a bonded one"),
+            (_, Base::Rigid(ground)) if *ground != Ground::BONDED => refuse("a base other than a bonded one"),
             _ if is_free => refuse("a slab with free boundaries"),
-            (Height::Finite(height), Base::Bonded) => Ok(Self::Waves(of_slab(body, height, grid, prony))),
+            (Height::Finite(height), Base::Rigid(_)) => Ok(Self::Waves(of_slab(body, height, grid, prony))),
         }
     }
 }
@@ -255,7 +255,7 @@ mod tests {
         let refused = |body: &Body, is_free| {
             Spectrum::new(body, &grid, is_free, &three(), Relaxes::Shear).unwrap_err().to_string()
         };
-        assert!(refused(&slab(0.3).on(Base::Sliding).unwrap(), false).ends_with("with a base other than a bonded one"));
+        assert!(refused(&slab(0.3).on(Base::SLIDING).unwrap(), false).ends_with("with a base other than a bonded one"));
         assert!(refused(&slab(0.3).bonded_to(slab(0.3)).unwrap(), false).ends_with("with layers"));
         assert!(refused(&slab(0.3).against(slab(0.3)), false).ends_with("with a second body"));
         assert!(refused(&slab(0.3), true).ends_with("with a slab with free boundaries"));

@@ -76,7 +76,7 @@ fn the_surface_of_a_slab_on_a_moving_base_is_free_of_traction() {
 
 #[test]
 fn the_faces_of_a_plate_bear_the_given_tractions() {
-    let body = Body::slab(material(), 0.4).unwrap().on(Base::Free).unwrap();
+    let body = Body::slab(material(), 0.4).unwrap().on(Base::FREE).unwrap();
     let given = without_mean(noise(3 * N * N, 2));
     let lifted = BaseField::Traction(given.clone()).surface_displacement(&body, grid()).unwrap();
     // The lower face follows from both tractions by reciprocity with the upper one: here by the same plate upside down, loaded on its top.
@@ -94,9 +94,9 @@ fn the_faces_of_a_plate_bear_the_given_tractions() {
 #[test]
 fn layers_of_one_material_are_one_slab() {
     let one = Body::slab(material(), 0.4).unwrap();
-    for base in [Base::Bonded, Base::Sliding] {
+    for base in [Base::BONDED, Base::SLIDING] {
         let mut moved = noise(3 * N * N, 3);
-        if base == Base::Sliding {
+        if base == Base::SLIDING {
             moved[..2 * N * N].fill(0.0);
         }
         let one = one.clone().on(base.clone()).unwrap();
@@ -141,8 +141,8 @@ fn inside_the_field_meets_both_faces_and_their_tractions() {
 #[test]
 fn fields_that_no_base_has_are_refused() {
     let slab = Body::slab(material(), 0.4).unwrap();
-    let plate = slab.clone().on(Base::Free).unwrap();
-    let sliding = slab.clone().on(Base::Sliding).unwrap();
+    let plate = slab.clone().on(Base::FREE).unwrap();
+    let sliding = slab.clone().on(Base::SLIDING).unwrap();
     let field = || noise(3 * N * N, 1);
     let try_it = |base: BaseField, body: &Body| base.surface_displacement(body, grid()).unwrap_err();
     for body in [&plate, &Body::half_space(material())] {

@@ -72,9 +72,9 @@ fn case() -> impl Strategy<Value = Case> {
             let upper = slab(upper, height);
             let body = match kind {
                 0 => Body::half_space(*upper.material()),
-                1 if seed % 3 == 0 => upper.on(Base::Free).unwrap(),
+                1 if seed % 3 == 0 => upper.on(Base::FREE).unwrap(),
                 1 => upper,
-                2 => upper.on(Base::Sliding).unwrap(),
+                2 => upper.on(Base::SLIDING).unwrap(),
                 3 => upper.bonded_to(slab(lower, 0.4)).unwrap(),
                 _ => upper.bonded_to(Body::half_space(*slab(lower, 1.0).material())).unwrap(),
             };
@@ -349,7 +349,7 @@ fn a_mean_pressure_strains_every_layer_on_every_base() {
     let grid = Grid::new([4, 6], [1.0, 1.2]).unwrap();
     let (upper, lower) = (material(2.0, 0.3), material(0.5, 0.4));
     let layers = [(upper, 0.2), (lower, 0.3)];
-    for base in [Base::Bonded, Base::Sliding, Base::Free, Base::Elastic(Body::half_space(upper).into())] {
+    for base in [Base::BONDED, Base::SLIDING, Base::FREE, Base::Elastic(Body::half_space(upper).into())] {
         let body = Body::stack(&layers, base).unwrap();
         let [_, compliance] = body.level_compliance();
         let mut surface = vec![0.0; 3 * grid.len()];

@@ -114,7 +114,7 @@ fn units_do_not_matter() {
 fn what_cannot_be_done_is_refused() {
     let grid = Grid::square(16, 1.0).unwrap();
     let slab = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.5).unwrap();
-    let plate = slab.on(gfmd_green::Base::Free).unwrap();
+    let plate = slab.on(gfmd_green::Base::FREE).unwrap();
     let refused = Contact::bounded(Boundary::Free, &plate, &grid, &rough([16, 16])).unwrap_err();
     assert!(refused.to_string().starts_with("nothing holds the plate"), "{refused}");
     let contact = Contact::bounded(Boundary::Free, &half_space(), &grid, &rough([16, 16])).unwrap();

@@ -51,7 +51,7 @@ fn mirror_images_are_one_surface_on_a_sliding_base_of_half_the_height() {
     let surface = heights(1);
     for (poisson, height) in [(0.3, 0.08), (0.5, 0.5)] {
         let both = squeezed(&slab(poisson, height), &surface, &surface);
-        let body = slab(poisson, 0.5 * height).on(Base::Sliding).unwrap();
+        let body = slab(poisson, 0.5 * height).on(Base::SLIDING).unwrap();
         let one = Contact::new(&body, &grid(), &surface).unwrap();
         for load in [Load::MeanPressure(0.003), Load::MeanPressure(0.03)] {
             let found = solve(&both, load);
@@ -74,7 +74,7 @@ fn mirror_images_are_one_surface_on_a_sliding_base_of_half_the_height() {
 fn a_flat_surface_is_a_sliding_base() {
     let (surface, flat) = (heights(2), Array2::zeros((N, N)));
     let both = squeezed(&slab(0.2, 0.6), &surface, &flat);
-    let body = slab(0.2, 0.6).on(Base::Sliding).unwrap();
+    let body = slab(0.2, 0.6).on(Base::SLIDING).unwrap();
     let one = Contact::new(&body, &grid(), &surface).unwrap();
     let load = Load::MeanPressure(0.02);
     let (found, wanted) = (solve(&both, load), one.press(load).tolerance(1e-11).solve().unwrap());
@@ -115,7 +115,7 @@ fn forces_balance_and_residuals_are_those_of_the_fields() {
     let (upper, lower) = (heights(3), heights(4));
     let body = Body::stack(
         &[(Material::from_young(1.0, 0.3).unwrap(), 0.05), (Material::from_young(3.0, 0.45).unwrap(), 0.04)],
-        Base::Bonded,
+        Base::BONDED,
     )
     .unwrap();
     let contact = squeezed(&body, &upper, &lower);

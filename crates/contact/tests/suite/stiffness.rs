@@ -86,7 +86,7 @@ fn layers_near_full_contact_have_the_stiffness_of_a_dense_solution() {
     for grid in [line, square] {
         let points = grid.points();
         let heights = Array2::from_shape_fn(points, |(i, j)| 0.01 * (0.9 * i as f64 + 2.0 * j as f64).sin());
-        for (base, height) in [(Base::Sliding, 0.13), (Base::Sliding, 0.4), (Base::Bonded, 0.05), (Base::Bonded, 0.3)] {
+        for (base, height) in [(Base::SLIDING, 0.13), (Base::SLIDING, 0.4), (Base::BONDED, 0.05), (Base::BONDED, 0.3)] {
             let body = Body::slab(material(poisson), height).unwrap().on(base).unwrap();
             let contact = Contact::new(&body, &grid, &heights).unwrap();
             for apart in [&[3][..], &[3, 4], &[3, 20], &[3, 4, 5], &[1, 3, 17, 24], &[3, 4, 5, 6, 7, 8, 9]] {

@@ -134,7 +134,7 @@ fn what_makes_no_domain_is_refused() {
     let grid = Grid::line(31, 1.0).unwrap();
     let slab = Body::slab(material(), 0.5).unwrap();
     assert!(matches!(
-        Domain::new(&slab.clone().on(Base::Free).unwrap(), &grid, &[false; 31]),
+        Domain::new(&slab.clone().on(Base::FREE).unwrap(), &grid, &[false; 31]),
         Err(DislocationError::Body)
     ));
     let even = Grid::line(32, 1.0).unwrap();

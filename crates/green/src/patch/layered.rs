@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use gfmd_field::Grid;
 use rayon::prelude::*;
 
-use crate::{Base, Blocks, Body, GreenError, Height};
+use crate::{Base, Blocks, Body, Condition, GreenError, Height};
 
 /// Tabulated functions of the distance from a point force or a line force: the contribution of layers to its
 /// displacement.
@@ -114,7 +114,7 @@ impl MatrixCorrection {
     pub(super) fn of(body: &Body, grid: &Grid) -> Result<Option<Self>, GreenError> {
         let Some(layers) = Layers::of(body)? else { return Ok(None) };
         let bodies = || [Some(body), body.second()].into_iter().flatten();
-        bodies().try_for_each(held)?;
+        bodies().try_for_each(check_lateral_support)?;
         // Each block is a constant over q.
         let mut half_spaces = bodies().map(|body| Body::half_space(*body.material()));
         let Some(first) = half_spaces.next() else { return Ok(None) };
@@ -209,10 +209,9 @@ impl<const M: usize> Radial<M> {
 }
 
 /// Checks that the body has a lateral support.
-fn held(body: &Body) -> Result<(), GreenError> {
-    match (body.height(), body.base()) {
-        (Height::Finite(_), Base::Sliding) => Err(GreenError::FreeSliding),
-        (Height::Finite(_), Base::Elastic(below)) => held(below),
+fn check_lateral_support(body: &Body) -> Result<(), GreenError> {
+    match body.ground() {
+        Some(ground) if ground.lateral == Condition::Free => Err(GreenError::FreeSliding),
         _ => Ok(()),
     }
 }
@@ -242,9 +241,9 @@ impl Layers {
 fn thickness(body: &Body) -> Result<Option<[f64; 2]>, GreenError> {
     let Height::Finite(height) = body.height() else { return Ok(None) };
     match body.base() {
-        Base::Free => Err(GreenError::FreePlate),
+        Base::Rigid(ground) if ground.normal == Condition::Free => Err(GreenError::FreePlate),
         Base::Elastic(below) => Ok(Some([height, height + thickness(below)?.map_or(0.0, |[_, all]| all)])),
-        _ => Ok(Some([height; 2])),
+        Base::Rigid(_) => Ok(Some([height; 2])),
     }
 }
 
@@ -465,17 +464,17 @@ mod tests {
         let grid = Grid::square(32, 1.0).unwrap();
         let refused = |body: &Body| patch_compliance(body, &grid).err();
         let slab = |height: f64| Body::slab(material(1.0, 0.3), height).unwrap();
-        assert_eq!(refused(&slab(0.1).on(Base::Free).unwrap()), Some(GreenError::FreePlate));
+        assert_eq!(refused(&slab(0.1).on(Base::FREE).unwrap()), Some(GreenError::FreePlate));
         assert!(matches!(refused(&slab(1e-3)), Some(GreenError::ThinLayer { .. })));
         let line = Grid::line(32, 1.0).unwrap();
         assert!(matches!(patch_compliance(&slab(1e-3), &line).err(), Some(GreenError::ThinLayer { .. })));
         let sheared = |body: &Body| patch_matrix(body, &grid).err();
-        let slides = slab(0.1).on(Base::Sliding).unwrap();
+        let slides = slab(0.1).on(Base::SLIDING).unwrap();
         assert_eq!(sheared(&slides), Some(GreenError::FreeSliding));
         assert_eq!(sheared(&slab(0.2).bonded_to(slides).unwrap()), Some(GreenError::FreeSliding));
-        assert_eq!(sheared(&slab(0.1).on(Base::Free).unwrap()), Some(GreenError::FreePlate));
+        assert_eq!(sheared(&slab(0.1).on(Base::FREE).unwrap()), Some(GreenError::FreePlate));
         assert!(matches!(sheared(&slab(1e-3)), Some(GreenError::ThinLayer { .. })));
-        let below = Body::half_space(material(1.0, 0.3)).against(slab(0.1).on(Base::Free).unwrap());
+        let below = Body::half_space(material(1.0, 0.3)).against(slab(0.1).on(Base::FREE).unwrap());
         assert_eq!(refused(&below), Some(GreenError::FreePlate));
     }
 }

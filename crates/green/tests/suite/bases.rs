@@ -1,7 +1,7 @@
 //! Layers: two faces, stacks, and the bases that follow from them.
 
 use crate::support::*;
-use gfmd_green::{Base, BaseKind, Body, Layer, Material};
+use gfmd_green::{Base, BaseKind, Body, Ground, Layer, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ proptest! {
 
     #[test]
     fn two_layers_of_one_material_are_one(material in material(), h in decades(1e-6, 1e4), fraction in 0.05..0.95) {
-        for base in [Base::Bonded, Base::Sliding, Base::Free] {
+        for base in GROUNDS.map(Base::Rigid) {
             let whole = Body::slab(material, 1.0).unwrap().on(base.clone()).unwrap();
             let halves = cut(material, 1.0, fraction, base.clone());
             let error = blocks_apart(&whole.stiffness_blocks(h), &halves.stiffness_blocks(h));
@@ -36,7 +36,7 @@ proptest! {
     /// A stack of many thin layers, which the recursion propagates without division only up to a limit.
     #[test]
     fn a_hundred_thin_layers_are_one_slab(material in material(), h in decades(0.1, 90.0)) {
-        for base in [Base::Bonded, Base::Sliding, Base::Free] {
+        for base in GROUNDS.map(Base::Rigid) {
             let whole = Body::slab(material, 1.0).unwrap().on(base.clone()).unwrap();
             let sheet = || Body::slab(material, 0.01).unwrap();
             let lowest = sheet().on(base.clone()).unwrap();
@@ -52,18 +52,21 @@ proptest! {
         }
     }
 
-    /// A plate bent evenly about its mid-plane is two slabs that slide on it.
+    /// A plate that is squeezed evenly is two slabs that slide on its mid-plane; one that bends, two that are guided by it.
     #[test]
-    fn the_symmetric_mode_of_a_plate_slides_on_its_middle(material in material(), h in decades(0.1, 1e3)) {
+    fn the_modes_of_a_plate_are_those_of_its_halves(material in material(), h in decades(0.1, 1e3)) {
         let (layer, q) = (Layer::new(material, 2.0).unwrap(), h / 2.0);
         let (top, cross) = (layer.top_blocks(q), layer.cross_blocks(q));
-        // L_tt + L_tb J, J = diag(1, −1) on (long, z).
-        let sliding = Body::slab(material, 1.0).unwrap().on(Base::Sliding).unwrap().stiffness_blocks(q);
-        let scale = (top.longitudinal * top.normal).sqrt();
-        prop_assert!(apart(top.longitudinal + cross.longitudinal, sliding.longitudinal, top.longitudinal) < 1e-13);
-        prop_assert!(apart(top.normal - cross.normal, sliding.normal, top.normal) < 1e-13);
-        prop_assert!(apart(top.coupling[0] - cross.coupling[0], sliding.coupling[0], scale) < 1e-13);
-        prop_assert!(apart(top.transverse + cross.transverse, sliding.transverse, top.transverse) < 1e-13);
+        for (ground, sign) in [(Ground::SLIDING, 1.0), (Ground::GUIDED, -1.0)] {
+            // L_tt ± L_tb J, J = diag(1, −1) on (long, z).
+            let half = Body::slab(material, 1.0).unwrap().on(Base::Rigid(ground)).unwrap().stiffness_blocks(q);
+            let scale = (top.longitudinal * top.normal).sqrt();
+            let close = |top: f64, cross: f64, half: f64, scale: f64| apart(top + sign * cross, half, scale) < 1e-13;
+            prop_assert!(close(top.longitudinal, cross.longitudinal, half.longitudinal, top.longitudinal));
+            prop_assert!(close(top.normal, -cross.normal, half.normal, top.normal));
+            prop_assert!(close(top.coupling[0], -cross.coupling[0], half.coupling[0], scale));
+            prop_assert!(close(top.transverse, cross.transverse, half.transverse, top.transverse));
+        }
     }
 
     #[test]
@@ -140,7 +143,7 @@ proptest! {
 fn layers_between_planes_add_up() {
     let material = |poisson| Material::from_young(1.0, poisson).unwrap();
     let layers = [(material(0.3), 0.2), (material(0.5), 0.1), (material(0.1), 0.4)];
-    let stack = Body::stack(&layers, Base::Free).unwrap();
+    let stack = Body::stack(&layers, Base::FREE).unwrap();
     assert_eq!(stack.interfaces(), [0.2, 0.2 + 0.1]);
     assert_eq!(stack.total_height(), 0.2 + 0.1 + 0.4);
     assert!(stack.at_depth(stack.total_height()).is_ok());
@@ -160,9 +163,9 @@ fn layers_between_planes_add_up() {
     }
     assert_eq!(
         "loose".parse::<BaseKind>().unwrap_err().to_string(),
-        "the base is loose; it must be bonded, sliding, free or half-space"
+        "the base is loose; it must be one of bonded, sliding, free, half-space"
     );
-    assert!(Body::stack(&[], Base::Free).is_err());
+    assert!(Body::stack(&[], Base::FREE).is_err());
     let pair = stack.clone().against(stack.clone());
     assert!(Body::slab(material(0.3), 1.0).unwrap().bonded_to(pair).is_err());
 }
@@ -185,7 +188,7 @@ fn what_cannot_be_is_refused_with_what_was_found() {
         assert_eq!(message, format!("the height of the slab is {height}; it must be positive and finite"));
         assert_eq!(Layer::new(material, height).unwrap_err().to_string(), message);
     }
-    let message = Body::half_space(material).on(Base::Free).unwrap_err().to_string();
+    let message = Body::half_space(material).on(Base::FREE).unwrap_err().to_string();
     assert_eq!(message, "the body is a half-space; a base needs a slab of finite height");
 
     let slab = Body::slab(material, 2.0).unwrap();

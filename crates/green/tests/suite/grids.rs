@@ -125,7 +125,7 @@ fn a_body_that_nothing_holds_has_no_range_on_one_point() {
     assert_eq!(normal_stiffness_range(&Body::half_space(material), &point), None);
     assert_eq!(stiffness_range(&Body::half_space(material), &point), None);
     // The lower face of a plate is the reference of its uniform shear.
-    for base in [Base::Bonded, Base::Free] {
+    for base in [Base::BONDED, Base::FREE] {
         let held = stiffness_range(&Body::slab(material, 1.0).unwrap().on(base).unwrap(), &point).unwrap();
         assert_eq!(held.softest, material.shear_modulus());
     }

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use gfmd_field::Grid;
-use gfmd_green::{Base, Body, Material, Section, StressMatrix3};
+use gfmd_green::{Base, Body, Condition, Ground, Material, Section, StressMatrix3};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -50,19 +50,17 @@ fn energy_density(section: &Section, q: [f64; 2], surface: [Complex64; 3]) -> f6
 }
 
 /// A slab on each kind of base; the last base is a half-space.
-fn standing(slab: Body, kind: i32, below: Material) -> Body {
-    match kind {
-        0 => slab,
-        1 => slab.on(Base::Sliding).unwrap(),
-        2 => slab.on(Base::Free).unwrap(),
-        _ => slab.bonded_to(Body::half_space(below)).unwrap(),
+fn standing(slab: Body, kind: usize, below: Material) -> Body {
+    match GROUNDS.get(kind) {
+        Some(ground) => slab.on(Base::Rigid(*ground)).unwrap(),
+        None => slab.bonded_to(Body::half_space(below)).unwrap(),
     }
 }
 
 proptest! {
     #[test]
     fn forces_balance_and_hooke_holds(
-        material in material(), kind in 0..4, below in material(), q in wavevector(decades(0.1, 10.0)), place in 0.05..0.95,
+        material in material(), kind in 0..5_usize, below in material(), q in wavevector(decades(0.1, 10.0)), place in 0.05..0.95,
     ) {
         let slab = Body::slab(material, 1.0).unwrap();
         let body = standing(slab, kind, below);
@@ -114,24 +112,24 @@ proptest! {
     fn each_base_does_what_it_says(material in material(), q in wavevector(decades(1e-3, 1e3))) {
         let slab = Body::slab(material, 1.0).unwrap();
         let zero = [Complex64::ZERO; 3];
-        let bottom = |base: Base| {
-            let body = slab.clone().on(base).unwrap();
+        for ground in GROUNDS {
+            let body = slab.clone().on(Base::Rigid(ground)).unwrap();
             let section = body.at_height(0.0).unwrap();
-            (section.displacement_transfer(q), section.stress_transfer(q))
-        };
-        prop_assert!(bottom(Base::Bonded).0 == [zero; 3]);
-        let (u, stress) = bottom(Base::Sliding);
-        prop_assert!(u[2] == zero && stress[4] == zero && stress[3] == zero);
-        let (_, stress) = bottom(Base::Free);
-        prop_assert!(stress[4] == zero && stress[3] == zero && stress[2] == zero);
+            let ([ux, uy, uz], [.., zz, yz, xz, _]) = (section.displacement_transfer(q), section.stress_transfer(q));
+            for (component, u, traction) in
+                [(ground.lateral, ux, xz), (ground.lateral, uy, yz), (ground.normal, uz, zz)]
+            {
+                prop_assert!(zero == if component == Condition::Fixed { u } else { traction }, "{ground:?}");
+            }
+        }
     }
 
     /// Two halves of one material have the fields of the whole, above the cut, on it and below it.
     #[test]
     fn fields_do_not_see_a_cut(
-        material in material(), q in wavevector(decades(0.01, 30.0)), fraction in 0.1..0.9, depth in 0.0..1.0, kind in 0..3,
+        material in material(), q in wavevector(decades(0.01, 30.0)), fraction in 0.1..0.9, depth in 0.0..1.0, kind in 0..4_usize,
     ) {
-        let base = [Base::Bonded, Base::Sliding, Base::Free][kind as usize].clone();
+        let base = Base::Rigid(GROUNDS[kind]);
         let whole = Body::slab(material, 1.0).unwrap().on(base.clone()).unwrap();
         let lower = Body::slab(material, 1.0 - fraction).unwrap().on(base).unwrap();
         let halves = Body::slab(material, fraction).unwrap().bonded_to(lower).unwrap();
@@ -159,15 +157,13 @@ proptest! {
 
     #[test]
     fn the_work_at_the_surface_is_the_energy_inside(
-        material in material(), below in material(), kind in 0..5, q in wavevector(decades(0.05, 8.0)),
+        material in material(), below in material(), kind in 0..6_usize, q in wavevector(decades(0.05, 8.0)),
         parts in prop::array::uniform6(-1.0..1.0f64),
     ) {
         let slab = Body::slab(material, 1.0).unwrap();
         let (body, depth) = match kind {
-            0 => (slab, 1.0),
-            1 => (slab.on(Base::Sliding).unwrap(), 1.0),
-            2 => (slab.on(Base::Free).unwrap(), 1.0),
-            3 => (slab.bonded_to(Body::slab(below, 0.5).unwrap()).unwrap(), 1.5),
+            0..4 => (slab.on(Base::Rigid(GROUNDS[kind])).unwrap(), 1.0),
+            4 => (slab.bonded_to(Body::slab(below, 0.5).unwrap()).unwrap(), 1.5),
             _ => (Body::half_space(material), 40.0 / q[0].hypot(q[1])),
         };
         let surface = [0, 1, 2].map(|axis| Complex64::new(parts[2 * axis], parts[2 * axis + 1]));
@@ -232,7 +228,7 @@ proptest! {
     /// A base far below the surface has no effect, both where its formulas are evaluated and where they are skipped.
     #[test]
     fn a_base_out_of_reach_is_not_felt(
-        material in material(), kind in 0..4, below in material(), q in decades(22.0, 1e3), depth in 0.0..0.05,
+        material in material(), kind in 0..5_usize, below in material(), q in decades(22.0, 1e3), depth in 0.0..0.05,
     ) {
         let body = standing(Body::slab(material, 1.0).unwrap(), kind, below);
         let half_space = Body::half_space(material);
@@ -244,7 +240,7 @@ proptest! {
 
     #[test]
     fn nothing_overflows(material in material(), q in decades(1e-8, 1e8), fraction in 0.0..1.0) {
-        for base in [Base::Bonded, Base::Sliding, Base::Free] {
+        for base in GROUNDS.map(Base::Rigid) {
             let body = Body::slab(material, 0.01).unwrap().on(base).unwrap();
             for section in [body.at_depth(0.01 * fraction).unwrap(), body.at_height(0.0).unwrap()] {
                 let (u, stress) = (section.displacement_transfer([q, q]), section.stress_transfer([q, q]));
@@ -268,8 +264,9 @@ fn the_uniform_mode_shears_and_squeezes_evenly() {
     };
     assert_eq!(diagonal(&slab, 0.5), [0.75; 3]);
     assert_eq!(diagonal(&slab, 2.0), [0.0; 3]);
-    assert_eq!(diagonal(&slab.clone().on(Base::Sliding).unwrap(), 0.5), [1.0, 1.0, 0.75]);
-    assert_eq!(diagonal(&slab.clone().on(Base::Free).unwrap(), 0.5), [1.0; 3]);
+    assert_eq!(diagonal(&slab.clone().on(Base::SLIDING).unwrap(), 0.5), [1.0, 1.0, 0.75]);
+    assert_eq!(diagonal(&slab.clone().on(Base::FREE).unwrap(), 0.5), [1.0; 3]);
+    assert_eq!(diagonal(&slab.clone().on(Base::Rigid(Ground::GUIDED)).unwrap(), 0.5), [0.75, 0.75, 1.0]);
     assert_eq!(diagonal(&Body::half_space(material), 0.5), [1.0; 3]);
     // The lower layer is half as stiff and half as high: each takes half.
     let stack = slab.clone().bonded_to(Body::slab(soft, 1.0).unwrap()).unwrap();

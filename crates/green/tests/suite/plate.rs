@@ -30,7 +30,7 @@ proptest! {
     fn a_layer_in_two_parts_is_one_layer(material in material(), height in decades(0.1, 3.0), part in 0.1..0.9, q in decades(0.5, 20.0)) {
         let whole = Plate::of(&Body::slab(material, height).unwrap()).unwrap().compliance(q);
         let layers = [(material, part * height), (material, (1.0 - part) * height)];
-        let cut = Plate::of(&Body::stack(&layers, Base::Bonded).unwrap()).unwrap().compliance(q);
+        let cut = Plate::of(&Body::stack(&layers, Base::BONDED).unwrap()).unwrap().compliance(q);
         prop_assert!(apart(cut.bending, whole.bending, whole.bending) < 1e-11);
         prop_assert!(apart(cut.squeezing, whole.squeezing, whole.bending) < 1e-11);
         prop_assert!(apart(cut.mixed, 0.0, whole.bending) < 1e-11);
@@ -38,7 +38,7 @@ proptest! {
 
     #[test]
     fn a_plate_upside_down_has_the_other_face_above(a in material(), b in material(), h in 0.1..1.0, q in decades(1.0, 30.0)) {
-        let body = Body::stack(&[(a, h), (b, 0.5)], Base::Sliding).unwrap();
+        let body = Body::stack(&[(a, h), (b, 0.5)], Base::SLIDING).unwrap();
         let plate = Plate::of(&body).unwrap();
         let (up, down) = (plate.compliance(q), plate.turned().compliance(q));
         prop_assert!(apart(up.squeezing, down.squeezing, up.bending) < 1e-11);
@@ -46,7 +46,7 @@ proptest! {
         prop_assert!(apart(up.mixed, -down.mixed, up.bending) < 1e-11);
         // Each face alone is that of a plate with the other one free, and energies are positive.
         let face = |mixed: f64| 0.5 * (up.squeezing + up.bending) + mixed;
-        let free = body.on(Base::Free);
+        let free = body.on(Base::FREE);
         prop_assert!(free.is_ok() && face(up.mixed) > 0.0 && up.squeezing * up.bending > up.mixed * up.mixed);
     }
 }

@@ -1,6 +1,6 @@
 //! Random bodies, and the little matrix algebra that the properties need.
 
-use gfmd_green::{Base, Blocks, Body, Material};
+use gfmd_green::{Base, Blocks, Body, Ground, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -23,13 +23,14 @@ pub(crate) fn wavevector(length: impl Strategy<Value = f64>) -> impl Strategy<Va
     (length, 0.0..std::f64::consts::TAU).prop_map(|(q, angle)| [q * angle.cos(), q * angle.sin()])
 }
 
+/// All conditions at the bottom of a slab on rigid ground.
+pub(crate) const GROUNDS: [Ground; 4] = [Ground::BONDED, Ground::SLIDING, Ground::NONE, Ground::GUIDED];
+
 /// A slab of a height near 1 on any base, or a half-space; coatings and stacks too.
 pub(crate) fn body() -> impl Strategy<Value = Body> {
-    let leaf = (material(), 0.3..2.0, 0..4).prop_map(|(material, height, kind)| match kind {
-        0 => Body::half_space(material),
-        1 => Body::slab(material, height).unwrap(),
-        2 => Body::slab(material, height).unwrap().on(Base::Sliding).unwrap(),
-        _ => Body::slab(material, height).unwrap().on(Base::Free).unwrap(),
+    let leaf = (material(), 0.3..2.0, 0..5_usize).prop_map(|(material, height, kind)| match GROUNDS.get(kind) {
+        Some(ground) => Body::slab(material, height).unwrap().on(Base::Rigid(*ground)).unwrap(),
+        None => Body::half_space(material),
     });
     leaf.prop_recursive(2, 3, 1, |below| {
         (material(), 0.3..2.0, below)

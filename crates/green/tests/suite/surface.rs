@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use gfmd_field::Grid;
-use gfmd_green::{Base, Body, Material};
+use gfmd_green::{Base, Body, Ground, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
@@ -108,10 +108,12 @@ proptest! {
         let bonded = slab.stiffness_blocks(1.0);
         let half_space = Body::half_space(material).stiffness_blocks(1.0);
         prop_assert!(dominates(&Body::slab(material, h * thinner).unwrap().stiffness_blocks(1.0), &bonded));
-        prop_assert!(dominates(&bonded, &on(Base::Sliding)));
-        prop_assert!(dominates(&on(Base::Sliding), &on(Base::Free)));
+        prop_assert!(dominates(&bonded, &on(Base::SLIDING)));
+        prop_assert!(dominates(&on(Base::SLIDING), &on(Base::FREE)));
+        let guided = on(Base::Rigid(Ground::GUIDED));
+        prop_assert!(dominates(&bonded, &guided) && dominates(&guided, &on(Base::FREE)));
         prop_assert!(dominates(&bonded, &half_space));
-        prop_assert!(dominates(&half_space, &on(Base::Free)));
+        prop_assert!(dominates(&half_space, &on(Base::FREE)));
         let stiff = Material::from_young(10.0 * material.young(), material.poisson()).unwrap();
         let coated = slab.clone().bonded_to(Body::half_space(stiff)).unwrap().stiffness_blocks(1.0);
         prop_assert!(dominates(&bonded, &coated) && dominates(&coated, &half_space));
@@ -122,7 +124,7 @@ proptest! {
     fn nothing_jumps_where_the_formulas_change(material in material(), below in material()) {
         let slab = Body::slab(material, 1.0).unwrap();
         let substrate = Base::Elastic(Box::new(Body::half_space(below)));
-        for base in [Base::Bonded, Base::Sliding, Base::Free, substrate] {
+        for base in GROUNDS.map(Base::Rigid).into_iter().chain([substrate]) {
             let body = slab.clone().on(base).unwrap();
             let (thin, thick) = (1f64.next_down(), 1.0);
             prop_assert!(blocks_apart(&body.stiffness_blocks(thin), &body.stiffness_blocks(thick)) < 1e-13);
@@ -189,10 +191,13 @@ fn thin_slabs_have_the_stiffness_of_their_series() {
         }
         let material = Material::from_young(3.0, 0.5).unwrap();
         let rubber = Body::slab(material, 1.0).unwrap();
-        let plate = rubber.clone().on(Base::Free).unwrap();
+        let [plate, guided] =
+            [Ground::NONE, Ground::GUIDED].map(|ground| rubber.clone().on(Base::Rigid(ground)).unwrap());
         assert!(apart(rubber.restricted_normal_stiffness(h) * h * h, 12.0, 12.0) < h * h + 1e-15);
         assert!(apart(rubber.normal_stiffness(h) * h * h, 3.0, 3.0) < 2.0 * h * h + 1e-15);
         assert!(apart(12.0 * plate.normal_stiffness(h), 4.0 * h.powi(4), 4.0 * h.powi(4)) < h * h + 1e-15);
+        // It bends about its base: E* h³/3 in place of E* h³/12.
+        assert!(apart(3.0 * guided.normal_stiffness(h), 4.0 * h.powi(4), 4.0 * h.powi(4)) < h * h + 1e-15);
     }
 }
 
@@ -212,8 +217,9 @@ fn the_uniform_mode_is_a_stack_of_springs() {
     };
     let slab = Body::slab(material, 0.5).unwrap();
     close(diagonal(&slab), [shear / 0.5, shear / 0.5, normal / 0.5]);
-    close(diagonal(&slab.clone().on(Base::Sliding).unwrap()), [0.0, 0.0, normal / 0.5]);
-    close(diagonal(&slab.clone().on(Base::Free).unwrap()), [0.0; 3]);
+    close(diagonal(&slab.clone().on(Base::SLIDING).unwrap()), [0.0, 0.0, normal / 0.5]);
+    close(diagonal(&slab.clone().on(Base::FREE).unwrap()), [0.0; 3]);
+    close(diagonal(&slab.clone().on(Base::Rigid(Ground::GUIDED)).unwrap()), [shear / 0.5, shear / 0.5, 0.0]);
     close(diagonal(&Body::half_space(material)), [0.0; 3]);
     close(diagonal(&slab.clone().bonded_to(slab.clone()).unwrap()), [shear, shear, normal]);
     close(diagonal(&slab.clone().bonded_to(Body::half_space(material)).unwrap()), [0.0; 3]);

@@ -187,7 +187,7 @@ fn what_has_no_level_far_away_is_refused() {
     let law = Exponential::new(1e-4, 2e-3).unwrap();
     let interface = Interface::bounded(Boundary::Free, &slab, &line, &rough([32, 1]), law).unwrap();
     assert!(interface.press(Load::Approach(0.01)).solve().unwrap().mean_pressure > 0.0);
-    let plate = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap().on(gfmd_green::Base::Free).unwrap();
+    let plate = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap().on(gfmd_green::Base::FREE).unwrap();
     let grid = Grid::square(8, 1.0).unwrap();
     let error = Interface::bounded(Boundary::Free, &plate, &grid, &rough([8, 8]), HardWall).unwrap_err();
     assert!(matches!(error, Refusal::Body(_)), "{error}");

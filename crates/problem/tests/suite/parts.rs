@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
-use gfmd_green::{Base, BaseKind, Body, Material};
+use gfmd_green::{BaseKind, Body, Material};
 use gfmd_law::{HardWall, Kind, Law, Limit};
 use gfmd_problem::{Facts, Friction, Given, Lower, Support, Task, Unknown};
 use gfmd_viscoelastic::{Prony, Relaxes};
@@ -42,11 +42,9 @@ fn body_on(support: Support) -> Body {
                 (0..60).map(|k| 1.2_f64.powi(k)).map(|q| [q, slab().normal_compliance(q)]).collect();
             Body::tabulated(material.contact_modulus(), &rows, slab().normal_compliance(0.0)).unwrap()
         }
-        Support::Slab(BaseKind::Bonded) => slab(),
-        Support::Slab(BaseKind::Sliding) => slab().on(Base::Sliding).unwrap(),
-        Support::Slab(BaseKind::Free) => slab().on(Base::Free).unwrap(),
-        Support::Slab(BaseKind::HalfSpace) => {
-            slab().bonded_to(Body::half_space(Material::from_young(3.0, 0.2).unwrap())).unwrap()
+        Support::Slab(base) => {
+            let below = base.ground().is_none().then(|| Material::from_young(3.0, 0.2).unwrap());
+            slab().on(base.with(below).unwrap()).unwrap()
         }
     }
 }

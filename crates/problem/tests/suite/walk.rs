@@ -1,5 +1,6 @@
 //! All combinations of parts: each is refused by the table, or posed and solved. A posed problem has the bits of its kind.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::parts::{Parts, all_facts};
@@ -235,6 +236,31 @@ fn rules_name_their_parts_and_reasons() {
     let facts = Facts { lower: Some(Lower::Seed), ..Facts::default() };
     let message = facts.check().unwrap_err().to_string();
     assert_eq!(message, "--height is inf; it must be finite with --lower-seed (a second surface needs a lower face)");
+}
+
+/// Rules of some bases name them, and all others as those that are allowed.
+#[test]
+fn rules_of_bases_name_them() {
+    let bases = |parts: &'static [Part], refused: bool| {
+        let is_in = move |base: &BaseKind| {
+            let facts = Facts { support: Support::Slab(*base), ..Facts::default() };
+            parts.iter().any(|part| part.is_in(&facts)) == refused
+        };
+        BaseKind::ALL.into_iter().filter(is_in).map(BaseKind::name).collect::<BTreeSet<_>>()
+    };
+    let names = |list: &'static str| list.split(", ").flat_map(|part| part.split(" or ")).collect::<BTreeSet<_>>();
+    for rule in RULES {
+        match rule.part {
+            Part::Plate => assert_eq!(names(rule.allowed), bases(&[Part::Plate], false)),
+            Part::Sliding => assert_eq!(names(rule.allowed), bases(&[Part::Plate, Part::Sliding], false)),
+            _ => {}
+        }
+    }
+    let listed: BTreeSet<String> = (rules_of(Task::Path).into_iter().flat_map(|(_, parts)| parts))
+        .filter_map(|part| part.strip_prefix("no --base ").map(str::to_owned))
+        .collect();
+    let named = listed.iter().flat_map(|part| part.split(" or ")).collect::<BTreeSet<_>>();
+    assert_eq!(named, bases(&[Part::Plate, Part::Sliding], true));
 }
 
 /// The page of the rules is made of them: `GFMD_DOCS=write cargo test -p gfmd-problem` writes it.

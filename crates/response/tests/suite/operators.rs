@@ -20,8 +20,8 @@ fn bodies() -> [Body; 8] {
         Body::slab(material(0.45), 0.3).unwrap(),
         Body::slab(material(0.5), 0.05).unwrap(),
         Body::slab(material(-0.4), 2.0).unwrap(),
-        Body::slab(material(0.3), 0.2).unwrap().on(Base::Sliding).unwrap(),
-        Body::slab(material(0.3), 0.4).unwrap().on(Base::Free).unwrap(),
+        Body::slab(material(0.3), 0.2).unwrap().on(Base::SLIDING).unwrap(),
+        Body::slab(material(0.3), 0.4).unwrap().on(Base::FREE).unwrap(),
         Body::slab(material(0.5), 0.1).unwrap().bonded_to(Body::half_space(material(0.2))).unwrap(),
         Body::slab(material(0.1), 0.1).unwrap().against(Body::slab(material(0.4), 0.3).unwrap()),
     ]

@@ -93,8 +93,8 @@ impl Case {
                     _ => Body::new(below, Height::Finite(height(random))).unwrap(),
                 };
                 let base = match random.below(3) {
-                    0 => Base::Sliding,
-                    1 => Base::Free,
+                    0 => Base::SLIDING,
+                    1 => Base::FREE,
                     _ => Base::Elastic(below.into()),
                 };
                 Body::slab(material, height(random)).unwrap().on(base).unwrap()
