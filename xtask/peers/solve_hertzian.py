@@ -35,11 +35,11 @@ def main():
     seconds = time.perf_counter() - started
     peak = peak_bytes()
     np.save(task["out"], np.asarray(solution.pressure).reshape(heights.shape))
-    told = solution.diagnostics
-    report = {"seconds": seconds, "iterations": int(told.iterations), "transform_pairs": None}
+    reported = solution.diagnostics
+    report = {"seconds": seconds, "iterations": int(reported.iterations), "transform_pairs": None}
     report |= {"peak_bytes": peak, "baseline_bytes": baseline}
-    if not told.converged:
-        report["failure"] = f"no convergence to {task['tolerance']:.0e}: {told.residual:.0e} after {told.iterations} iterations"
+    if not reported.converged:
+        report["failure"] = f"no convergence to {task['tolerance']:.0e}: {reported.residual:.0e} after {reported.iterations} iterations"
     print(json.dumps(report))
 
 

@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn a_process_that_waits_for_others_says_so() {
-        let told = |patience, work: Duration| {
+        let reported = |patience, work: Duration| {
             let (sender, receiver) = mpsc::channel();
             let result = watched(
                 patience,
@@ -126,7 +126,7 @@ mod tests {
             // The sender is dropped with the thread that watches.
             (result, receiver.iter().count())
         };
-        assert_eq!(told(Duration::from_millis(20), Duration::from_millis(400)), (7, 1));
-        assert_eq!(told(Duration::from_secs(600), Duration::ZERO), (7, 0));
+        assert_eq!(reported(Duration::from_millis(20), Duration::from_millis(400)), (7, 1));
+        assert_eq!(reported(Duration::from_secs(600), Duration::ZERO), (7, 0));
     }
 }

@@ -101,11 +101,11 @@ pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> P
         ..
     } = topography;
     let details: serde_json::Map<_, _> = details.into_iter().map(|(key, value)| (key, value.into())).collect();
-    let told = serde_json::json!({
+    let reported = serde_json::json!({
         "format": format, "channel": channel, "channels": channels, "undefined": undefined, "conversion": conversion,
         "details": details, "notes": notes,
     });
-    Ok((heights.into_pyarray(py), lengths, unit, source, told.to_string()))
+    Ok((heights.into_pyarray(py), lengths, unit, source, reported.to_string()))
 }
 
 /// The heights with undefined points (NaN) filled.

@@ -82,10 +82,10 @@ def test_a_read_only_array_works_and_the_copy_is_our_own():
     ],
 )
 def test_unusable_heights_are_refused_in_one_line(given):
-    with pytest.raises(gfmd.InputError) as told:
+    with pytest.raises(gfmd.InputError) as reported:
         gfmd.Surface(given)
-    assert "\n" not in str(told.value) and str(told.value).startswith("heights ")
-    assert isinstance(told.value, ValueError) and isinstance(told.value, gfmd.Error)
+    assert "\n" not in str(reported.value) and str(reported.value).startswith("heights ")
+    assert isinstance(reported.value, ValueError) and isinstance(reported.value, gfmd.Error)
 
 
 @pytest.mark.parametrize(
@@ -137,22 +137,22 @@ def test_unusable_heights_are_refused_in_one_line(given):
     ],
 )
 def test_unusable_arguments_are_named(call, words):
-    with pytest.raises(gfmd.InputError) as told:
+    with pytest.raises(gfmd.InputError) as reported:
         call()
-    text = str(told.value)
+    text = str(reported.value)
     assert text.startswith(words) and "\n" not in text and "--" not in text, text
 
 
 def test_a_search_that_gives_up_keeps_its_state():
-    with pytest.raises(gfmd.NotConverged, match="did not converge") as told:
+    with pytest.raises(gfmd.NotConverged, match="did not converge") as reported:
         solved(max_iterations=1)
-    state = told.value.state
+    state = reported.value.state
     assert not state.converged and 0.0 < state.area_fraction < 1.0
-    again = pickle.loads(pickle.dumps(told.value))
+    again = pickle.loads(pickle.dumps(reported.value))
     assert again.state.area_fraction == state.area_fraction
-    with pytest.raises(gfmd.NotConverged, match="load 0") as told:
+    with pytest.raises(gfmd.NotConverged, match="load 0") as reported:
         gfmd.contacts(SMALL, BODY, p_star=[0.1, 0.2], max_iterations=1)
-    assert len(told.value.state) == 1
+    assert len(reported.value.state) == 1
 
 
 def test_results_are_frozen_and_pickle():
@@ -234,9 +234,9 @@ def test_files_come_back(tmp_path):
 
 
 def test_warnings_of_the_libraries_are_warnings():
-    with pytest.warns(UserWarning, match="trap|grid|range") as told:
+    with pytest.warns(UserWarning, match="trap|grid|range") as reported:
         gfmd.contact(SMALL, BODY, approach=0.0005, law=gfmd.law("exponential", gamma=2e-4, range=1e-4), max_iterations=10**4, coarse=True)
-    assert told[0].filename == __file__
+    assert reported[0].filename == __file__
 
 
 def test_what_comes_out_is_c_ordered_float64():

@@ -122,9 +122,9 @@ def test_what_does_not_go_together_is_named():
         (dict(range_continuation=True), "range_continuation: the law hard-wall has no range"),
         (dict(range_continuation=True, law=law, start=plain), "range_continuation and start are both given"),
     ]:
-        with pytest.raises(gfmd.InputError) as told:
+        with pytest.raises(gfmd.InputError) as reported:
             gfmd.contact(**{"surface": SMALL, "body": BODY, "p_star": 0.1, **arguments})
-        assert str(told.value).startswith(words), str(told.value)
+        assert str(reported.value).startswith(words), str(reported.value)
 
 
 def test_a_grid_much_too_coarse_for_an_attraction_is_refused_before_the_solve():
@@ -138,9 +138,9 @@ def test_a_grid_much_too_coarse_for_an_attraction_is_refused_before_the_solve():
 
 def test_slopes_that_are_not_small_are_told_once_with_the_largest_pressure():
     steep = gfmd.self_affine(n=16, eps_f_inv=4, rms_gradient=0.5, seed=3)
-    with pytest.warns(UserWarning, match="the rms gradient is 0.50, .*; finite_slope includes the slopes") as told:
+    with pytest.warns(UserWarning, match="the rms gradient is 0.50, .*; finite_slope includes the slopes") as reported:
         cs = gfmd.contacts(steep, gfmd.Body(), p_star=[0.05, 0.2])
-    assert len(told) == 1 and f"the largest pressure {max(cs.max_pressure):.2f} E*" in str(told[0].message)
+    assert len(reported) == 1 and f"the largest pressure {max(cs.max_pressure):.2f} E*" in str(reported[0].message)
     with pytest.warns(UserWarning, match="strains are still taken as small"):
         gfmd.contact(steep, gfmd.Body(), p_star=0.05, finite_slope=True)
     with pytest.warns(UserWarning, match="is of this size$"):

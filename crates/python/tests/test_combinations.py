@@ -193,7 +193,7 @@ def test_python_has_the_numbers_of_the_program(tmp_path):
     for index in range(CASES) if alone is None else [int(alone)]:
         command, words, surface, given, options = draw(index, tmp_path)
         file = tmp_path / f"c{index}.h5"
-        status, report, told = program(command, *words, "--threads=1", f"--out={file}")
+        status, report, reported = program(command, *words, "--threads=1", f"--out={file}")
         try:
             try:
                 body = gfmd.Body(**given)
@@ -205,9 +205,9 @@ def test_python_has_the_numbers_of_the_program(tmp_path):
                 assert raised is None, f"Python: {raised}"
                 compare_path(found, report, file) if command == "path" else compare_contacts(found, report, file, tmp_path)
             elif status == 2:
-                assert isinstance(raised, gfmd.InputError), f"Python: {raised!r}; the program refuses: {told}"
+                assert isinstance(raised, gfmd.InputError), f"Python: {raised!r}; the program refuses: {reported}"
             else:
-                assert status == 1 and isinstance(raised, gfmd.NotConverged), f"Python: {raised!r}; the program: {told}"
+                assert status == 1 and isinstance(raised, gfmd.NotConverged), f"Python: {raised!r}; the program: {reported}"
             ends["solved" if status == 0 else "refused" if status == 2 else "not converged"] += 1
         except (AssertionError, AttributeError, KeyError) as error:
             bad.append(f"GFMD_COMBINATION={index}: {command} {' '.join(words)}\n    {type(error).__name__}: {error}")

@@ -49,9 +49,9 @@ def test_components_that_cannot_be_unknown_are_named():
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", solver="cg"), "solver"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="held", start=gfmd.contact(SMALL, BODY, p_star=0.1)), "start has components='normal'"),
     ]:
-        with pytest.raises(gfmd.InputError) as told:
+        with pytest.raises(gfmd.InputError) as reported:
             call()
-        assert str(told.value).startswith(words), str(told.value)
+        assert str(reported.value).startswith(words), str(reported.value)
 
 
 def test_a_punch_has_dynamics_of_its_own_and_their_history():

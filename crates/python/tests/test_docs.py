@@ -66,9 +66,9 @@ def test_it_is_documented(name):
 @pytest.mark.parametrize("name", CALLED)
 def test_arguments_and_errors_are_documented(name):
     text, parameters = inspect.getdoc(CALLED[name]), [key for key in inspect.signature(CALLED[name]).parameters if key != "self"]
-    told = text.split("Args:")[1].split("Raises:")[0] if "Args:" in text else ""
+    reported = text.split("Args:")[1].split("Raises:")[0] if "Args:" in text else ""
     for key in parameters:
-        assert f"{key}:" in told or f"{key}," in told or f"`{key}`" in told, key
+        assert f"{key}:" in reported or f"{key}," in reported or f"`{key}`" in reported, key
     if parameters:
         assert "Raises:" in text
 

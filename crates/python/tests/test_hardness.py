@@ -34,9 +34,9 @@ def test_a_hardness_that_cannot_be_used_is_named():
         (lambda: gfmd.contact(SMALL, BODY, mean_pressure=0.2, hardness=0.1), "mean_pressure: the mean pressure is 0.2"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=1, solver="cg"), "solver: "),
     ]:
-        with pytest.raises(gfmd.InputError) as told:
+        with pytest.raises(gfmd.InputError) as reported:
             call()
-        assert str(told.value).startswith(words), str(told.value)
+        assert str(reported.value).startswith(words), str(reported.value)
 
 
 def test_the_stiffness_is_the_slope_of_the_load():

@@ -57,8 +57,8 @@ print(sorted({{line.split()[-1] for line in maps.splitlines() if "hdf5" in line.
 @pytest.mark.parametrize("first, second", [("h5py", "gfmd"), ("gfmd", "h5py")])
 def test_it_lives_beside_h5py(first, second, tmp_path):
     pytest.importorskip("h5py")
-    told = python(BESIDE.format(first=first, second=second), cwd=tmp_path)
-    libraries = re.findall(r"'([^']+)'", told.splitlines()[-1])
+    reported = python(BESIDE.format(first=first, second=second), cwd=tmp_path)
+    libraries = re.findall(r"'([^']+)'", reported.splitlines()[-1])
     if WHEEL:
         assert all("h5py" in library for library in libraries), libraries
 
@@ -112,8 +112,8 @@ def test_ctrl_c_ends_the_program_with_its_state_saved(tmp_path):
             time.sleep(0.02)
         time.sleep(0.2)
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=60)
+        _, reported = process.communicate(timeout=60)
     finally:
         process.kill()
-    assert process.returncode == 130 and "interrupted" in told, told
+    assert process.returncode == 130 and "interrupted" in reported, reported
     assert any((tmp_path / f"c.h5.{kind}").exists() for kind in ("checkpoint", "state"))

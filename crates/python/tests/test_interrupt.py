@@ -46,12 +46,12 @@ def ctrl_c():
 
 def interrupted(call):
     started = time.perf_counter()
-    with pytest.raises(gfmd.Interrupted) as told:
+    with pytest.raises(gfmd.Interrupted) as reported:
         call()
     assert time.perf_counter() - started < 20.0
-    assert isinstance(told.value, KeyboardInterrupt) and not isinstance(told.value, Exception)
-    assert str(told.value).count("\n") == 0
-    return told.value
+    assert isinstance(reported.value, KeyboardInterrupt) and not isinstance(reported.value, Exception)
+    assert str(reported.value).count("\n") == 0
+    return reported.value
 
 
 def test_a_contact_keeps_its_state_and_goes_on(ctrl_c):

@@ -41,9 +41,9 @@ def test_what_fails_is_named_when_its_turn_comes():
     with pytest.raises(gfmd.InputError, match="^surface 2: "):
         next(found)
     assert list(found) == []
-    with pytest.raises(gfmd.NotConverged, match="^surface 0: ") as told:
+    with pytest.raises(gfmd.NotConverged, match="^surface 0: ") as reported:
         next(gfmd.many(rough([1]), BODY, p_star=0.05, max_iterations=1))
-    assert not told.value.state.converged
+    assert not reported.value.state.converged
     for options, words in [({"threads": 2}, "threads is given"), ({"workers": 0}, "workers is 0")]:
         with pytest.raises(gfmd.InputError, match=words):
             gfmd.many(rough([1]), BODY, p_star=0.05, **options)

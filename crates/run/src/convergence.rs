@@ -274,11 +274,11 @@ mod tests {
         assert!(history((0..200).map(|_| 0.1)).forecast(1e-12).is_none());
         assert!(history(std::iter::empty()).forecast(1e-12).is_none());
         assert!(history((0..200).map(|_| f64::NAN)).forecast(1e-12).is_none());
-        let told = NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, falling);
-        assert_eq!(told.criteria.len(), 1, "NaN passes no comparison");
-        assert_eq!(told.criteria[0].name, "gap");
-        assert!(told.advice.contains("--max-iter"), "{}", told.advice);
-        assert_eq!(told.history.to_string().chars().next(), Some('█'));
-        assert_eq!(told.history.to_string().chars().last(), Some('▁'));
+        let reported = NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, falling);
+        assert_eq!(reported.criteria.len(), 1, "NaN passes no comparison");
+        assert_eq!(reported.criteria[0].name, "gap");
+        assert!(reported.advice.contains("--max-iter"), "{}", reported.advice);
+        assert_eq!(reported.history.to_string().chars().next(), Some('█'));
+        assert_eq!(reported.history.to_string().chars().last(), Some('▁'));
     }
 }

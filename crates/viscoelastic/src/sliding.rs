@@ -175,7 +175,7 @@ impl SlidingContact {
         let moving = self.at(velocity);
         let mut search = Search::new(self, &moving, *budget);
         let (state, ending) = search.run(load, start, watch)?;
-        let state = self.told(velocity, &moving, state);
+        let state = self.with_friction(velocity, &moving, state);
         judge(state, ending, budget.tolerance)
     }
 
@@ -186,11 +186,11 @@ impl SlidingContact {
     pub fn certify(&self, velocity: &Velocity, pressure: &Array2<f64>, load: Load) -> Result<SlidingState, Refusal> {
         let (moving, solution) = (self.at(velocity), self.contact.certify(pressure, load)?);
         let certified = Search::new(self, &moving, Budget::default()).certify(solution, load);
-        Ok(self.told(velocity, &moving, certified))
+        Ok(self.with_friction(velocity, &moving, certified))
     }
 
     /// The state of a solution, with its friction.
-    fn told(&self, velocity: &Velocity, moving: &Moving, solution: Solution) -> SlidingState {
+    fn with_friction(&self, velocity: &Velocity, moving: &Moving, solution: Solution) -> SlidingState {
         let grid = self.grid();
         let mut pressure = vec![Complex64::ZERO; grid.spectrum_len()];
         let values = contiguous(&solution.pressure);

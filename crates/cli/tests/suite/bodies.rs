@@ -364,8 +364,8 @@ fn a_table_by_direction_is_a_half_space_on_a_stretched_cell() {
         assert!(gfmd(folder.path(), &["report", "t.h5", "-q"]).status.success());
     }
     let mixed = "contact --n 16 --p-star 0.1 --young 1 --compliance 1:1,1:0:1";
-    let told = gfmd(folder.path(), &mixed.split_whitespace().collect::<Vec<_>>());
-    assert!(String::from_utf8_lossy(&told.stderr).contains("some rows have two numbers and some three"));
+    let reported = gfmd(folder.path(), &mixed.split_whitespace().collect::<Vec<_>>());
+    assert!(String::from_utf8_lossy(&reported.stderr).contains("some rows have two numbers and some three"));
 }
 
 #[test]

@@ -226,8 +226,8 @@ fn a_search_without_convergence_names_the_criterion_its_history_and_what_to_try(
     ] {
         let arguments: Vec<&str> = words.split_whitespace().chain(["--out", "n.h5", "--json"]).collect();
         let output = gfmd(folder.path(), &arguments);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{told}");
+        let reported = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{reported}");
         let report: Value = serde_json::from_slice(&output.stdout).unwrap();
         let unmet = &report["not_converged"];
         assert_eq!(unmet["part"], part, "{unmet}");
@@ -236,8 +236,11 @@ fn a_search_without_convergence_names_the_criterion_its_history_and_what_to_try(
         let history = unmet["history"]["residual"].as_array().unwrap();
         assert!(history.len() > 1 && history.len() == unmet["history"]["iteration"].as_array().unwrap().len());
         assert!(unmet["advice"].as_str().unwrap().contains("--"), "{unmet}");
-        assert!(told.contains(criterion["name"].as_str().unwrap()) && told.contains("must be at most"), "{told}");
-        assert!(told.contains('█') && told.contains("iterations"), "{told}");
+        assert!(
+            reported.contains(criterion["name"].as_str().unwrap()) && reported.contains("must be at most"),
+            "{reported}"
+        );
+        assert!(reported.contains('█') && reported.contains("iterations"), "{reported}");
         let file = Reader::open(folder.path().join("n.h5")).unwrap();
         let stored: Vec<f64> = file.values("/not_converged/residual").unwrap();
         assert_eq!(stored, history.iter().map(|value| value.as_f64().unwrap()).collect::<Vec<_>>());

@@ -42,9 +42,9 @@ enum End {
 }
 
 /// The first words of a refusal, which name the flag.
-fn reason(told: &str) -> String {
-    let told = told.trim_start_matches("error: ");
-    told.split([':', ' ', ',']).next().unwrap_or_default().to_owned()
+fn reason(reported: &str) -> String {
+    let reported = reported.trim_start_matches("error: ");
+    reported.split([':', ' ', ',']).next().unwrap_or_default().to_owned()
 }
 
 /// The words of a case with lengths in micrometres and stresses in pascals, each number with its unit: the same
@@ -110,15 +110,15 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
         words.extend(["--vtk", vtk]);
     }
     let output = gfmd(folder, &words);
-    let (told, text) = (String::from_utf8_lossy(&output.stderr), String::from_utf8_lossy(&output.stdout));
-    let lines: Vec<&str> = told.trim_end().lines().collect();
+    let (reported, text) = (String::from_utf8_lossy(&output.stderr), String::from_utf8_lossy(&output.stdout));
+    let lines: Vec<&str> = reported.trim_end().lines().collect();
     match output.status.code() {
         Some(2) => {
             let names = ["--", ".npy"].iter().any(|name| lines[0].contains(name));
             let one = lines.len() == 1 && lines[0].starts_with("error") && names && lines[0].len() < 700;
-            found.must(one && text.is_empty(), || format!("a refusal of {} lines: {told}", lines.len()));
+            found.must(one && text.is_empty(), || format!("a refusal of {} lines: {reported}", lines.len()));
             found.must(!folder.join(&out).exists(), || "a refused case has a file".into());
-            return (End::Refused, reason(&told));
+            return (End::Refused, reason(&reported));
         }
         Some(1) => {
             let says = lines.last().is_some_and(|line| {
@@ -127,12 +127,12 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
                         .iter()
                         .any(|word| line.contains(word))
             });
-            found.must(says && !told.contains("panicked"), || format!("an unexpected failure: {told}"));
+            found.must(says && !reported.contains("panicked"), || format!("an unexpected failure: {reported}"));
             return (End::Failed, lines.last().unwrap_or(&"").to_string());
         }
         Some(0) => {}
         status => {
-            found.complain(format!("status {status:?}: {told}"));
+            found.complain(format!("status {status:?}: {reported}"));
             return (End::Failed, String::new());
         }
     }

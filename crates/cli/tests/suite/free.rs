@@ -91,7 +91,7 @@ fn limits_meet() {
 fn what_a_patch_cannot_have_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let law = "--law exponential --param gamma=1e-4,range=4e-3";
-    for (flags, told) in [
+    for (flags, reported) in [
         (
             "contact --height 0.2 --base free",
             "--base is free; it must be bonded, sliding or half-space with --boundary free (nothing holds the plate",
@@ -113,7 +113,7 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
     ] {
         let output = gfmd(folder.path(), &words(&format!("{flags} {SURFACE} --p-star 0.1")));
         let message = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.code() == Some(2) && message.contains(told), "{flags}: {message}");
+        assert!(output.status.code() == Some(2) && message.contains(reported), "{flags}: {message}");
     }
     let output = gfmd(folder.path(), &words(&format!("contact {SURFACE} --dim 2 {law} --displacement 0.01")));
     let message = String::from_utf8(output.stderr).unwrap();

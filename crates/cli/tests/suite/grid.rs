@@ -55,10 +55,10 @@ fn a_finer_grid_tells_the_error_of_all_bodies_interactions_and_boundaries() {
         // The numbers themselves are those of the grid that is asked for.
         assert_eq!(plain["loads"][0]["area_fraction"], refined["loads"][0]["area_fraction"], "{problem}");
         assert!(plain["loads"][0].get("area_fraction_limit").is_none() && plain.get("grid_error").is_none());
-        let told = &refined["grid_error"];
-        assert_eq!((&told["mode"], &told["assumes"]), (&"refine".into(), &"band-limited".into()), "{problem}");
+        let reported = &refined["grid_error"];
+        assert_eq!((&reported["mode"], &reported["assumes"]), (&"refine".into(), &"band-limited".into()), "{problem}");
         assert_eq!(
-            (&told["n"], &told["orders"]["area_fraction"]),
+            (&reported["n"], &reported["orders"]["area_fraction"]),
             (&serde_json::json!([96, 96]), &1.6.into()),
             "{problem}"
         );
@@ -90,10 +90,10 @@ fn between_the_points_of_a_scan_two_interpolations_tell_what_is_not_known() {
     let [_, limit, error] = limit(&two["loads"][0], "area_fraction");
     // White noise: a quarter of the area lies between the two ways.
     assert!(error > 0.05 * limit, "{limit} {error}");
-    let told = refused(folder.path(), &format!("{scan} --grid-error refine --boundary free"));
-    assert!(told.contains("it must be none or estimate with --boundary free"), "{told}");
-    let told = refused(folder.path(), &format!("{scan} --accuracy 1%"));
-    assert!(told.contains("what lies between the points is not known"), "{told}");
+    let reported = refused(folder.path(), &format!("{scan} --grid-error refine --boundary free"));
+    assert!(reported.contains("it must be none or estimate with --boundary free"), "{reported}");
+    let reported = refused(folder.path(), &format!("{scan} --accuracy 1%"));
+    assert!(reported.contains("what lies between the points is not known"), "{reported}");
 }
 
 #[test]
@@ -173,8 +173,8 @@ fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
         let reason = load["undefined"]["area_fraction_limit"].as_str().unwrap();
         assert!(reason.contains("slopes that differ by a factor of at most 2"), "{reason}");
     }
-    let told = refused(path, "contact --surface wave.npy --length 1 --pressure 0.005 --accuracy 1%");
-    assert!(told.contains("the surface has 1.0 waves"), "{told}");
+    let reported = refused(path, "contact --surface wave.npy --length 1 --pressure 0.005 --accuracy 1%");
+    assert!(reported.contains("the surface has 1.0 waves"), "{reported}");
 }
 
 /// Hertz (1882): a sphere of radius R on a half-space with E* = 1, contact radius a.
@@ -275,7 +275,7 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
         ("path --n 32 --p-star 0.05 --grid-error refine --resume --out a.h5".into(), "--grid-error is refine"),
         (format!("{contact} --boundary free --accuracy 1%"), "the rim of a patch moves with the grid"),
     ] {
-        let told = refused(folder.path(), &flags);
-        assert!(told.contains(wanted), "{flags}: {told}");
+        let reported = refused(folder.path(), &flags);
+        assert!(reported.contains(wanted), "{flags}: {reported}");
     }
 }

@@ -339,7 +339,12 @@ fn a_load_with_friction_is_divided_until_it_changes_nothing_or_the_path_says_so(
     assert_eq!(stored[0], number(first, "increments"));
     assert_eq!(run(folder.path(), "check f.h5 --rerun")["differing"], 0);
     let codes = |report: &Value| -> Vec<String> {
-        report["warnings"].as_array().unwrap().iter().map(|told| told["code"].as_str().unwrap().into()).collect()
+        report["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|reported| reported["code"].as_str().unwrap().into())
+            .collect()
     };
     assert!(!codes(&report).contains(&"increments".into()), "{report}");
     // The load alone, in more steps, ends where the one step did; in one increment it does not.
@@ -460,12 +465,15 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         assert!((number(found, key) / wanted - 1.0).abs() < 1e-4, "{key}: {found} {wanted}");
     }
     assert!(run(folder.path(), "contact --surface wave.npy --pressure 0.01").get("adhesion").is_none());
-    let told = gfmd(
+    let reported = gfmd(
         folder.path(),
         &format!("contact {} --pressure 0.01", flags(range)).split_whitespace().collect::<Vec<_>>(),
     );
-    let told = String::from_utf8(told.stderr).unwrap();
-    assert!(told.contains("process zone of 16.08 grid steps (resolved)") && told.contains("Tabor number"), "{told}");
+    let reported = String::from_utf8(reported.stderr).unwrap();
+    assert!(
+        reported.contains("process zone of 16.08 grid steps (resolved)") && reported.contains("Tabor number"),
+        "{reported}"
+    );
     // A law whose traction jumps needs more points than a smooth one; both commands say so.
     for (command, law, range, needed, is_told) in [
         ("contact", "exponential", 4e-3, 2.0, false),
@@ -477,10 +485,10 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         let flags = format!("--surface wave.npy --e-star 2 --law {law} --param gamma={gamma},range={range}");
         let report = run(folder.path(), &format!("{command} {flags} --pressure 0.01"));
         assert_eq!(number(&report["adhesion"], "process_zone_needed"), needed);
-        let codes = report["warnings"].as_array().unwrap().iter().map(|told| told["code"].as_str().unwrap());
+        let codes = report["warnings"].as_array().unwrap().iter().map(|reported| reported["code"].as_str().unwrap());
         assert_eq!(codes.filter(|code| *code == "process-zone").count(), usize::from(is_told), "{flags}");
     }
-    assert!(told.contains("Wang-Zhou-Müser 0.22 (below 0.5: resolved)"), "{told}");
+    assert!(reported.contains("Wang-Zhou-Müser 0.22 (below 0.5: resolved)"), "{reported}");
     for command in ["contact", "path"] {
         let coarse = format!("{command} {} --displacement 0.002 -q", flags(1e-4));
         let output = gfmd(folder.path(), &coarse.split_whitespace().collect::<Vec<_>>());

@@ -114,7 +114,7 @@ fn a_changed_depth_is_found() {
 #[test]
 fn what_makes_no_sense_is_refused_by_name() {
     let folder = folder();
-    for (flags, told) in [
+    for (flags, reported) in [
         ("contact --hardness small.npy", "--hardness: small.npy: the shape is [24, 23]; it must be [24, 24]"),
         ("contact --hardness zero.npy", "--hardness: zero.npy: a value is 0; all values must be positive and finite"),
         ("contact --hardness none.npy", "--hardness: none.npy"),
@@ -129,6 +129,6 @@ fn what_makes_no_sense_is_refused_by_name() {
     ] {
         let output = gfmd(folder.path(), &words(&format!("{flags} --n 24 --eps-f-inv 6 --p-star 0.1")));
         let message = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.code() == Some(2) && message.contains(told), "{flags}: {message}");
+        assert!(output.status.code() == Some(2) && message.contains(reported), "{flags}: {message}");
     }
 }

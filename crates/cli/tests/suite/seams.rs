@@ -136,8 +136,8 @@ fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
     };
     // Without a hardness it is beyond full contact.
     let refused = gfmd(folder.path(), &words("path", "0.1", ""));
-    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(!refused.status.success() && told.contains("less than the mean clearance"), "{told}");
+    let reported = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && reported.contains("less than the mean clearance"), "{reported}");
     let contact = &json(folder.path(), &words("contact", "0.1", "--hardness 0.05"))["loads"][0];
     let path = json(folder.path(), &words("path", "0.06,0.1", "--hardness 0.05 --steps 1 --out p.h5"));
     let steps = path["steps"].as_array().unwrap();
@@ -149,6 +149,6 @@ fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
     assert_eq!(json(folder.path(), &["check", "p.h5", "--rerun", "--json"])["differing"], 0);
     // So pressed, the surfaces are flat to one another: they part when the approach is reduced.
     let parted = gfmd(folder.path(), &words("path", "0.1,0.05", "--hardness 0.05 --steps 1"));
-    let told = String::from_utf8_lossy(&parted.stderr).into_owned();
-    assert!(!parted.status.success() && told.contains("where the flattened surfaces touch"), "{told}");
+    let reported = String::from_utf8_lossy(&parted.stderr).into_owned();
+    assert!(!parted.status.success() && reported.contains("where the flattened surfaces touch"), "{reported}");
 }

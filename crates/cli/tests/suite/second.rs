@@ -106,7 +106,7 @@ fn surfaces_that_do_not_fit_are_refused_by_name() {
         let header = format!("# Width: 10 {unit}\n# Height: 10 {unit}\n# Value units: {unit}\n");
         std::fs::write(folder.path().join(name), header + &rows.join("\n")).unwrap();
     }
-    for (flags, told) in [
+    for (flags, reported) in [
         ("--surface a.npy --second-surface small.npy", "--second-surface: small.npy has 16 x 32 points on 1 x 1"),
         ("--surface a.npy --shift 0.1", "--second-surface"),
         ("--surface a.npy --second-surface b.npy --shift nan", "--shift: the shift is [NaN, 0.0]"),
@@ -119,7 +119,7 @@ fn surfaces_that_do_not_fit_are_refused_by_name() {
         ("--surface um.txt --second-surface mm.txt", "--second-surface: the unit of mm.txt is mm; it must be µm"),
     ] {
         let message = refused(folder.path(), &format!("contact {flags} --p-star 0.05"));
-        assert!(message.contains(told), "{flags}: {message}");
+        assert!(message.contains(reported), "{flags}: {message}");
     }
     assert!(refused(folder.path(), "kappa-sweep --second-surface b.npy").contains("--second-surface"));
 }

@@ -155,10 +155,10 @@ fn random_combinations_keep_volume_and_energy_and_are_what_their_files_say() {
         );
         let output = gfmd(folder.path(), &words(&run));
         if output.status.code() == Some(2) {
-            let told = String::from_utf8(output.stderr).unwrap();
+            let reported = String::from_utf8(output.stderr).unwrap();
             // A profile on a patch without a level, and a half-space pressed beyond its mean clearance before it wears.
             let known = ["a profile on a half-space", "less than the mean clearance"];
-            assert!(known.iter().any(|words| told.contains(words)), "{run}: {told}");
+            assert!(known.iter().any(|words| reported.contains(words)), "{run}: {reported}");
             continue;
         }
         assert!(output.status.success(), "{run}: {}", String::from_utf8_lossy(&output.stderr));
@@ -222,9 +222,9 @@ fn quantities_have_units() {
         assert_eq!(report["unit"], "µm");
         assert_eq!(numbers(&folder.path().join("bare.h5")), numbers(&folder.path().join(format!("{name}.h5"))));
     }
-    let told =
+    let reported =
         refused(folder.path(), &format!("{problem} --young 70GPa --pressure 1e7 --coefficient 2GPa --distance 1"));
-    assert!(told.contains("--coefficient") && told.contains("an inverse stress (such as 1/GPa)"), "{told}");
+    assert!(reported.contains("--coefficient") && reported.contains("an inverse stress (such as 1/GPa)"), "{reported}");
 }
 
 #[test]

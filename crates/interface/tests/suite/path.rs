@@ -150,21 +150,21 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
     for steps in [10, 100, 1500] {
         let drives = approaches(&turns, steps);
         let made = follow(&interface, &drives, FINE);
-        let told: Vec<Option<bool>> = made.iter().map(|step| step.jumped).collect();
+        let reported: Vec<Option<bool>> = made.iter().map(|step| step.jumped).collect();
         let places: Vec<f64> = legs(&turns, steps);
-        for (k, told) in told.iter().enumerate().skip(1) {
+        for (k, reported) in reported.iter().enumerate().skip(1) {
             let (from, to) = (places[k - 1], places[k]);
             let crosses = (from < closes && closes < to) || (to < opens && opens < from);
             let around = &made[k - 1..=(k + 1).min(made.len() - 1)];
-            assert_eq!(*told, Some(crosses), "{steps} steps: {from} to {to}, folds {closes} {opens}: {around:?}");
+            assert_eq!(*reported, Some(crosses), "{steps} steps: {from} to {to}, folds {closes} {opens}: {around:?}");
         }
-        assert_eq!(told.iter().filter(|told| **told == Some(true)).count(), 2, "{steps}");
+        assert_eq!(reported.iter().filter(|reported| **reported == Some(true)).count(), 2, "{steps}");
     }
     // Without further solves nothing can be told of the steps with a jump.
     let once = Refinement { solves_per_step: 0, ..FINE };
-    let told = follow(&interface, &approaches(&turns, 10), once);
-    assert_eq!(told.iter().filter(|step| step.jumped == Some(true)).count(), 0);
-    assert!(told.iter().any(|step| step.jumped.is_none()));
+    let reported = follow(&interface, &approaches(&turns, 10), once);
+    assert_eq!(reported.iter().filter(|step| step.jumped == Some(true)).count(), 0);
+    assert!(reported.iter().any(|step| step.jumped.is_none()));
     // Under a tension below the largest one the contact holds and loses no energy.
     let strongest = law.response(0.05 * 2.0_f64.ln(), 0.0).traction[0];
     let turns = [0.5 * strongest, -0.9 * strongest, 0.5 * strongest];

@@ -249,8 +249,8 @@ def punch(
         values.pop(name, None)
     if history:
         values["history"] = _history(values["history"])
-    told = {name: _command.records(value) for name, value in values.items()}
-    return _command.ended(Punch({**told, **fields}, file), failure)
+    reported = {name: _command.records(value) for name, value in values.items()}
+    return _command.ended(Punch({**reported, **fields}, file), failure)
 
 
 def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
@@ -263,12 +263,12 @@ def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
 def _history(values: dict[str, Any]) -> dict[str, Any]:
     """The record of a search, with arrays, and NaN in place of null."""
 
-    def told(name: str, value: Any) -> Any:
+    def reported(name: str, value: Any) -> Any:
         if name in ("modes", "points"):
-            return [{name: told(name, entry) for name, entry in row.items()} for row in value]
+            return [{name: reported(name, entry) for name, entry in row.items()} for row in value]
         return value if name in ("mode", "point", "component") else np.array(value, dtype=np.float64)
 
-    return {name: told(name, value) for name, value in values.items()}
+    return {name: reported(name, value) for name, value in values.items()}
 
 
 def interior(
@@ -319,8 +319,8 @@ def interior(
     del values["surface"]
     named = {name.replace("-", "_") for name in problem["quantities"]}
     found = {name: field for name, field in fields.items() if name in named}
-    told = {name: _command.records(value) for name, value in values.items()}
-    return _command.ended(FieldsBelow({**told, **found}, file), failure)
+    reported = {name: _command.records(value) for name, value in values.items()}
+    return _command.ended(FieldsBelow({**reported, **found}, file), failure)
 
 
 def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, Optional, Union
+from typing import Any, Literal, Optional, Union, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ _Compliance = Union[
     "tuple[npt.ArrayLike, int, npt.ArrayLike | Callable[[Array, Array], npt.ArrayLike]]",
 ]
 
-_BASES = ("bonded", "sliding", "free", "half-space")
+_Base = Literal["bonded", "sliding", "free", "half-space"]
 
 
 class Body(Record):
@@ -92,7 +92,7 @@ class Body(Record):
         *,
         e_star: Optional[Quantity] = None,
         height: Optional[Quantity] = None,
-        base: Literal["bonded", "sliding", "free", "half-space"] | str = "bonded",
+        base: _Base | str = "bonded",
         base_young: Optional[Quantity] = None,
         base_poisson: Optional[float] = None,
         layers: Sequence[Sequence[Quantity]] = (),
@@ -267,8 +267,8 @@ def _composite(first: float, other: tuple[Quantity, ...]) -> float:
 
 def _below(base: str, height: Optional[Quantity], young: object, poisson: object) -> dict[str, Quantity]:
     """The properties of an elastic base."""
-    if base not in _BASES:
-        raise InputError(f"base is {base!r}; it must be one of {', '.join(map(repr, _BASES))}")
+    if base not in get_args(_Base):
+        raise InputError(f"base is {base!r}; it must be one of {', '.join(map(repr, get_args(_Base)))}")
     if height is None and base != "bonded":
         raise InputError(f"base is {base!r}; it must be 'bonded' for a half-space, which has no base")
     if base != "half-space":

@@ -92,8 +92,8 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     if lower is not None:
         options["lower_surface"], arrays["lower_surface"] = "array", lower.heights
     settings = Settings({"length": list(surface.size), **body_keys(body), **options}, arrays, lower)
-    told, names = _gfmd.read_records(name)
-    records = [of_load(record) for record in told]
+    reported, names = _gfmd.read_records(name)
+    records = [of_load(record) for record in reported]
     fields = {field: _array(name, f"/fields/{field}", (len(records), *surface.heights.shape)) for field in names}
     control, asked = next(((key, config[key]) for key in _CONTROLS if config.get(key)), ("", []))
 

@@ -156,11 +156,11 @@ def kappa_sweep(
         journal = Path(f"{file}.journal")
         runs = max(len(journal.read_text().splitlines()) - 1, 0) if journal.exists() else 0
         kept = file if runs else None
-        told = str(error).split("; finished runs are in ")[0] or "interrupted"
+        reported = str(error).split("; finished runs are in ")[0] or "interrupted"
         if runs:
-            told += f"; {runs} finished runs are kept: gfmd.kappa_sweep(..., out={kept!r}, resume=True) continues"
+            reported += f"; {runs} finished runs are kept: gfmd.kappa_sweep(..., out={kept!r}, resume=True) continues"
         kind = NotConverged if isinstance(error, NotConverged) else Interrupted
-        raise kind(told, Record({"out": kept, "runs": runs})) from error
+        raise kind(reported, Record({"out": kept, "runs": runs})) from error
     finally:
         if kept is None or out is not None:
             shutil.rmtree(folder, ignore_errors=True)

@@ -146,8 +146,8 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
-    told = {name: _command.records(value) for name, value in values.items()}
-    return {**told, "steps": Record(columns), "undefined": undefined}
+    reported = {name: _command.records(value) for name, value in values.items()}
+    return {**reported, "steps": Record(columns), "undefined": undefined}
 
 
 def path(
@@ -247,10 +247,10 @@ def path(
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made.description)
-    told = gathered(values)
+    reported = gathered(values)
     if isinstance(bound, np.ndarray):
-        told["hardness"] = bound
-    result = Path({**told, "unit": made.unit, "surface": made, **fields}, file)
+        reported["hardness"] = bound
+    result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file)
     return _command.ended(result, failure)
 
 

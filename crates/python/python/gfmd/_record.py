@@ -130,12 +130,12 @@ def parsed(text: str) -> dict[str, Any]:
 def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
     """The values with NaN in place of null."""
 
-    def told(value: Any) -> Any:
+    def reported(value: Any) -> Any:
         if isinstance(value, list):
-            return [told(entry) for entry in value]
+            return [reported(entry) for entry in value]
         return math.nan if value is None else value
 
-    return {name: told(value) for name, value in values.items()}
+    return {name: reported(value) for name, value in values.items()}
 
 
 def of_load(record: str) -> dict[str, Any]:
@@ -153,11 +153,11 @@ def of_load(record: str) -> dict[str, Any]:
 def json_of(values: Mapping[str, Any]) -> str:
     """The numbers of a load as JSON, which has no NaN."""
 
-    def told(value: Any) -> Any:
+    def reported(value: Any) -> Any:
         if isinstance(value, Mapping):
-            return {name: told(entry) for name, entry in value.items()}
+            return {name: reported(entry) for name, entry in value.items()}
         if isinstance(value, (list, tuple)):
-            return [told(entry) for entry in value]
+            return [reported(entry) for entry in value]
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
-    return json.dumps(told(values))
+    return json.dumps(reported(values))

@@ -153,6 +153,6 @@ def slide(
         parts = {f"residual_{name}": value for name, value in state.pop("residual").items()}
         rows.append({**state, **theory, **warm, **parts})
     columns = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
-    told = {name: _command.records(value) for name, value in values.items()}
-    result = Slide({**told, "unit": made.unit, "surface": made, "states": Record(columns), **fields}, file)
+    reported = {name: _command.records(value) for name, value in values.items()}
+    result = Slide({**reported, "unit": made.unit, "surface": made, "states": Record(columns), **fields}, file)
     return _command.ended(result, failure)

@@ -53,8 +53,7 @@ class _Setup:
         self.problem = self._posed(problem, arrays)
         self.settings = Settings(parsed(self.problem.description), arrays, self.lower_surface)
         # In the units of the problem, as a file has them.
-        if texts(self.body.__reduce__()[1]):
-            self.body = body_of(self.settings.description)
+        self.body = body_of(self.settings.description)
         if texts(self.law.parameters.values()) or texts(self.law.table):
             self.law = law_of(self.settings.description)
         self.start = None if start is None else self._state(start)
@@ -97,9 +96,9 @@ class _Setup:
         """Warns of slopes that are not small, and of units that are mixed up."""
         for doubt in self.problem.doubts(_KEYS[control], max(values)):
             warned(doubt)
-        told = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
-        if told is not None:
-            warned(told)
+        reported = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
+        if reported is not None:
+            warned(reported)
 
     def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
         """The contact under one load, from a state, or as the options ask."""
@@ -120,7 +119,7 @@ class _Setup:
 def texts(value: Any) -> bool:
     """True if there is a quantity with a unit among arguments."""
     if isinstance(value, str):
-        return value not in ("bonded", "sliding", "free", "half-space")
+        return True
     return isinstance(value, Iterable) and any(texts(entry) for entry in value)
 
 

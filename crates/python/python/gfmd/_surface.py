@@ -120,9 +120,9 @@ class Surface:
         description, periodic = "array", False
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
             description, periodic = "SurfaceTopography", getattr(heights, "is_periodic", False) is True
-            heights, lengths, told = _taken_over(heights)
+            heights, lengths, found = _taken_over(heights)
             size = lengths if size is None else size
-            unit = told if unit is None else unit
+            unit = found if unit is None else unit
         copy, undefined = _check.heights(heights)
         unit = None if unit is None else _gfmd.canonical(word("unit", unit))
         cell = _check.size(size, (int(copy.shape[0]), int(copy.shape[1])), unit)
@@ -395,14 +395,14 @@ class Surface:
         """A function of the heights by its name, with arrays and NaN in place of lists and null."""
         text, field = _gfmd.texture(self._heights, self._size, part, self._repeats(boundary))
 
-        def told(value: Any) -> Any:
+        def reported(value: Any) -> Any:
             if isinstance(value, dict):
-                return Record({name: told(entry) for name, entry in value.items()})
+                return Record({name: reported(entry) for name, entry in value.items()})
             if isinstance(value, list):
                 return frozen(np.array(value, dtype=np.float64))
             return np.nan if value is None else value
 
-        return {name: told(value) for name, value in parsed(text)[part].items()}, field
+        return {name: reported(value) for name, value in parsed(text)[part].items()}, field
 
     def detrend(self, trend: str = "plane") -> Surface:
         """Returns a surface without its trend.
@@ -692,14 +692,14 @@ def read(
     """
     path = _check.path("name", name)
     asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
-    heights, lengths, told, description, file = _gfmd.read(path, None if asked is None else word("channel", asked))
+    heights, lengths, known, description, file = _gfmd.read(path, None if asked is None else word("channel", asked))
     said = parsed(file)
     wanted = None if unit is None else _gfmd.canonical(word("unit", unit))
-    if wanted is not None and told is not None:
-        heights, moved, told = _gfmd.converted(heights, lengths or (1.0, 1.0), told, wanted)
+    if wanted is not None and known is not None:
+        heights, moved, known = _gfmd.converted(heights, lengths or (1.0, 1.0), known, wanted)
         lengths = None if lengths is None else moved
-    told = told if wanted is None or told is not None else wanted
-    cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])), told)
+    known = known if wanted is None or known is not None else wanted
+    cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])), known)
     heights = _check.whole(path, heights, said["undefined"], cell, fill)
     origin = _Origin(_filled(description, said["undefined"], fill), said)
-    return _surface(heights, cell, told, origin)
+    return _surface(heights, cell, known, origin)

@@ -82,8 +82,8 @@ fn energy_is_never_gained_in_random_steps_and_the_work_of_the_pressure_is_accoun
             // What the pressure does on the surface, by the trapezoid of p and d, which are not linear together.
             let work = 0.5 * (pressure + state.solution.mean_pressure) * (state.solution.approach - approach);
             let missing = (work - gained - state.dissipated).abs();
-            let told = if last.as_ref().is_some_and(|last| last.time == time) { 0.0 } else { missing };
-            assert!((state.dissipated_error - told).abs() <= 1e-12 * scale, "case {case}, step {index}");
+            let reported = if last.as_ref().is_some_and(|last| last.time == time) { 0.0 } else { missing };
+            assert!((state.dissipated_error - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
             last = Some(state);
         }
     }

@@ -60,8 +60,8 @@ fn volume_and_energy_are_accounted_for_in_random_steps() {
             let missing = 0.5 * (pressure + state.solution.mean_pressure) * (state.solution.approach - approach)
                 - (state.elastic_energy - stored)
                 - state.dissipated;
-            let told = if moved == 0.0 { 0.0 } else { missing.abs() };
-            assert!((state.dissipated_error - told).abs() <= 1e-12 * scale, "case {case}, step {index}");
+            let reported = if moved == 0.0 { 0.0 } else { missing.abs() };
+            assert!((state.dissipated_error - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
             // The work of the last load bounds the energy gained and lost, for steps of any length (theory.md, section
             // 7.10).
             let bound = state.solution.mean_pressure * (state.solution.approach - approach);

@@ -16,12 +16,12 @@ fn elastic() -> Contact {
 #[test]
 fn coefficients_and_hardness_are_refused() {
     for found in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let told = WearContact::new(elastic(), found).unwrap_err().to_string();
-        assert_eq!(told, format!("the wear coefficient is {found}; it must be positive and finite"));
+        let reported = WearContact::new(elastic(), found).unwrap_err().to_string();
+        assert_eq!(reported, format!("the wear coefficient is {found}; it must be positive and finite"));
     }
     let hard = elastic().with_hardness(1.0).unwrap();
-    let told = WearContact::new(hard, 1.0).unwrap_err().to_string();
-    assert_eq!(told, "a hardness is given; it must be left out with wear");
+    let reported = WearContact::new(hard, 1.0).unwrap_err().to_string();
+    assert_eq!(reported, "a hardness is given; it must be left out with wear");
 }
 
 #[test]

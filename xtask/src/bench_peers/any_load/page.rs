@@ -102,7 +102,7 @@ impl AnyLoad {
         for block in &self.blocks {
             for (place, name) in block.contestants.iter().enumerate() {
                 let cells: Vec<(f64, &Cell)> = block.rows.iter().map(|row| (row.p_star, &row.cells[place])).collect();
-                let failed: Vec<String> = cells.iter().filter(|(_, cell)| !cell.certified).map(told).collect();
+                let failed: Vec<String> = cells.iter().filter(|(_, cell)| !cell.certified).map(reported).collect();
                 if !failed.is_empty() {
                     lines.push(format!("{name}, {}: {}", block.words(), failed.join("; ")));
                 }
@@ -150,7 +150,7 @@ impl AnyLoad {
 }
 
 /// A load that is not certified, in words.
-fn told((p_star, cell): &(f64, &Cell)) -> String {
+fn reported((p_star, cell): &(f64, &Cell)) -> String {
     let said = cell.said.as_ref().map(|said| format!(" ({said})")).unwrap_or_default();
     match &cell.verdict {
         None => format!("p\\* = {p_star}: no result{said}"),

@@ -147,7 +147,7 @@ impl<'a> Trial<'a> {
     }
 
     /// The time of the usual load, as the program tells it.
-    fn told(&self, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
+    fn reported(&self, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
         self.told_at(USUAL, rough, more, threads)
     }
 
@@ -268,8 +268,8 @@ impl<'a> Trial<'a> {
         let rough = self.rough(n)?;
         let [mut over_contact, mut over_both] = [self.case(n, USUAL, self.cores), self.case(n, USUAL, self.cores)];
         for _ in 0..self.args.repeats {
-            let contact = self.told(&rough, (&[], &[]), self.cores)?;
-            let both = self.told(&rough, (&[], &["--flow"]), self.cores)?;
+            let contact = self.reported(&rough, (&[], &[]), self.cores)?;
+            let both = self.reported(&rough, (&[], &["--flow"]), self.cores)?;
             over_contact.found.push(both - contact);
             over_contact.over.push(contact);
             over_both.found.push(both - contact);
@@ -415,8 +415,8 @@ impl<'a> Trial<'a> {
         let mut case = self.case(rough.heights.nrows(), USUAL, 1);
         case.of = format!("{}, {RANKS} processes", case.of);
         for _ in 0..self.args.repeats {
-            case.found.push(self.told(rough, (&[], &[]), 1).map_err(|failure| failure.to_string())?);
-            case.over.push(self.told(rough, (&starter, &[]), 1).map_err(|failure| failure.to_string())?);
+            case.found.push(self.reported(rough, (&[], &[]), 1).map_err(|failure| failure.to_string())?);
+            case.over.push(self.reported(rough, (&starter, &[]), 1).map_err(|failure| failure.to_string())?);
         }
         Ok(vec![case])
     }

@@ -567,8 +567,10 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
         );
         for axis in [0, 1] {
             let through = all.iter().any(|patch| patch.percolates[axis]);
-            let told = &load["patches"]["percolates"][axis];
-            found.must(*told == through, || format!("patches.percolates[{axis}] is {told}; filling says {through}"));
+            let reported = &load["patches"]["percolates"][axis];
+            found.must(*reported == through, || {
+                format!("patches.percolates[{axis}] is {reported}; filling says {through}")
+            });
         }
     }
     if case.flow && surely == possibly {
@@ -584,9 +586,9 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
         let expected = flow(plane, &open, case.is_free);
         for (i, row) in expected.iter().enumerate() {
             for (j, value) in row.iter().enumerate() {
-                let told = load["flow"]["conductivity"][i][j].as_f64().unwrap_or(f64::NAN);
+                let reported = load["flow"]["conductivity"][i][j].as_f64().unwrap_or(f64::NAN);
                 let scale = expected[0][0].abs().max(expected[1][1].abs()).max(1e-12);
-                found.near(&format!("flow.conductivity[{i}][{j}]"), told, *value, 1e-6 * scale);
+                found.near(&format!("flow.conductivity[{i}][{j}]"), reported, *value, 1e-6 * scale);
             }
         }
         for axis in [0, 1] {
@@ -599,8 +601,10 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
         let channels = patches(plane, &open.iter().map(|k| *k > 0.0).collect::<Vec<bool>>(), case.is_free);
         for axis in [0, 1] {
             let through = channels.iter().any(|patch| patch.percolates[axis]);
-            let told = &load["flow"]["percolates"][axis];
-            found.must(*told == through, || format!("flow.percolates[{axis}] is {told}; filling says {through}"));
+            let reported = &load["flow"]["percolates"][axis];
+            found.must(*reported == through, || {
+                format!("flow.percolates[{axis}] is {reported}; filling says {through}")
+            });
         }
         found.must(number(load, "flow.residual") <= 1e-8, || {
             format!("the residual of the flow is {}", number(load, "flow.residual"))
@@ -619,9 +623,9 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &R
     let all: Vec<f64> = loads.iter().map(|load| number(load, asked)).collect();
     let (least, most) = (all.iter().fold(f64::INFINITY, |a, b| a.min(*b)), all.iter().fold(0.0_f64, |a, b| a.max(*b)));
     for axis in [0, 1] {
-        let told = &report["flow_threshold"][axis];
+        let reported = &report["flow_threshold"][axis];
         let stored = |key: &str| file.values::<f64>(&format!("/flow_threshold/{key}")).unwrap_or_default();
-        if told.is_null() {
+        if reported.is_null() {
             // The gap is open or closed at all loads.
             let open = |load: f64| {
                 let k = all.iter().position(|other| *other == load).unwrap();
@@ -633,7 +637,7 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &R
             found.must(open(least) == open(most), || format!("flow_threshold[{axis}] is null, and the gap closes"));
             continue;
         }
-        let pair = |key: &str| [0, 1].map(|side| told[key][side].as_f64().unwrap_or(f64::NAN));
+        let pair = |key: &str| [0, 1].map(|side| reported[key][side].as_f64().unwrap_or(f64::NAN));
         let [open, closed] = pair(asked);
         found.must(least * (1.0 - 1e-9) <= open && open < closed && closed <= most * (1.0 + 1e-9), || {
             format!("flow_threshold[{axis}] from {open} to {closed}, loads {least} to {most}")
@@ -682,13 +686,13 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
                 let force: f64 = patch.points.iter().map(|at| repulsion[*at]).sum::<f64>() * cell;
                 found.near("/patches/force", names[3][row], force, 1e-7 * force);
                 for (axis, spacing) in [dx, dy].into_iter().enumerate() {
-                    let told = names[4 + axis][row];
+                    let reported = names[4 + axis][row];
                     let winds = patch.percolates[axis] && !case.is_free;
-                    found.must(told.is_nan() == winds, || format!("/patches/{} is {told}", ["x", "y"][axis]));
+                    found.must(reported.is_nan() == winds, || format!("/patches/{} is {reported}", ["x", "y"][axis]));
                     if case.is_free {
                         let index = |at: &usize| [at / plane.n[1], at % plane.n[1]][axis] as f64 * spacing;
                         let centre = patch.points.iter().map(index).sum::<f64>() / patch.points.len() as f64;
-                        found.near("centre of a patch", told, centre, 1e-9);
+                        found.near("centre of a patch", reported, centre, 1e-9);
                     }
                 }
             }
@@ -716,7 +720,7 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
         spectrum(found, plane, &repulsion, k, file);
         let middle = mean(&repulsion);
         for (axis, name) in ["x", "y"].into_iter().enumerate() {
-            let told = file.slab::<f64>(&format!("/spectra/autocorrelation_{name}"), k).unwrap_or_default();
+            let reported = file.slab::<f64>(&format!("/spectra/autocorrelation_{name}"), k).unwrap_or_default();
             let lagged = |lag: usize| -> f64 {
                 (0..plane.len())
                     .map(|at| {
@@ -727,7 +731,7 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
                     .sum()
             };
             let variance = lagged(0);
-            for (lag, value) in told.iter().enumerate() {
+            for (lag, value) in reported.iter().enumerate() {
                 // Nothing is correlated with a pressure that is the same everywhere.
                 if variance <= 1e-26 * plane.len() as f64 * largest(&repulsion).powi(2) {
                     continue;
@@ -764,15 +768,15 @@ fn spectrum(found: &mut Found, plane: Plane, pressure: &[f64], k: usize, file: &
             powers.push(density * inside.iter().map(|(_, power)| power).sum::<f64>() / count);
         }
     }
-    let told = file.slab::<f64>("/spectra/pressure", k).unwrap_or_default();
+    let reported = file.slab::<f64>("/spectra/pressure", k).unwrap_or_default();
     let at = file.values::<f64>("/spectra/wavenumber").unwrap_or_default();
-    found.must(told.len() == powers.len() && at.len() == powers.len(), || {
-        format!("/spectra/pressure has {} rings, {} wave numbers; there are {}", told.len(), at.len(), powers.len())
+    found.must(reported.len() == powers.len() && at.len() == powers.len(), || {
+        format!("/spectra/pressure has {} rings, {} wave numbers; there are {}", reported.len(), at.len(), powers.len())
     });
     let most = largest(&powers);
-    for ring in 0..powers.len().min(told.len()).min(at.len()) {
+    for ring in 0..powers.len().min(reported.len()).min(at.len()) {
         found.near("/spectra/wavenumber", at[ring], wavenumbers[ring], 1e-9 * wavenumbers[ring]);
         let rounding = 1e-26 * density * largest(pressure).powi(2);
-        found.near("/spectra/pressure", told[ring], powers[ring], 1e-9 * most + rounding);
+        found.near("/spectra/pressure", reported[ring], powers[ring], 1e-9 * most + rounding);
     }
 }

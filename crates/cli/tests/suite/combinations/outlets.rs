@@ -68,17 +68,19 @@ pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &
             let Ok(stored) = file.values::<f64>(&format!("{group}/{name}")) else { continue };
             let stored = stored[k];
             match all.remove(&name) {
-                Some(told) => {
-                    let same = told.to_bits() == stored.to_bits() || (told.is_nan() && !stored.is_finite());
-                    found.must(same, || format!("{group}/{name}[{k}] is {stored:e} in the file, {told:e} in JSON"));
+                Some(reported) => {
+                    let same = reported.to_bits() == stored.to_bits() || (reported.is_nan() && !stored.is_finite());
+                    found.must(same, || format!("{group}/{name}[{k}] is {stored:e} in the file, {reported:e} in JSON"));
                 }
                 None => found.must(stored.is_nan() || name == "load" || name == "step", || {
                     format!("{group}/{name}[{k}] = {stored:e} is not in JSON")
                 }),
             }
         }
-        for (name, told) in all {
-            found.must(told.is_nan() || name == "seconds", || format!("{name} = {told:e} of JSON is not in {group}"));
+        for (name, reported) in all {
+            found.must(reported.is_nan() || name == "seconds", || {
+                format!("{name} = {reported:e} of JSON is not in {group}")
+            });
         }
     }
 }
@@ -145,10 +147,10 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
         let row: Vec<&str> = lines.get(head + 1 + k).map_or("", String::as_str).split_whitespace().collect();
         for (column, head) in &all {
             let (at, name, key) = (column, joined(head.word), column.json);
-            let told = super::found::number(record, key);
+            let reported = super::found::number(record, key);
             let Some(column) = shown.iter().position(|head| *head == name) else {
-                let nothing = told.is_nan() || (head.form == Form::SizeUnlessZero && told == 0.0);
-                found.must(nothing, || format!("the table has no {name}, {told:e} in JSON of row {k}"));
+                let nothing = reported.is_nan() || (head.form == Form::SizeUnlessZero && reported == 0.0);
+                found.must(nothing, || format!("the table has no {name}, {reported:e} in JSON of row {k}"));
                 continue;
             };
             let cell = row.get(column + usize::from(is_path)).copied().unwrap_or_default();
@@ -159,14 +161,15 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
                         let limit = COLUMNS.iter().find(|other| other.name == format!("{}{end}", at.name));
                         limit.map_or(f64::NAN, |limit| super::found::number(record, limit.json))
                     });
-                    let told = if error.is_some() { limit } else { told };
-                    found.near(&format!("{name} in row {k} of the table"), value, told, 0.5001 * unit);
+                    let reported = if error.is_some() { limit } else { reported };
+                    found.near(&format!("{name} in row {k} of the table"), value, reported, 0.5001 * unit);
                     if let Some(error) = error {
                         found.near(&format!("error of {name} in row {k} of the table"), error, of_limit, 0.5001 * unit);
                     }
                 }
-                None => found
-                    .must(told.is_nan(), || format!("{name} in row {k} of the table is '{cell}', {told:e} in JSON")),
+                None => found.must(reported.is_nan(), || {
+                    format!("{name} in row {k} of the table is '{cell}', {reported:e} in JSON")
+                }),
             }
         }
     }
@@ -205,26 +208,26 @@ pub(crate) fn vtk(found: &mut Found, case: &Case, bytes: &[u8], file: &Reader) {
         fields.map(|name| (name.clone(), file.slab(&format!("/fields/{name}"), last).unwrap())).collect();
     wanted.insert("height".into(), file.values("/surface/height").unwrap());
     for (name, values) in &wanted {
-        let same = all.get(name).is_some_and(|told| told.len() == 1 && told[0] == *values);
+        let same = all.get(name).is_some_and(|reported| reported.len() == 1 && reported[0] == *values);
         found.must(same, || format!("the {name} of VTK is not that of the file"));
     }
     let repulsion = wanted.get("repulsion").or(wanted.get("pressure")).cloned().unwrap_or_default();
     let contact: Vec<f64> = repulsion.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
-    found.must(all.get("contact").is_some_and(|told| told[0] == contact), || "the contact of VTK".into());
+    found.must(all.get("contact").is_some_and(|reported| reported[0] == contact), || "the contact of VTK".into());
     // Polygons lie on the displaced points.
     if let Some(points) = all.iter().find(|(_, components)| components.len() == 3).map(|(_, components)| components) {
         for (axis, name) in ["x", "y"].into_iter().enumerate() {
             let moved = wanted.get(&format!("displacement_{name}"));
-            for (place, told) in points[axis].iter().enumerate() {
+            for (place, reported) in points[axis].iter().enumerate() {
                 let index = [place / plane.n[1], place % plane.n[1]][axis] as f64;
                 let at = index * plane.spacing()[axis] + moved.map_or(0.0, |moved| moved[place]);
-                found.near(&format!("{name} of a point of VTK"), *told, at, 1e-12 * plane.length[axis]);
+                found.near(&format!("{name} of a point of VTK"), *reported, at, 1e-12 * plane.length[axis]);
             }
         }
     }
     let names: Vec<&String> = all
         .iter()
-        .filter(|(name, told)| told.len() == 1 && !wanted.contains_key(*name))
+        .filter(|(name, reported)| reported.len() == 1 && !wanted.contains_key(*name))
         .map(|(name, _)| name)
         .collect();
     found.must(names == ["contact"], || format!("VTK has {names:?} beside the fields"));
@@ -234,8 +237,8 @@ pub(crate) fn vtk(found: &mut Found, case: &Case, bytes: &[u8], file: &Reader) {
 pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
     let key = if case.control == Control::Displacement { "displacement" } else { "mean_pressure" };
     for axis in [0, 1] {
-        let told = &report["flow_threshold"][axis][key];
-        if told.is_null() {
+        let reported = &report["flow_threshold"][axis][key];
+        if reported.is_null() {
             continue;
         }
         let mut words: Vec<String> =
@@ -246,7 +249,7 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &
             at..at + 2,
             [
                 if key == "displacement" { "--displacement" } else { "--pressure" }.to_owned(),
-                format!("{},{}", told[0], told[1]),
+                format!("{},{}", reported[0], reported[1]),
             ],
         );
         words.extend(["--flow", "--json", "-q", "--threads", "1"].map(str::to_owned));
@@ -285,12 +288,12 @@ pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, 
     }
     words.extend(["--threads", "1"].map(str::to_owned));
     let output = gfmd(folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
-    let told = String::from_utf8_lossy(&output.stderr);
+    let reported = String::from_utf8_lossy(&output.stderr);
     let text = String::from_utf8_lossy(&output.stdout);
     let status = output.status.code();
     match command.as_str() {
         "resume" => {
-            found.must(status == Some(0), || format!("--resume of a complete file: status {status:?}: {told}"));
+            found.must(status == Some(0), || format!("--resume of a complete file: status {status:?}: {reported}"));
             let Ok(again) = serde_json::from_str::<Value>(&text) else {
                 return found.complain("--resume: no JSON".into());
             };
@@ -307,13 +310,13 @@ pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, 
         "check" => {
             let parsed = serde_json::from_str::<Value>(&text).unwrap_or_default();
             found.must(status == Some(0) && parsed["differing"] == 0, || {
-                format!("{}: status {status:?}, {}{}", words.join(" "), parsed["differences"], told.trim_end())
+                format!("{}: status {status:?}, {}{}", words.join(" "), parsed["differences"], reported.trim_end())
             });
         }
-        "report" => found.must(status == Some(0), || format!("report: status {status:?}: {told}")),
+        "report" => found.must(status == Some(0), || format!("report: status {status:?}: {reported}")),
         _ if case.is_free || case.has_lower || matches!(&case.moved, Some((_, true))) => {
-            let one = status == Some(2) && told.trim_end().lines().count() == 1;
-            found.must(one, || format!("body: status {status:?}: {told}"));
+            let one = status == Some(2) && reported.trim_end().lines().count() == 1;
+            found.must(one, || format!("body: status {status:?}: {reported}"));
         }
         _ => match status {
             Some(0) => {
@@ -323,12 +326,12 @@ pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, 
             }
             // A second body, layers and moved bases have their own limits, which one line tells.
             Some(2) => {
-                found.must(told.trim_end().lines().count() == 1, || format!("body: {told}"));
+                found.must(reported.trim_end().lines().count() == 1, || format!("body: {reported}"));
                 let refused =
                     case.moved.is_some() || case.body.first.height() < 0.2 && case.body.first.base != half_space(case);
-                found.must(refused, || format!("body is refused: {told}"));
+                found.must(refused, || format!("body is refused: {reported}"));
             }
-            _ => found.complain(format!("body: status {status:?}: {told}")),
+            _ => found.complain(format!("body: status {status:?}: {reported}")),
         },
     }
 }
@@ -354,9 +357,9 @@ fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: 
     // Even numbers of points have shortest waves without a sine, whose lateral tractions are left out, here and there in another way.
     let is_exact = plane.n.iter().all(|n| n % 2 == 1) && case.moved.is_none() && !case.is_steep;
     let parts = plane.transform(&pressure);
-    for (level, told) in levels.iter().enumerate() {
-        let depth = told["depth"].as_f64().unwrap();
-        let lower = told["side"] == "below";
+    for (level, reported) in levels.iter().enumerate() {
+        let depth = reported["depth"].as_f64().unwrap();
+        let lower = reported["side"] == "below";
         let of = |place: usize, c: usize| stress[level * size + place * tensor + c];
         let zz = 2;
         let field = |c: usize| (0..plane.len()).map(|place| of(place, c)).collect::<Vec<f64>>();
@@ -430,7 +433,7 @@ fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: 
             .collect();
         found.near(
             &format!("max_von_mises at the depth {depth}"),
-            super::found::number(told, "max_von_mises"),
+            super::found::number(reported, "max_von_mises"),
             largest(&mises),
             1e-6 * most,
         );
@@ -445,8 +448,8 @@ fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: 
             })
             .unzip();
         let scale = largest(&density).max(1e-9 * largest(&squares));
-        let told = super::found::number(told, "mean_energy_density");
-        found.near(&format!("mean_energy_density at the depth {depth}"), told, mean(&density), 1e-6 * scale);
+        let reported = super::found::number(reported, "mean_energy_density");
+        found.near(&format!("mean_energy_density at the depth {depth}"), reported, mean(&density), 1e-6 * scale);
     }
 }
 

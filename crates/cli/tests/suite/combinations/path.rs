@@ -143,24 +143,24 @@ fn one(
     let unbalanced = 10.0 * case.tolerance;
     found.near("mean_pressure", number(step, "mean_pressure"), mean(&pressure), unbalanced * stress);
     let asked = case.loads[k];
-    let told = number(step, "mean_pressure");
+    let reported = number(step, "mean_pressure");
     // The scale of the stress of a law.
     let least = if case.law.is_some() { stress.max(softest(case) * rough.deviation) } else { stress };
     match case.control {
-        Control::Pressure => found.near("load", told, asked, 1.01 * case.tolerance * asked.max(least)),
+        Control::Pressure => found.near("load", reported, asked, 1.01 * case.tolerance * asked.max(least)),
         Control::PStar => {
             let asked = asked * modulus * rough.gradient;
-            found.near("load", told, asked, 1.01 * case.tolerance * asked.max(least));
+            found.near("load", reported, asked, 1.01 * case.tolerance * asked.max(least));
         }
         Control::Displacement => found.near("approach", number(step, "displacement"), asked, 1e-9 * asked),
     }
-    found.is(step, "p_star", told / (modulus * rough.gradient), 1e-9);
+    found.is(step, "p_star", reported / (modulus * rough.gradient), 1e-9);
     let angle = case.direction.to_radians();
     let sideways = case.lateral.get(k).copied().unwrap_or(0.0);
     let lateral = [sideways * angle.cos(), sideways * angle.sin()];
     for axis in [0, 1] {
-        let told = step["lateral"][axis].as_f64().unwrap_or(f64::NAN);
-        found.near("lateral", told, lateral[axis], 1e-9 * sideways.abs() + 1e-300);
+        let reported = step["lateral"][axis].as_f64().unwrap_or(f64::NAN);
+        found.near("lateral", reported, lateral[axis], 1e-9 * sideways.abs() + 1e-300);
     }
     let attracting = file.contains("/fields/repulsion").then(|| field("repulsion"));
     let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, attracting);
@@ -178,8 +178,8 @@ fn one(
         None => Some(elastic.dense.displace(&pressure).into_iter().map(|d| -d).collect()),
         Some([x, y]) => {
             for (axis, field) in [x, y].into_iter().enumerate() {
-                let told = step["mean_shear"][axis].as_f64().unwrap_or(f64::NAN);
-                found.near("mean_shear", told, mean(field), 1e-9 * largest(field));
+                let reported = step["mean_shear"][axis].as_f64().unwrap_or(f64::NAN);
+                found.near("mean_shear", reported, mean(field), 1e-9 * largest(field));
             }
             let vectors = Vectors([x.clone(), y.clone(), pressure.iter().map(|p| -p).collect()]);
             // Layers or patches with shear are not made here.
@@ -240,9 +240,9 @@ fn one(
                 possibly += f64::from(u8::from(p >= most * (1.0 - 1e-3)));
             }
             // Points count that carry the hardness to the accuracy of the pressure.
-            let told = number(step, "plastic_fraction") * plane.len() as f64;
-            found.must(surely - 1e-6 <= told && told <= possibly + 1e-6, || {
-                format!("plastic_fraction is {told} points; {surely} to {possibly} carry the hardness")
+            let reported = number(step, "plastic_fraction") * plane.len() as f64;
+            found.must(surely - 1e-6 <= reported && reported <= possibly + 1e-6, || {
+                format!("plastic_fraction is {reported} points; {surely} to {possibly} carry the hardness")
             });
             found.is(step, "plastic_volume", mean(&stored), 1e-9);
             let closed =
@@ -273,9 +273,9 @@ fn one(
                 most += f64::from(u8::from(size < limit(at) * (1.0 - 1e-12)));
             }
         }
-        let told = number(step, "stick_fraction") * plane.len() as f64;
-        found.must(least - 1e-6 <= told && told <= most + 1e-6, || {
-            format!("stick_fraction is {told} points; {least} to {most} are below their limit")
+        let reported = number(step, "stick_fraction") * plane.len() as f64;
+        found.must(least - 1e-6 <= reported && reported <= most + 1e-6, || {
+            format!("stick_fraction is {reported} points; {least} to {most} are below their limit")
         });
     }
     State { pressure, depth, traction, displacement: all, lateral }
@@ -376,12 +376,12 @@ fn energy(
 fn totals(found: &mut Found, report: &Value, steps: &[Value]) {
     for key in ["dissipated", "dissipated_error", "extra_solves"] {
         let parts: Vec<f64> = steps.iter().map(|step| number(step, key)).filter(|value| value.is_finite()).collect();
-        let told = number(report, key);
+        let reported = number(report, key);
         if parts.is_empty() {
-            found.must(told.is_nan(), || format!("{key} is {told} without parts"));
+            found.must(reported.is_nan(), || format!("{key} is {reported} without parts"));
         } else {
             let sum: f64 = parts.iter().sum();
-            found.near(key, told, sum, 1e-12 * sum.abs());
+            found.near(key, reported, sum, 1e-12 * sum.abs());
         }
     }
     let least = steps.iter().map(|step| number(step, "mean_pressure")).fold(f64::INFINITY, f64::min);
