@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::progress::Progress;
 use crate::session::list_files;
 use gfmd_problem::options::flags::without_flags;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
 use gfmd_report::figures::parse_prefix;
@@ -62,7 +62,7 @@ pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
     /// of this shape; to /fields/displacement_z of a contact, the lateral displacement without friction is added
     #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"])]
-    surface: Option<Given>,
+    surface: Option<ArrayOption>,
     /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves that are
     /// given add up, other components are zero
     #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true)]
@@ -143,7 +143,7 @@ struct PlaceArgs {
 #[derive(Serialize)]
 struct Config<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
-    surface: Option<&'a Given>,
+    surface: Option<&'a ArrayOption>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     wave: &'a [Wave],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -276,7 +276,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         height: Some(body.total_height()).filter(|height| height.is_finite()),
         units: &units,
     };
-    let origin = args.surface.as_ref().and_then(Given::file).zip(surface.checksum.clone());
+    let origin = args.surface.as_ref().and_then(ArrayOption::file).zip(surface.checksum.clone());
     let origin = origin.map(|(file, checksum)| (file_of(file).to_owned(), checksum));
     let volume =
         output.as_ref().map(|output| Volume::create(output, &planes, &quantities, &provenance, origin.as_ref()));

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::progress::Progress;
 use gfmd_problem::check_size;
 use gfmd_problem::options::flags::without_flags;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
@@ -100,12 +100,12 @@ pub struct Args {
     /// FILE.h5:/dataset; those other than 0 are under it
     #[arg(long, value_name = "FILE", conflicts_with_all = ["punch_fraction", "nodes", "refine"])]
     #[serde(skip_serializing_if = "Option::is_none")]
-    mask: Option<Given>,
+    mask: Option<ArrayOption>,
     /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim 2), or
     /// FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with = "refine")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    traction: Option<Given>,
+    traction: Option<ArrayOption>,
     /// Lateral displacement of a sticking punch, length
     #[arg(long, value_delimiter = ',', value_name = "X,Y", num_args = 1..=2, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]

@@ -24,7 +24,7 @@ use serde::Serialize;
 use crate::report::check_replaceable;
 use crate::session::list_files;
 use gfmd_problem::options::Method;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::parse_choice;
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
@@ -202,7 +202,7 @@ pub struct Asked {
 /// Flags or a file that cannot be used; an output that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
     match (&args.source.surface, args.list) {
-        (Some(Given::File(file)), true) => Listing::of(file).map(Printed::Listed),
+        (Some(ArrayOption::File(file)), true) => Listing::of(file).map(Printed::Listed),
         _ => measure(args, session).map(|report| Printed::Measured(Box::new(report))),
     }
 }

@@ -82,7 +82,8 @@ impl<'a> Given<'a> {
 /// # Errors
 /// Heights, a body, a hardness or a law that cannot be in contact.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, heights, lower, law, limit, prony, wear, dynamics, .. } = given;
+    // All fields: those that are not used here are parts of the wall.
+    let Given { facts, body, grid, share: _, heights, lower, law, hardness: _, limit, prony, wear, dynamics } = given;
     if let Some(lower) = lower {
         return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
     }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use clap::{CommandFactory as _, Parser};
 use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_files::{Draft, Memory, Output};
-use gfmd_problem::options::given::{Arrays, Given, Load};
+use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::session::Session;
 use gfmd_run::units::of_words;
@@ -135,9 +135,12 @@ pub(crate) fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
         let given = match value.extract::<(Bound<'_, PyDict>, BTreeMap<String, Bound<'_, PyAny>>)>() {
             Ok((config, values)) => {
                 let values = values.into_iter().map(|(name, value)| Ok((name, array(&value)?)));
-                Given::Load(Arc::new(Load { config: table(&config)?, values: values.collect::<PyResult<_>>()? }))
+                ArrayOption::Load(Arc::new(StoredLoad {
+                    config: table(&config)?,
+                    values: values.collect::<PyResult<_>>()?,
+                }))
             }
-            Err(_) => Given::Array(Arc::new(array(&value)?)),
+            Err(_) => ArrayOption::Array(Arc::new(array(&value)?)),
         };
         Ok((key.extract()?, given))
     });

@@ -4,7 +4,7 @@ use gfmd_files::legible::line;
 use gfmd_files::{CONSISTENT_UNITS, FileError, Reader, convert_lengths, is_length_unit, npy, split_dataset};
 use ndarray::ArrayD;
 
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 
 /// The kind of quantity that an array must hold. A dataset of HDF5 may say its unit, in the attribute `units` or
 /// `unit`.
@@ -43,11 +43,11 @@ impl Quantity<'_> {
 ///
 /// # Errors
 /// A file that cannot be read, or has no such dataset; a unit that contradicts the quantity.
-pub fn read(given: &Given, quantity: Quantity) -> Result<ArrayD<f64>, String> {
+pub fn read(given: &ArrayOption, quantity: Quantity) -> Result<ArrayD<f64>, String> {
     let name = match given {
-        Given::File(name) => name,
-        Given::Array(array) => return Ok(ArrayD::clone(array)),
-        Given::Load(_) => return Err("it must be an array".into()),
+        ArrayOption::File(name) => name,
+        ArrayOption::Array(array) => return Ok(ArrayD::clone(array)),
+        ArrayOption::Load(_) => return Err("it must be an array".into()),
     };
     let Some((path, dataset)) = split_dataset(name) else { return npy::read(name) };
     let words = |error: FileError| error.to_string();

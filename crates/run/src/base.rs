@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 
 /// Flags of a base that moves.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
@@ -24,11 +24,11 @@ pub struct BaseArgs {
     /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub base_displacement: Option<Given>,
+    pub base_displacement: Option<ArrayOption>,
     /// Traction on the lower face of a plate (--base free), of mean zero, in the same form
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub base_traction: Option<Given>,
+    pub base_traction: Option<ArrayOption>,
 }
 
 /// A base that moves, and what it does to the surface.

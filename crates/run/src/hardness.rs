@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 
 /// The flag as it is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,14 +22,14 @@ pub enum GivenHardness {
     /// A stress.
     Number(f64),
     /// The hardness of each point.
-    Field(Given),
+    Field(ArrayOption),
 }
 
 impl FromStr for GivenHardness {
     type Err = std::convert::Infallible;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(text.parse().map_or_else(|_| Self::Field(Given::File(text.into())), Self::Number))
+        Ok(text.parse().map_or_else(|_| Self::Field(ArrayOption::File(text.into())), Self::Number))
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::source::{Detrend, SourceArgs, Surface};
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
 
 /// Flags of a rigid surface below the slab.
@@ -20,7 +20,7 @@ pub struct LowerArgs {
     /// flags of --surface if that is given
     #[arg(long, value_name = "FILE", conflicts_with = "lower_seed")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub lower_surface: Option<Given>,
+    pub lower_surface: Option<ArrayOption>,
     /// Seed of a generated surface below the slab, below 2^63, with the spectrum of the upper one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -17,13 +17,13 @@ use crate::session::Session;
 use crate::{processes, rows};
 use gfmd_problem::options::GeneratorArgs;
 use gfmd_problem::options::flags::without_flags;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::sides;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{named, named_if, parse_choice};
 use gfmd_problem::{SIZES, check_size};
 
-use scan::{Prepared, Scan};
+use scan::{PeriodicScan, Scan};
 
 /// Flags that name or describe a surface.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ pub struct SourceArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
         "method", "roll_off", "roll_off_shape", "amplitudes"])]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub surface: Option<Given>,
+    pub surface: Option<ArrayOption>,
     /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only
     /// one
     #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
@@ -80,7 +80,7 @@ pub struct SourceArgs {
     /// its peaks point at the first surface, and x and y are the same places of both
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub second_surface: Option<Given>,
+    pub second_surface: Option<ArrayOption>,
     /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves;
     /// with --boundary free whole steps only, and the part in common stays
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
@@ -350,7 +350,7 @@ impl SourceArgs {
     /// The name of the surface in messages: its file, `surface` of an array, or `the generated surface`.
     pub fn name(&self) -> String {
         match &self.surface {
-            Some(Given::File(file)) => file.clone(),
+            Some(ArrayOption::File(file)) => file.clone(),
             Some(_) => "surface".into(),
             None => "the generated surface".into(),
         }
@@ -456,7 +456,7 @@ impl SourceArgs {
     fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
         let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
             Some(given) => {
-                let Prepared { heights, grid, description, scan, checksum } = self.prepare(given, None)?;
+                let PeriodicScan { heights, grid, description, scan, checksum } = self.prepare(given, None)?;
                 let origin = given.file().map(|file| (file_of(file).into(), checksum));
                 (heights, grid, description, Some(scan), origin)
             }
@@ -505,10 +505,10 @@ impl SourceArgs {
     }
 
     /// Reads the second surface, which has the cell and the points of the first.
-    fn second(&self, file: &Given, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
+    fn second(&self, file: &ArrayOption, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
         const FLAG: &str = "--second-surface";
         let cell = first.map_or(grid.lengths(), |scan| scan.length);
-        let Prepared { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
+        let PeriodicScan { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
         let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
         let sides = if grid.is_line() { 1 } else { 2 };
         if there.points() != grid.points() || !there.lengths().into_iter().zip(grid.lengths()).take(sides).all(close) {

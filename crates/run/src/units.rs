@@ -5,7 +5,7 @@ use std::ffi::OsString;
 
 use clap::Command;
 use gfmd_files::{Reader, Topography, split_dataset};
-use gfmd_problem::options::given::{Arrays, Given};
+use gfmd_problem::options::given::{ArrayOption, Arrays};
 use gfmd_problem::options::quantities::{Sought, columns, is_rows, takes_units, text_in_units, value_in_units};
 use gfmd_unit::Units;
 use toml::{Table, Value};
@@ -193,7 +193,7 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays) -> Result<(),
     let text = |key: &str| table.get(key).and_then(Value::as_str).map(str::to_owned);
     let mut source =
         Source { unit: text(UNIT), stress_unit: text(STRESS_UNIT), surface: text("surface"), channel: text("channel") };
-    if let Some(Given::Load(load)) = arrays.get("surface") {
+    if let Some(ArrayOption::Load(load)) = arrays.get("surface") {
         let recorded = |key: &str| load.config.get(key).and_then(Value::as_str).map(str::to_owned);
         source.unit = source.unit.or_else(|| recorded(UNIT));
         source.stress_unit = source.stress_unit.or_else(|| recorded(STRESS_UNIT));

@@ -6,7 +6,7 @@ use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 
 use super::wave::{self, Wave};
-use gfmd_problem::options::given::{Given, Load};
+use gfmd_problem::options::given::{ArrayOption, StoredLoad};
 use gfmd_run::base::BaseArgs;
 use gfmd_run::failure::Failure;
 use gfmd_run::lower::{LowerArgs, is_stored};
@@ -77,20 +77,20 @@ struct Found {
 }
 
 /// The name of the input in messages.
-pub(super) fn name(given: &Given) -> &str {
+pub(super) fn name(given: &ArrayOption) -> &str {
     given.file().unwrap_or("surface")
 }
 
 impl Surface {
     /// Reads `FILE.npy` or `FILE.h5[:/dataset]`, or takes what is in memory.
-    pub(super) fn read(given: &Given, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
+    pub(super) fn read(given: &ArrayOption, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
         let name = name(given);
         let refuse = |reason: String| Failure::input(name, reason);
         let found = match (given, split_dataset(name)) {
-            (Given::Array(array), _) => Ok(Found::array(array.shape(), array.iter().copied().collect(), None)),
-            (Given::Load(load), _) => in_memory(load),
-            (Given::File(_), Some((path, dataset))) => archive(path, dataset, load),
-            (Given::File(_), None) => array(name),
+            (ArrayOption::Array(array), _) => Ok(Found::array(array.shape(), array.iter().copied().collect(), None)),
+            (ArrayOption::Load(load), _) => in_memory(load),
+            (ArrayOption::File(_), Some((path, dataset))) => archive(path, dataset, load),
+            (ArrayOption::File(_), None) => array(name),
         };
         let found = found.map_err(refuse)?;
         if let (Some(_), None) = (load, found.load) {
@@ -242,7 +242,7 @@ impl Found {
 }
 
 /// The displacement of a contact in memory.
-fn in_memory(load: &Load) -> Result<Found, String> {
+fn in_memory(load: &StoredLoad) -> Result<Found, String> {
     check_inside(&load.config, LowerArgs::NAMES.iter().any(|key| load.config.contains_key(*key)))?;
     if BaseArgs::NAMES.iter().any(|key| load.config.contains_key(*key)) {
         return Err("the base of this contact moves; the fields inside are those of its file".into());

@@ -5,11 +5,11 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3, ArrayD};
 
 use super::{Args, ContactName};
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_run::array::{self, Quantity};
 use gfmd_run::failure::Failure;
 
-fn read(flag: &str, name: &Given, quantity: Quantity) -> Result<ArrayD<f64>, Failure> {
+fn read(flag: &str, name: &ArrayOption, quantity: Quantity) -> Result<ArrayD<f64>, Failure> {
     let found = array::read(name, quantity).map_err(|reason| Failure::input(flag, format!("{name}: {reason}")))?;
     match found.iter().find(|value| !value.is_finite()) {
         Some(value) => Err(Failure::input(flag, format!("{name}: a value is {value}; all values must be finite"))),
@@ -18,7 +18,7 @@ fn read(flag: &str, name: &Given, quantity: Quantity) -> Result<ArrayD<f64>, Fai
 }
 
 /// Reads the points under the punch.
-pub(super) fn mask(name: &Given, dim: u8) -> Result<Array2<bool>, Failure> {
+pub(super) fn mask(name: &ArrayOption, dim: u8) -> Result<Array2<bool>, Failure> {
     let found = read("--mask", name, Quantity::Number)?;
     let shape = match (dim, found.shape()) {
         (2, &[n] | &[n, 1]) => Ok((n, 1)),
@@ -47,7 +47,7 @@ pub(super) fn points(given: Option<usize>, mask: Option<&Array2<bool>>) -> Resul
 const DEFAULT: usize = 128;
 
 /// Reads the traction where the punch does not hold, as `[component, x, y]`.
-pub(super) fn traction(name: &Given, grid: &Grid) -> Result<Array3<f64>, Failure> {
+pub(super) fn traction(name: &ArrayOption, grid: &Grid) -> Result<Array3<f64>, Failure> {
     let found = read("--traction", name, Quantity::Stress)?;
     let [nx, ny] = grid.points();
     let components = Components::of(grid).len();

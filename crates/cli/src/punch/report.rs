@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{Comparison, ContactName, Nodes, Refinement};
 use crate::session::list_files;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::{OtherArgs, height};
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::trace::Trace;
@@ -33,10 +33,10 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_width: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mask: Option<Given>,
+    pub mask: Option<ArrayOption>,
     /// The file of the traction beside the punch.
     #[serde(rename = "traction", skip_serializing_if = "Option::is_none")]
-    pub prescribed_traction: Option<Given>,
+    pub prescribed_traction: Option<ArrayOption>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shift: Vec<f64>,
     pub depth: f64,

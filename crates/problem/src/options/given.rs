@@ -16,18 +16,18 @@ use toml::Table;
 
 /// The value of an option that is an array.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Given {
+pub enum ArrayOption {
     /// A file, by its name: FILE.npy or FILE.h5:/dataset, and what else the option reads.
     File(String),
     /// An array in memory.
     Array(Arc<ArrayD<f64>>),
     /// A load of a contact in memory.
-    Load(Arc<Load>),
+    Load(Arc<StoredLoad>),
 }
 
 /// A load of a contact, as a file of results has it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Load {
+pub struct StoredLoad {
     /// The configuration.
     pub config: Table,
     /// The fields `[x, y]`, and the numbers of the load, by their names.
@@ -35,7 +35,7 @@ pub struct Load {
 }
 
 /// The arrays of a problem by the keys of their options.
-pub type Arrays = BTreeMap<String, Given>;
+pub type Arrays = BTreeMap<String, ArrayOption>;
 
 /// The first character of a text that stands for an array. No name of a file has it.
 const MARK: char = '\0';
@@ -54,14 +54,14 @@ pub fn with<T>(arrays: Arrays, mut table: Table, read: impl FnOnce(Table) -> T) 
     made
 }
 
-impl Given {
+impl ArrayOption {
     /// The name of the file.
     pub fn file(&self) -> Option<&str> {
         if let Self::File(name) = self { Some(name) } else { None }
     }
 }
 
-impl FromStr for Given {
+impl FromStr for ArrayOption {
     type Err = Infallible;
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
@@ -69,7 +69,7 @@ impl FromStr for Given {
     }
 }
 
-impl fmt::Display for Given {
+impl fmt::Display for ArrayOption {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::File(name) => name,
@@ -79,13 +79,13 @@ impl fmt::Display for Given {
     }
 }
 
-impl Serialize for Given {
+impl Serialize for ArrayOption {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-impl<'de> Deserialize<'de> for Given {
+impl<'de> Deserialize<'de> for ArrayOption {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         match text.strip_prefix(MARK) {

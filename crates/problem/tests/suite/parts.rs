@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::Boundary;
+use gfmd_contact::{Boundary, Dynamics};
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, Material};
 use gfmd_law::{HardWall, Kind, Law, Limit};
-use gfmd_problem::{Facts, Friction, Given, Lower, Support, Task, Unknown};
+use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown};
 use gfmd_viscoelastic::{Prony, Relaxes};
 use ndarray::Array2;
 
@@ -31,8 +31,8 @@ pub(crate) struct Parts {
     prony: Option<Prony>,
 }
 
-fn body_on(support: Support) -> Body {
-    let material = Material::from_young(1.0, 0.3).unwrap();
+fn body_on(support: Support, young: f64) -> Body {
+    let material = Material::from_young(young, 0.3).unwrap();
     let slab = || Body::slab(material, 0.3).unwrap();
     match support {
         Support::HalfSpace => Body::half_space(material),
@@ -52,9 +52,9 @@ fn body_on(support: Support) -> Body {
 impl Parts {
     pub(crate) fn of(facts: Facts) -> Self {
         let grid = if facts.line { Grid::line(N, 1.0) } else { Grid::square(N, 1.0) }.unwrap();
-        let body = body_on(facts.support);
+        let body = body_on(facts.support, 1.0);
         let body = match facts.second {
-            Some(second) => body.against(body_on(second)),
+            Some(second) => body.against(body_on(second, 2.0)),
             None => body,
         };
         let law = match facts.law {
@@ -71,14 +71,20 @@ impl Parts {
             Friction::Coulomb => Limit::Coulomb(0.3),
             Friction::Tresca => Limit::Tresca(0.02),
         });
+        // All fields: a part of a new kind must be given here.
         Given {
+            facts: self.facts,
+            body: &self.body,
+            grid: &self.grid,
+            share: self.grid.whole(),
+            heights: &self.heights,
             lower: self.lower.as_deref(),
             law: Arc::clone(&self.law),
-            hardness: self.facts.hardness.then_some(0.15.into()),
+            hardness: self.facts.hardness.then_some(0.04.into()),
             limit,
             prony: self.prony.as_ref(),
             wear: self.facts.wears.then_some(0.5),
-            ..Given::new(self.facts, &self.body, &self.grid, &self.heights)
+            dynamics: Dynamics::default(),
         }
     }
 }
@@ -115,7 +121,16 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             lateral: digit(2) == 1,
             relaxes: relaxing[digit(relaxing.len())],
             wears: digit(2) == 1,
-            ..Facts::default()
+            // All fields: a fact of a new kind must be walked through. These are about other things than the contact.
+            layers: false,
+            moved_base: None,
+            statistics: false,
+            flow: false,
+            flow_threshold: false,
+            grid_error: GridError::Estimate,
+            history: false,
+            resume: false,
+            processes: 1,
         }
     });
     // Loads have no lateral motion, no friction, no time and no distance: there is no flag for them.

@@ -212,7 +212,12 @@ impl Prepared {
     /// Parts from which no contact can be made.
     pub fn pose(&self, source: &SourceArgs, law: &Arc<dyn Law>) -> Result<Posed, Failure> {
         let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
+        // All fields: a part that is not handed over would be left out of the contact.
         let given = Given {
+            facts: self.facts,
+            body: &self.body,
+            grid: &self.surface.grid,
+            heights: &heights,
             share: self.surface.share.clone(),
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
             law: Arc::clone(law),
@@ -221,7 +226,6 @@ impl Prepared {
             prony: self.prony.as_ref(),
             wear: self.wear,
             dynamics: self.dynamics,
-            ..Given::new(self.facts, &self.body, &self.surface.grid, &heights)
         };
         pose(&given).map_err(|refusal| Failure::posing(refusal, &source.name()))
     }

@@ -16,7 +16,7 @@ use serde::{Serialize, Serializer};
 use super::{Detrend, SourceArgs};
 use crate::failure::Failure;
 use crate::memory;
-use gfmd_problem::options::given::Given;
+use gfmd_problem::options::given::ArrayOption;
 
 /// The words of a file about its heights, and the changes made to them.
 #[derive(Clone, Debug, Serialize)]
@@ -59,7 +59,7 @@ pub struct Defined {
 }
 
 /// A scan ready for a periodic cell.
-pub struct Prepared {
+pub struct PeriodicScan {
     /// Heights, [x, y], without holes.
     pub heights: Array2<f64>,
     /// The grid of the cell.
@@ -87,11 +87,11 @@ fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S:
 impl SourceArgs {
     /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives it a size, it has that of
     /// `cell`.
-    pub fn prepare(&self, given: &Given, cell: Option<[f64; 2]>) -> Result<Prepared, Failure> {
+    pub fn prepare(&self, given: &ArrayOption, cell: Option<[f64; 2]>) -> Result<PeriodicScan, Failure> {
         let topography = match given {
-            Given::File(name) => Topography::read(name, self.channel.as_deref()),
-            Given::Array(array) => Topography::of_array("surface", &array.view()),
-            Given::Load(_) => return Err(Failure::Input("surface is a contact; it must be an array".into())),
+            ArrayOption::File(name) => Topography::read(name, self.channel.as_deref()),
+            ArrayOption::Array(array) => Topography::of_array("surface", &array.view()),
+            ArrayOption::Load(_) => return Err(Failure::Input("surface is a contact; it must be an array".into())),
         };
         let topography = topography.map_err(|error| Failure::Input(error.to_string()))?;
         let name = given.to_string();
@@ -179,7 +179,7 @@ impl SourceArgs {
         };
         let (heights, grid) =
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
-        Ok(Prepared { heights, grid, description, scan, checksum: topography.sha256 })
+        Ok(PeriodicScan { heights, grid, description, scan, checksum: topography.sha256 })
     }
 }
 
