@@ -32,6 +32,12 @@ pub enum Refusal {
     /// The state to start from is one of another kind of contact.
     #[error("the start is a state of another kind of contact; it must be one of the same problem")]
     OtherKind,
+    /// A part of a problem, which its facts have, is not given, or the other way round.
+    #[error("the {part} of the problem is given, or among its facts; it must be both or neither")]
+    Part {
+        /// Name of the part.
+        part: &'static str,
+    },
     /// A height is NaN or infinite.
     #[error("the height at {index:?} is {value}; it must be finite")]
     Height {

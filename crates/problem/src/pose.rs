@@ -80,10 +80,22 @@ impl<'a> Given<'a> {
 /// Poses a problem whose parts go together ([`Facts::check`]).
 ///
 /// # Errors
-/// Heights, a body, a hardness or a law that cannot be in contact.
+/// Heights, a body, a hardness or a law that cannot be in contact; a part that is given but not among the facts, or the
+/// other way round.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    // All fields: those that are not used here are parts of the wall.
-    let Given { facts, body, grid, share: _, heights, lower, law, hardness: _, limit, prony, wear, dynamics } = given;
+    let Given { facts, body, grid, share: _, heights, lower, law, hardness, limit, prony, wear, dynamics } = given;
+    // All parts: one that is not handed over would be left out of the contact.
+    for (part, is_fact, is_given) in [
+        ("lower surface", facts.lower.is_some(), lower.is_some()),
+        ("hardness", facts.hardness, hardness.is_some()),
+        ("limit of the shear", facts.friction.is_some(), limit.is_some()),
+        ("relaxation", facts.relaxes.is_some(), prony.is_some()),
+        ("coefficient of wear", facts.wears, wear.is_some()),
+    ] {
+        if is_fact != is_given {
+            return Err(Refusal::Part { part });
+        }
+    }
     if let Some(lower) = lower {
         return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
     }

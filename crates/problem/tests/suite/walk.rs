@@ -11,7 +11,7 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Refinement, StoredFields};
 use gfmd_law::Kind;
-use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
+use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
 use gfmd_relax::Budget;
 use gfmd_wear::{WearContact, WearState};
 
@@ -46,6 +46,22 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let state = solved(facts);
     same(&state, &squeezed.press(load).solve().unwrap());
     assert!(state.lower().is_some() && state.steep().is_none() && state.plastic_depth().is_none());
+}
+
+#[test]
+fn parts_are_those_of_the_facts() {
+    let with = Facts { hardness: true, task: Task::Path, ..Facts::default() };
+    let parts = [Parts::of(with), Parts::of(Facts { hardness: false, ..with })];
+    let given = [parts[0].given(), parts[1].given()];
+    for facts in [given[0].facts, given[1].facts] {
+        for given in &given {
+            let posed = pose(&Given { facts, ..given.clone() });
+            match facts.hardness == given.hardness.is_some() {
+                true => assert!(posed.is_ok()),
+                false => assert!(matches!(posed, Err(Refusal::Part { part: "hardness" }))),
+            }
+        }
+    }
 }
 
 /// Numbers of a checkpoint, written and read in one order.
