@@ -303,7 +303,7 @@ impl Facts {
 
 impl Part {
     /// The flag, with its value if it is one of several.
-    fn given(self) -> String {
+    pub fn given(self) -> String {
         let (flag, found, _) = self.words(&Facts::default());
         if found == "given" || self == Self::Law { flag.to_owned() } else { format!("{flag} {found}") }
     }

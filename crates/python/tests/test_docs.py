@@ -2,7 +2,6 @@
 
 import doctest
 import inspect
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import gfmd
 import numpy as np
 import pytest
+from gfmd._columns import LowerFace, Patches, Steps, WearSteps
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -105,10 +105,21 @@ def test_results_have_the_attributes_that_are_documented(words):
     indented = gfmd.path(gfmd.self_affine(n=16), gfmd.Body(), p_star=[0.1], hardness=0.05, steps=1)
     steep = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, finite_slope=True)
     squeezed = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(height=0.5), p_star=0.05, lower_surface=np.zeros((16, 16)))
+    slab = gfmd.self_affine(n=16)
+    rubber = gfmd.Body(prony=[(0.1, 0.3)])
+    creeping = gfmd.path(slab, rubber, p_star=0.05, time=[0, 1], steps=1, flow=True, grid_error="refine")
+    pulled = gfmd.path(slab, gfmd.Body(), approach=[0.001, 0.002], hardness=0.05, steps=1)
+    law = gfmd.law("exponential", gamma=1e-4, range=5e-3)
+    sticking = gfmd.path(slab, gfmd.Body(), approach=0.001, lateral=0.001, law=law, steps=1)
+    worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
     examples = [
         (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
                         gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1), steep, squeezed]),
         (gfmd.Path, [words["loop"], rubbed, indented]),
+        (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking)]),
+        (WearSteps, [worn.steps]),
+        (LowerFace, [squeezed.lower]),
+        (Patches, [words["c"].patches]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
@@ -119,14 +130,16 @@ def test_results_have_the_attributes_that_are_documented(words):
                          gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, components="all").residual, steep.residual]),
     ]
     for kind, results in examples:
-        typed = {key for key in kind.__annotations__ if not key.startswith("_")}
+        typed = {key for key in kind.__annotations__ if not key.startswith("_")} | set(kind._declared())
         found = {key for result in results for key in result} | {key for key in typed if all(hasattr(result, key) for result in results)}
         extra = {"refinement"} if kind is gfmd.Punch else set()
         assert found == typed | extra, (kind, found ^ typed)
         text = inspect.getdoc(kind)
-        # What the grid makes of a number is documented once, for all numbers.
-        for key in {re.sub("_(limit|limit_error|grid_error)$", "", key) for key in found}:
+        for key in found - set(kind._declared()):
             assert any(f"{key}{end}" in text for end in (":", ",", "`", " ", ".")), (kind, key)
+        for key in kind._declared():
+            own = inspect.getdoc(getattr(kind, key))
+            assert own and own[0].isupper() and own.endswith("."), (kind, key)
 
 
 def checked(*words):

@@ -19,10 +19,11 @@ from ._errors import Error, InputError, Interrupted, NotConverged
 from ._files import load
 from ._gfmd import VERSION as __version__
 from ._kappa import KappaSweep, kappa_sweep
+from ._load import Residual
 from ._many import many
 from ._path import Path, friction, path
 from ._progress import progress
-from ._record import Record, Residual
+from ._record import Record
 from ._result import Result
 from ._slide import Slide, slide
 from ._solve import contact, contacts

@@ -13,9 +13,11 @@ import numpy.typing as npt
 from . import _gfmd, _leak
 from ._body import Body, Law
 from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
+from ._columns import Fields, Numbers, Patches
 from ._command import records
 from ._errors import InputError
-from ._record import Record, Residual, json_of, of_load
+from ._load import of_load
+from ._record import Record, json_of
 from ._result import Result
 from ._surface import Surface
 
@@ -45,11 +47,6 @@ def metre(unit: Optional[str]) -> float:
     return 1.0 if unit is None else _gfmd.in_units("unit", f"1 {unit}", "length", "m") or 1.0
 
 
-def _field(name: str, text: str) -> Optional[Array]:
-    """A property: a field that some contacts have."""
-    return property(lambda contact: contact._fields.get(name), doc=text)  # type: ignore[return-value]
-
-
 class Gradient(Record):
     """The derivatives of a number L of a contact with respect to what was given, by `Contact.vjp`.
 
@@ -72,55 +69,17 @@ class Gradient(Record):
     error: float
 
 
-class Contact(Result, Record):
+class Contact(Result, Numbers, Fields):
     """A contact at rest under one load. It cannot be changed, and it pickles.
 
-    A number that does not exist is NaN. Lengths and stresses are in the units of the surface and the body.
+    Its numbers and fields are properties with their definitions; the numbers are also keys, as of a mapping. A number
+    that does not exist is NaN, and `undefined` has the reason. Lengths and stresses are in the units of the surface and
+    the body. With a law, `pressure` and `mean_pressure` include the attraction; with a lower surface, numbers and fields
+    are those of the upper face.
 
     Attributes:
         surface, body, law: those given.
-        mean_pressure: mean pressure over the whole surface, stress; with a law, attraction included.
-        p_star: mean pressure over E* times the rms gradient.
-        displacement, approach: rigid approach beyond first touch, length; as `elastic_energy` NaN for a profile with free boundaries
-            on a half-space, whose displacement is known up to a constant.
-        area_fraction: points in contact (with a law: repelled) over all points.
-        area_fraction_corrected: the same less the excess of the pixels along the perimeter.
-        kappa, kappa_corrected: area_fraction, area_fraction_corrected over p_star.
-        contact_nodes, boundary_links: points in contact; neighbouring pairs of which one is in contact.
-        mean_gap: mean distance between the surfaces, length.
-        max_pressure: largest pressure, stress.
-        mean_pressure_in_contact, pressure_deviation_in_contact: mean and standard deviation over the points in contact, stress.
-        pressure_moment_2: mean square pressure over the whole surface, stress^2.
-        elastic_energy: elastic energy per area, stress * length.
-        stiffness: d(mean_pressure)/d(displacement) with the points in contact kept, stress / length; NaN, with its reason in
-            `undefined`, with a law, with all components, with finite slopes, with a lower surface, for a profile with free boundaries
-            on a half-space, and in full contact if the mean level is fixed (half-space), where it is infinite.
-        stiffness_error: its relative error.
-        displacement_limit, displacement_limit_error, displacement_grid_error, and so on of each number from `area_fraction` to `stiffness`
-            that has one: its estimate on an infinitely fine grid that bears the same load, the error of that (95 %), and a bound of the
-            error of the number itself; NaN, with the reason in `undefined`, where they cannot be estimated.
         undefined: the reasons why numbers are NaN, by name; there only if one is.
-        iterations, transform_pairs: effort of the solve.
-        converged: True if no residual exceeds the tolerance.
-        residual: a `Residual`, recomputed from the final fields; `float(c.residual)` is the largest part.
-        seconds: wall time of the load: solution, and stiffness, statistics, flow; without finer grids.
-        boundary: "periodic" or "free".
-        force: force (of a line: per length across it), with free boundaries only.
-        plastic_fraction, plastic_volume: points whose pressure is the hardness over all points, mean plastic depth (length);
-            with a hardness only.
-        hardness: the hardness given, stress, or None.
-        components: "normal", "all" or "held", as given.
-        finite_slope: True if slopes were not taken as small.
-        mean_shear: mean traction along x and y that holds the rigid surface in its place, stress; as the next, with finite slopes only.
-        projected_area_fraction: area between the points in contact where they have gone, over the area of the cell.
-        lower_surface: the rigid surface below the slab, or None. With one, pressures, area and gap are those of the upper face.
-        lower: the contact of the lower face, with a lower surface only: a `Record` of its `mean_pressure`, `displacement` (its part
-            of the approach), `area_fraction`, `area_fraction_corrected`, `contact_nodes`, `boundary_links`, `mean_gap`,
-            `max_pressure`, `mean_pressure_in_contact` and `residual`.
-        interface_energy: energy of the law per area, stress * length; as the rest, with a law only.
-        passed_instability: True if the surfaces jumped on the way from `start`.
-        lowest_curvature: over the elastic one, positive in a stable state; NaN after dynamics.
-        residual_equilibrium: largest unbalanced force per area over the scale of stress.
 
     Example:
         >>> c = gfmd.contact(s, gfmd.Body(), p_star=0.05)
@@ -131,76 +90,7 @@ class Contact(Result, Record):
     surface: Surface
     body: Body
     law: Law
-    mean_pressure: float
-    p_star: float
-    displacement: float
-    area_fraction: float
-    area_fraction_corrected: float
-    kappa: float
-    kappa_corrected: float
-    contact_nodes: int
-    boundary_links: int
-    mean_gap: float
-    max_pressure: float
-    mean_pressure_in_contact: float
-    pressure_deviation_in_contact: float
-    pressure_moment_2: float
-    elastic_energy: float
-    stiffness: float
-    stiffness_error: float
-    displacement_limit: float
-    displacement_limit_error: float
-    displacement_grid_error: float
-    area_fraction_limit: float
-    area_fraction_limit_error: float
-    area_fraction_grid_error: float
-    kappa_limit: float
-    kappa_limit_error: float
-    kappa_grid_error: float
-    boundary_links_limit: float
-    boundary_links_limit_error: float
-    boundary_links_grid_error: float
-    mean_gap_limit: float
-    mean_gap_limit_error: float
-    mean_gap_grid_error: float
-    max_pressure_limit: float
-    max_pressure_limit_error: float
-    max_pressure_grid_error: float
-    mean_pressure_in_contact_limit: float
-    mean_pressure_in_contact_limit_error: float
-    mean_pressure_in_contact_grid_error: float
-    pressure_deviation_in_contact_limit: float
-    pressure_deviation_in_contact_limit_error: float
-    pressure_deviation_in_contact_grid_error: float
-    pressure_moment_2_limit: float
-    pressure_moment_2_limit_error: float
-    pressure_moment_2_grid_error: float
-    elastic_energy_limit: float
-    interface_energy_limit: float
-    elastic_energy_limit_error: float
-    interface_energy_limit_error: float
-    elastic_energy_grid_error: float
-    interface_energy_grid_error: float
-    stiffness_limit: float
-    stiffness_limit_error: float
-    stiffness_grid_error: float
     undefined: dict[str, str]
-    iterations: int
-    transform_pairs: float
-    converged: bool
-    residual: Residual
-    seconds: float
-    force: float
-    plastic_fraction: float
-    plastic_volume: float
-    mean_shear: list[float]
-    projected_area_fraction: float
-    lower: Record
-    interface_energy: float
-    passed_instability: bool
-    lowest_curvature: float
-    residual_equilibrium: float
-    _fields: dict[str, Array]
     _settings: Settings
     _state: Any
 
@@ -212,21 +102,6 @@ class Contact(Result, Record):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Contact, (self._values, (self.surface, self.body, self.law), self._fields, self._settings)
-
-    @property
-    def pressure(self) -> Array:
-        """Pressure on the elastic surface [x, y], stress, compression positive; attraction is negative. Read-only."""
-        return self._fields["pressure"]
-
-    @property
-    def displacement_z(self) -> Array:
-        """Normal displacement of the elastic surface [x, y], length, negative downwards. Read-only."""
-        return self._fields["displacement_z"]
-
-    @property
-    def gap(self) -> Array:
-        """Distance between the surfaces [x, y], length. Read-only."""
-        return self._fields["gap"]
 
     @property
     def boundary(self) -> str:
@@ -252,13 +127,6 @@ class Contact(Result, Record):
     def lower_surface(self) -> Optional[Surface]:
         """The second rigid surface, below the slab, on the same points; None without one."""
         return self._settings.lower_surface
-
-    displacement_x = _field("displacement_x", "Displacement of the elastic surface along x [x, y], length; None unless it was unknown (all components, finite slopes). Read-only.")
-    displacement_y = _field("displacement_y", "Displacement of the elastic surface along y [x, y], length, as `displacement_x`; None for a profile. Read-only.")
-    plastic_depth = _field("plastic_depth", "Depth by which the surfaces are pressed into each other beyond touching [x, y], length; None without a hardness. Read-only.")
-    lower_pressure = _field("lower_pressure", "Pressure on the lower face of the slab [x, y], stress; None without a lower surface. Read-only.")
-    lower_displacement_z = _field("lower_displacement_z", "Normal displacement of the lower face [x, y], length, positive upwards; None without a lower surface. Read-only.")
-    lower_gap = _field("lower_gap", "Distance between the lower face and the lower surface [x, y], length; None without a lower surface. Read-only.")
 
     @property
     def repulsion(self) -> Array:
@@ -351,17 +219,15 @@ class Contact(Result, Record):
         return of_load(record), found
 
     @property
-    def patches(self) -> Record:
+    def patches(self) -> Patches:
         """The patches of points in contact, as `gfmd contact --statistics` measures them: a `Record` of arrays [patch].
-
-        `area` (length²), `perimeter` (length), `force` (stress * length²), `x`, `y` (length; centre of area, NaN if the patch winds around the cell).
 
         Raises:
             InputError: with a lower surface, which has two faces.
         """
         arrays = self._measured(statistics=True)[1]
         names = {path.split("/")[2]: values for path, (values, _) in arrays.items() if path.startswith("/patches/")}
-        return Record({name: values for name, values in names.items() if name != "load"})
+        return Patches({name: values for name, values in names.items() if name != "load"})
 
     @property
     def distributions(self) -> Record:

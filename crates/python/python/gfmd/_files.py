@@ -15,7 +15,8 @@ from ._check import Array
 from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError
-from ._record import json_of, of_load
+from ._load import of_load
+from ._record import json_of
 from ._surface import Surface, _surface
 
 _CONTROLS = ("pressure", "p_star", "displacement")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import reduce
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from . import _command
 from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
+from ._columns import FLOW, StepFields, Steps
 from ._errors import InputError
 from ._leak import Leaks
 from ._record import Record
@@ -18,18 +20,12 @@ from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
 
 
-class Path(Leaks, Computed):
+class Path(Leaks, Computed, StepFields):
     """A contact along a path.
 
     Attributes:
-        steps: a Record of arrays over the steps: `mean_pressure`, `mean_shear` [step, 2] (stress), `p_star`, `displacement`
-            (the approach), `lateral` [step, 2], `mean_gap` (length), `area_fraction`, `stick_fraction`, `elastic_energy`,
-            `interface_energy`, `dissipated`, `dissipated_error` (stress * length), `passed_instability`,
-            `lowest_curvature`, `extra_solves`, of a viscoelastic body `time` and `max_pressure`, with friction `increments`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
-        pressure, gap, displacement_z: fields at the waypoints [waypoint, x, y], stress and length; NaN at those that were not reached.
-        shear_x, shear_y: shear traction [waypoint, x, y], stress, if all components are computed.
-        plastic_depth: depth by which the surfaces were pressed into each other so far [waypoint, x, y], length, with a
-            hardness; `steps` then has `plastic_fraction` and `plastic_volume` (its mean).
+        steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the waypoints; NaN at those that were
+            not reached.
         hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
         adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`, `process_zone`
             (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
@@ -51,13 +47,7 @@ class Path(Leaks, Computed):
         ((9,), (3, 32, 32))
     """
 
-    steps: Record
-    pressure: Array
-    gap: Array
-    displacement_z: Array
-    shear_x: Array
-    shear_y: Array
-    plastic_depth: Array
+    steps: Steps
     hardness: Union[float, Array]
     adhesion: dict[str, float]
     dissipated: Optional[float]
@@ -108,7 +98,7 @@ class Path(Leaks, Computed):
         """
         from . import _show
 
-        return _show.steps_dataset(self, ("pressure", "gap", "displacement_z", "shear_x", "shear_y", "plastic_depth"))
+        return _show.steps_dataset(self)
 
 
 def _column(values: list[Any]) -> Array:
@@ -128,26 +118,23 @@ def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
     return {key: found.get(name) for key, name in keys.items()}
 
 
-def _flow(found: Optional[dict[str, Any]]) -> dict[str, Any]:
+def _flow(found: dict[str, Any]) -> dict[str, Any]:
     """The flow of a step by the names of its columns."""
-    if found is None:
-        return {}
-    axes = "xy"
-    conductivity = {f"flow_{a}{b}": found["conductivity"][i][j] for i, a in enumerate(axes) for j, b in enumerate(axes)}
-    percolates = {f"flow_percolates_{axis}": found["percolates"][i] for i, axis in enumerate(axes)}
-    return {**conductivity, **percolates, "flow_residual": found["residual"]}
+    places = {name: place.split(".") for name, place in FLOW.items()}
+    there = {name: place for name, place in places.items() if place[0] in found}
+    return {name: reduce(lambda part, key: part[int(key)], keys, found[first]) for name, (first, *keys) in there.items()}
 
 
-def gathered(values: dict[str, Any]) -> dict[str, Any]:
-    """The report of a path with the numbers of its steps as arrays."""
+def gathered(values: dict[str, Any], kind: type[Record]) -> dict[str, Any]:
+    """The report of a path with the numbers of its steps as arrays, in a record of this kind."""
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
-    flows = [_flow(step.pop("flow", None)) for step in values["steps"]]
+    flows = [_flow(step.pop("flow", {})) for step in values["steps"]]
     rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     reported = {name: _command.records(value) for name, value in values.items()}
-    return {**reported, "steps": Record(columns), "undefined": undefined}
+    return {**reported, "steps": kind(columns), "undefined": undefined}
 
 
 def path(
@@ -247,7 +234,7 @@ def path(
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made.description)
-    reported = gathered(values)
+    reported = gathered(values, Steps)
     if isinstance(bound, np.ndarray):
         reported["hardness"] = bound
     result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file)

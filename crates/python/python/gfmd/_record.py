@@ -12,10 +12,8 @@ from typing import Any
 def _short(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
-    if isinstance(value, Residual):
-        return f"{float(value):.1e}, the largest of {', '.join(value)}"
     if isinstance(value, Record):
-        return f"{type(value).__name__} of {', '.join(value)}"
+        return value._short()
     if isinstance(value, list) and value and isinstance(value[0], Record):
         return f"{len(value)} records"
     if hasattr(value, "shape"):
@@ -39,11 +37,22 @@ class Record(Mapping[str, Any]):
         object.__setattr__(self, "_values", dict(values))
 
     def __getattr__(self, name: str) -> Any:
+        return self._value(name)
+
+    def _value(self, name: str) -> Any:
+        """The value of an attribute."""
         if not name.startswith("_"):
             values = self.__dict__.get("_values", {})
             if name in values:
                 return values[name]
         raise AttributeError(f"{type(self).__name__} has no {name}")
+
+    @classmethod
+    def _declared(cls) -> list[str]:
+        """The values that records of this class may have, by the made classes."""
+        columns = f"{__package__}._columns"
+        made = [kind for kind in cls.__mro__ if kind.__module__ == columns and issubclass(kind, Record)]
+        return [name for kind in made for name, value in vars(kind).items() if isinstance(value, property)]
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"a {type(self).__name__} cannot be changed")
@@ -61,7 +70,7 @@ class Record(Mapping[str, Any]):
         return len(self._values)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._values]
+        return [*(set(super().__dir__()) - set(self._declared())), *self._values]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._values,)
@@ -70,6 +79,10 @@ class Record(Mapping[str, Any]):
         return self is other
 
     __hash__ = object.__hash__
+
+    def _short(self) -> str:
+        """The record as a value of another one."""
+        return f"{type(self).__name__} of {', '.join(self)}"
 
     def _text(self, name: str, value: Any) -> str:
         """A value as it is shown."""
@@ -82,42 +95,6 @@ class Record(Mapping[str, Any]):
     def _repr_html_(self) -> str:
         cells = (f"<tr><td>{html.escape(name)}</td><td>{html.escape(self._text(name, value))}</td></tr>" for name, value in self._values.items())
         return f"<b>{type(self).__name__}</b><table>{''.join(cells)}</table>"
-
-
-class Residual(Record):
-    """The parts of the residual by name, all without unit. `float(residual)` is the largest.
-
-    Attributes:
-        complementarity: sum(p gap) over sum(p) times the rms height.
-        penetration: largest overlap over the rms height.
-        negative_pressure: largest tension over the mean pressure.
-        load: mean pressure less the asked one, over the asked one.
-        saturation: with a hardness only, largest gap over the rms height where the pressure is the hardness.
-        lateral_traction: with all components only, largest lateral traction that the dynamics left over the largest pressure.
-        lateral_displacement: with finite slopes only, last change of the lateral displacement over the rms height.
-
-    Example:
-        >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
-        (True, True)
-    """
-
-    complementarity: float
-    penetration: float
-    negative_pressure: float
-    load: float
-    saturation: float
-    lateral_traction: float
-    lateral_displacement: float
-
-    def __float__(self) -> float:
-        parts = [float(part) for part in self._values.values()]
-        return math.nan if any(math.isnan(part) for part in parts) else max(parts)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Mapping) and self._values == dict(other)
-
-    def __hash__(self) -> int:
-        return hash(tuple(self._values.items()))
 
 
 def parsed(text: str) -> dict[str, Any]:
@@ -136,18 +113,6 @@ def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
         return math.nan if value is None else value
 
     return {name: reported(value) for name, value in values.items()}
-
-
-def of_load(record: str) -> dict[str, Any]:
-    """The numbers of a load, from its JSON: parts as Records, NaN in place of null."""
-
-    def part(name: str, value: Any) -> Any:
-        if not isinstance(value, dict) or name == "undefined":
-            return value
-        kind = Residual if name == "residual" else Record
-        return kind(without_null({key: part(key, entry) for key, entry in value.items()}))
-
-    return without_null({name: part(name, value) for name, value in parsed(record).items()})
 
 
 def json_of(values: Mapping[str, Any]) -> str:

@@ -100,13 +100,13 @@ def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
     return loop(x, y, (result.surface.unit, None), ax)
 
 
-def steps_dataset(result: Any, fields: Sequence[str]) -> Any:
-    """An xarray.Dataset of the scalars of the steps of a result, and of those of the `fields` that it has."""
+def steps_dataset(result: Any) -> Any:
+    """An xarray.Dataset of the scalars of the steps of a result, and of its fields."""
     units = (result.unit, result.get("stress_unit"))
     axes = ("step", "axis")
     columns = result.steps.items()
     variables = {name: (axes[: values.ndim], values, attributes(name, units)) for name, values in columns}
-    for name in fields:
+    for name in result._declared():
         if name in result:
             variables[name] = (("waypoint", "y", "x"), np.swapaxes(result[name], 1, 2), attributes(name, units))
     return needed("xarray", "to_xarray").Dataset(variables, coordinates(result.surface))

@@ -17,7 +17,8 @@ from ._command import body_keys, law_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
-from ._record import of_load, parsed
+from ._load import of_load
+from ._record import parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
 
 

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, Quantity, flag, integer, number, quantities, quantity, word
+from ._check import Quantity, flag, integer, number, quantities, quantity, word
+from ._columns import WearFields, WearSteps
 from ._leak import Leaks
 from ._path import drive_keys, gathered
 from ._record import Record
@@ -17,18 +18,12 @@ from ._result import Computed
 from ._surface import Surface, as_surface
 
 
-class Wear(Leaks, Computed):
+class Wear(Leaks, Computed, WearFields):
     """A surface that slides on an elastic body, while both lose depth by Archard's law.
 
     Attributes:
-        steps: a Record of arrays over the steps: `distance`, `displacement` (the approach, beyond first touch of the unworn
-            surfaces), `mean_gap`, `wear_volume` (the mean depth lost so far), `max_wear` (length), `mean_pressure`,
-            `max_pressure` (stress), `p_star`, `area_fraction`, `elastic_energy`, `dissipated` (the work of the pressure on
-            the depth lost in the step), `dissipated_error` (stress * length), `iterations`, `transform_pairs`, `converged`,
-            `residual_...`, `seconds`.
-        pressure, gap, displacement_z: fields at the ends of the legs [waypoint, x, y], stress and length; NaN at those that
-            were not reached.
-        wear_depth: depth that both surfaces have lost so far [waypoint, x, y], length.
+        steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the ends of the legs; NaN at those
+            that were not reached.
         coefficient: depth lost per distance, over the pressure, 1/stress.
         dissipated, dissipated_error: work of the pressure on the depth lost along the path, per area, stress * length.
         wear_volume: mean depth lost at the end, length.
@@ -44,11 +39,7 @@ class Wear(Leaks, Computed):
         ((5,), (3, 32, 32))
     """
 
-    steps: Record
-    pressure: Array
-    gap: Array
-    displacement_z: Array
-    wear_depth: Array
+    steps: WearSteps
     coefficient: float
     dissipated: Optional[float]
     dissipated_error: Optional[float]
@@ -98,7 +89,7 @@ class Wear(Leaks, Computed):
         """
         from . import _show
 
-        return _show.steps_dataset(self, ("pressure", "gap", "displacement_z", "wear_depth"))
+        return _show.steps_dataset(self)
 
 
 def wear(
@@ -166,4 +157,4 @@ def wear(
         **_command.body_keys(elastic),
     )
     values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made.description)
-    return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)
+    return _command.ended(Wear({**gathered(values, WearSteps), "unit": made.unit, "surface": made, **fields}, file), failure)

@@ -5,28 +5,33 @@ use crate::column::{Column, Form, Origin, Table};
 use crate::when::{any, flow};
 use crate::{At, Cell};
 
+/// The definition of a conductivity.
+macro_rules! over_uniform {
+    ($flux:literal, $gradient:literal) => {
+        concat!(
+            "mean flux along ",
+            $flux,
+            " by a mean pressure gradient along ",
+            $gradient,
+            ", over that of a uniform gap equal to the mean gap"
+        )
+    };
+}
+
 /// Conductivity of the gap.
 pub(super) const COLUMNS: &[Column] = &[
-    Column::new(
-        "flow_xx",
-        "1",
-        &[(
-            any,
-            "mean flux along x by a mean pressure gradient along x, over that of a uniform gap equal to the mean gap",
-        )],
-        |at| conductivity(at, [0, 0]),
-    )
-    .at("flow.conductivity.0.0")
-    .with(flow)
-    .on(Table::Flow, "flow xx", Form::Rough),
-    Column::new("flow_xy", "1", &[(any, "the same along x by a gradient along y")], |at| conductivity(at, [0, 1]))
+    Column::new("flow_xx", "1", &[(any, over_uniform!("x", "x"))], |at| conductivity(at, [0, 0]))
+        .at("flow.conductivity.0.0")
+        .with(flow)
+        .on(Table::Flow, "flow xx", Form::Rough),
+    Column::new("flow_xy", "1", &[(any, over_uniform!("x", "y"))], |at| conductivity(at, [0, 1]))
         .at("flow.conductivity.0.1")
         .with(flow)
         .on(Table::Flow, "flow xy", Form::Rough),
-    Column::new("flow_yx", "1", &[(any, "the same along y by a gradient along x")], |at| conductivity(at, [1, 0]))
+    Column::new("flow_yx", "1", &[(any, over_uniform!("y", "x"))], |at| conductivity(at, [1, 0]))
         .at("flow.conductivity.1.0")
         .with(flow),
-    Column::new("flow_yy", "1", &[(any, "the same along y by a gradient along y")], |at| conductivity(at, [1, 1]))
+    Column::new("flow_yy", "1", &[(any, over_uniform!("y", "y"))], |at| conductivity(at, [1, 1]))
         .at("flow.conductivity.1.1")
         .with(flow)
         .on(Table::Flow, "flow yy", Form::Rough),
@@ -37,7 +42,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .at("flow.percolates.0")
     .with(flow)
     .on(Table::Flow, "through x", Form::Flag),
-    Column::new("flow_percolates_y", "1", &[(any, "the same along y")], |at| {
+    Column::new("flow_percolates_y", "1", &[(any, "1 if the gap lets a fluid through along y")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 1)
     })
     .flag()

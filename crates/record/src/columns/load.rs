@@ -67,7 +67,10 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "mean_shear_y",
         "stress",
-        &[(path, "mean shear traction on the elastic surface along y"), (any, "the same along y")],
+        &[
+            (path, "mean shear traction on the elastic surface along y"),
+            (any, "mean traction along y that holds the rigid surface in its place"),
+        ],
         |at| shear(at, 1),
     )
     .at("mean_shear.1")

@@ -48,7 +48,7 @@ pub(super) const COLUMNS: &[Column] =
         lower!(
             "area_fraction_corrected",
             "1",
-            "the same less the excess of the pixels along the perimeter",
+            "contact area fraction of the lower face less the excess of the pixels along the perimeter",
             |face, summary| summary.area_fraction_corrected
         )
         .on(Table::LowerFace, "corrected", Form::Share),

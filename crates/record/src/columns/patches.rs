@@ -30,9 +30,12 @@ pub(super) const COLUMNS: &[Column] = &[
     .at("patches.percolates.0")
     .with(statistics)
     .on(Table::Patches, "through x", Form::Flag),
-    Column::new("percolates_y", "1", &[(any, "the same along y")], |at| {
-        flag(at.measured.patches.map(|found| found.percolate()), 1)
-    })
+    Column::new(
+        "percolates_y",
+        "1",
+        &[(any, "1 if a patch winds around the cell along y, with free boundaries if it spans the surface")],
+        |at| flag(at.measured.patches.map(|found| found.percolate()), 1),
+    )
     .flag()
     .at("patches.percolates.1")
     .with(statistics)

@@ -2,4 +2,5 @@
 
 #[path = "../../../problem/tests/suite/parts.rs"]
 mod parts;
+mod python;
 mod walk;
