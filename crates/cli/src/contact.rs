@@ -98,9 +98,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     trace: TraceArgs,
-    /// Fields of each load that go into --out: some of pressure, displacement_z, gap, plastic_depth, displacement_x,
-    /// displacement_y, lower_pressure, lower_displacement_z and lower_gap, or none; default: all
-    #[arg(long, value_name = "F1,F2,..|none")]
+    #[arg(long, value_name = "F1,F2,..|none", help = help_of_fields())]
     #[serde(skip_serializing_if = "Option::is_none")]
     fields: Option<Chosen>,
     #[command(flatten)]
@@ -181,6 +179,11 @@ impl ControlArgs {
             .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&self.displacement).map(Load::Approach))
     }
+}
+
+fn help_of_fields() -> String {
+    let fields = Chosen::listed(", ");
+    format!("Fields of each load that go into --out: some of {fields}, or none; default: all")
 }
 
 fn is_infinite(height: &Height) -> bool {
@@ -546,15 +549,8 @@ impl Args {
     fn check_fields(&self, facts: &Facts) -> Result<(), Failure> {
         let Some(fields) = &self.fields else { return Ok(()) };
         if let Some(missing) = fields.missing(facts) {
-            let needs = match missing {
-                "plastic_depth" => "--hardness",
-                "displacement_x" | "displacement_y" => "--components all or --finite-slope (a profile has no y)",
-                "repulsion" => {
-                    "a --law with a wall (exponential, dugdale); elsewhere it is the positive part of the pressure"
-                }
-                _ => "--lower-surface or --lower-seed",
-            };
-            return Err(Failure::value("--fields", missing, format!("left out without {needs}")));
+            let allowed = format!("left out without {}", missing.of_loads.unwrap_or("a path"));
+            return Err(Failure::value("--fields", missing.name, allowed));
         }
         // The statistics of loads that are kept are measured again.
         if self.statistics && self.resume.resume && fields.contact_and_gap(facts).is_none() {

@@ -18,6 +18,8 @@ pub struct Array {
     pub meanings: &'static [Meaning],
     /// True if the states of a problem have the field.
     pub present: fn(&Facts) -> bool,
+    /// The options with which a load has the field, empty if each has it; `None` if no load has it.
+    pub of_loads: Option<&'static str>,
     /// The field of a state; `None` if it has none.
     pub value: for<'a> fn(&'a Rest, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
 }
@@ -29,11 +31,17 @@ impl Array {
         meanings: &'static [Meaning],
         value: for<'a> fn(&'a Rest, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
     ) -> Self {
-        Self { name, unit, meanings, present: any, value }
+        Self { name, unit, meanings, present: any, of_loads: Some(""), value }
     }
 
-    const fn with(self, present: fn(&Facts) -> bool) -> Self {
-        Self { present, ..self }
+    /// In some problems alone: of loads, those with these options.
+    const fn with(self, of_loads: &'static str, present: fn(&Facts) -> bool) -> Self {
+        Self { present, of_loads: Some(of_loads), ..self }
+    }
+
+    /// In some paths alone.
+    const fn of_paths(self, present: fn(&Facts) -> bool) -> Self {
+        Self { present, of_loads: None, ..self }
     }
 
     /// The definition in a problem.
@@ -65,6 +73,11 @@ fn shear_of<'a>(rest: &'a Rest, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
     rest.traction().map(|traction| traction.index_axis(Axis(0), axis).into())
 }
 
+/// The options with which a surface moves sideways.
+const SIDEWAYS: &str = "--components all or --finite-slope (a profile has no y)";
+/// Those with which there are two surfaces.
+const BETWEEN: &str = "--lower-surface or --lower-seed";
+
 /// All fields, in the order of a journal.
 pub const ARRAYS: &[Array] = &[
     Array::new(
@@ -90,45 +103,45 @@ pub const ARRAYS: &[Array] = &[
         ],
         |rest, _| rest.plastic_depth().map(|depth| depth.view().into()),
     )
-    .with(hardness),
+    .with("--hardness", hardness),
     Array::new("wear_depth", "length", &[(any, "depth that both surfaces have lost so far")], |rest, _| {
         rest.worn().map(|state| state.depth.view().into())
     })
-    .with(|facts| facts.wears),
+    .of_paths(|facts| facts.wears),
     Array::new("displacement_x", "length", &[(any, "displacement of the elastic surface along x")], |rest, _| {
         axis_of(rest, 0)
     })
-    .with(lateral),
+    .with(SIDEWAYS, lateral),
     Array::new("displacement_y", "length", &[(any, "displacement of the elastic surface along y")], |rest, _| {
         axis_of(rest, 1)
     })
-    .with(|facts| lateral(facts) && !facts.line),
+    .with(SIDEWAYS, |facts| lateral(facts) && !facts.line),
     Array::new("shear_x", "stress", &[(any, "shear traction on the elastic surface along x")], |rest, _| {
         shear_of(rest, 0)
     })
-    .with(shear),
+    .of_paths(shear),
     Array::new("shear_y", "stress", &[(any, "shear traction on the elastic surface along y")], |rest, _| {
         shear_of(rest, 1)
     })
-    .with(|facts| shear(facts) && !facts.line),
+    .of_paths(|facts| shear(facts) && !facts.line),
     Array::new("lower_pressure", "stress", &[(any, "pressure on the lower face of the slab")], |rest, _| {
         rest.lower().map(|lower| lower.pressure.view().into())
     })
-    .with(between),
+    .with(BETWEEN, between),
     Array::new(
         "lower_displacement_z",
         "length",
         &[(any, "normal displacement of the lower face of the slab, positive upwards")],
         |rest, _| rest.lower().map(|lower| (-&lower.displacement).into()),
     )
-    .with(between),
+    .with(BETWEEN, between),
     Array::new(
         "lower_gap",
         "length",
         &[(any, "distance between the lower face of the slab and the lower surface")],
         |rest, _| rest.lower().map(|lower| lower.gap.view().into()),
     )
-    .with(between),
+    .with(BETWEEN, between),
     Array::new(
         "repulsion",
         "stress",
@@ -137,7 +150,9 @@ pub const ARRAYS: &[Array] = &[
         // rounding errors.
         |rest, _| Some(rest.repulsion()),
     )
-    .with(|facts| !path(facts) && !wall(facts)),
+    .with("a --law with a wall (exponential, dugdale); elsewhere it is the positive part of the pressure", |facts| {
+        !path(facts) && !wall(facts)
+    }),
 ];
 
 /// The fields of the states of a problem.

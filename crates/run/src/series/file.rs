@@ -50,12 +50,12 @@ pub enum Chosen {
 
 /// Words that name no fields.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("it must be none, or some of {}, with commas between them", names().collect::<Vec<_>>().join(", "))]
+#[error("it must be none, or some of {}, with commas between them", Chosen::listed(", "))]
 pub struct ChosenError;
 
 /// The names of the fields that loads may have.
 fn names() -> impl Iterator<Item = &'static str> {
-    ARRAYS.iter().map(|array| array.name).filter(|name| !name.starts_with("shear") && *name != "wear_depth")
+    ARRAYS.iter().filter(|array| array.of_loads.is_some()).map(|array| array.name)
 }
 
 impl Chosen {
@@ -67,10 +67,15 @@ impl Chosen {
         })
     }
 
+    /// All names, with this text between them.
+    pub fn listed(between: &str) -> String {
+        names().collect::<Vec<_>>().join(between)
+    }
+
     /// The first of the fields named that the loads do not have.
-    pub fn missing(&self, facts: &Facts) -> Option<&'static str> {
+    pub fn missing(&self, facts: &Facts) -> Option<&'static Array> {
         let Self::Named(names) = self else { return None };
-        names.iter().copied().find(|name| arrays(facts).all(|array| array.name != *name))
+        ARRAYS.iter().find(|array| names.contains(&array.name) && !(array.present)(facts))
     }
 
     /// The places among the chosen fields of those by which contact and gap are told apart, if both are chosen.
@@ -118,7 +123,7 @@ impl<'de> Deserialize<'de> for Chosen {
 impl fmt::Display for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::All => f.write_str(&names().collect::<Vec<_>>().join(",")),
+            Self::All => f.write_str(&Self::listed(",")),
             Self::Named(names) if names.is_empty() => f.write_str("none"),
             Self::Named(names) => f.write_str(&names.join(",")),
         }
