@@ -33,7 +33,6 @@ use gfmd_run::session::Session;
 use gfmd_run::source::file_of;
 use gfmd_unit::Units;
 
-pub(crate) use check::{again, check};
 pub use comparison::{Comparison, Difference};
 pub use component::Component;
 pub use quantity::Quantity;

@@ -3,7 +3,6 @@
 
 #[cfg(test)]
 mod configuration;
-mod rerun;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -13,12 +12,11 @@ use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
+use crate::checking::{Check, Checking};
 use crate::{body, contact, kappa_sweep, path, punch, slide, wear};
 use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::result::{Comparison, Configuration, Difference, Kind, printable};
+use gfmd_run::result::{Comparison, Difference, Kind, printable};
 use gfmd_run::session::Session;
-
-use rerun::Rerun;
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -149,37 +147,27 @@ fn recompute(
     session: &Session,
 ) -> Result<(), Failure> {
     let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
-    let config = match kind {
-        Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
-        Kind::Path => Configuration::read::<path::Args>(kind, &text),
-        Kind::Slide => Configuration::read::<slide::Args>(kind, &text),
-        Kind::Wear => Configuration::read::<wear::Args>(kind, &text),
-        Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
-        Kind::Body => Configuration::read::<body::Args>(kind, &text),
-        Kind::KappaSweep => {
-            return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
-        }
-    }?;
-    match kind {
-        Kind::Contact => contact::check(reader, &config, comparison, session)?,
-        Kind::Path => path::check(reader, &config, comparison, session)?,
-        Kind::Slide => slide::check(reader, &config, comparison, session)?,
-        Kind::Wear => wear::check(reader, &config, comparison, session)?,
-        Kind::Punch => punch::check(reader, &config, comparison, session)?,
-        Kind::Body => body::check(reader, comparison)?,
-        Kind::KappaSweep => {}
-    }
-    let rerun = Rerun { reader, kind, config: &config, session };
-    match kind {
-        // The fields below a surface have no certificate but that they can be computed again.
-        Kind::Body => rerun.compare(comparison, body::again),
-        Kind::Contact if args.rerun => rerun.compare(comparison, contact::again),
-        Kind::Path if args.rerun => rerun.compare(comparison, path::again),
-        Kind::Slide if args.rerun => rerun.compare(comparison, slide::again),
-        Kind::Wear if args.rerun => rerun.compare(comparison, wear::again),
-        Kind::Punch if args.rerun => rerun.compare(comparison, punch::again),
-        _ => Ok(()),
-    }
+    let Some(Check { read, check, again }) = of(kind) else {
+        return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
+    };
+    let config = read(kind, &text)?;
+    let checking = Checking { reader, kind, config: &config, session };
+    check(checking, comparison)?;
+    // The fields below a surface have no certificate but that they can be computed again.
+    if args.rerun || kind == Kind::Body { again(checking, comparison) } else { Ok(()) }
+}
+
+/// The check of the results of a kind; `None` of sweeps, whose configuration is no flags.
+pub(crate) fn of(kind: Kind) -> Option<Check> {
+    Some(match kind {
+        Kind::Contact => Check::of::<contact::Args>(),
+        Kind::Path => Check::of::<path::Args>(),
+        Kind::Slide => Check::of::<slide::Args>(),
+        Kind::Wear => Check::of::<wear::Args>(),
+        Kind::Punch => Check::of::<punch::Args>(),
+        Kind::Body => Check::of::<body::Args>(),
+        Kind::KappaSweep => return None,
+    })
 }
 
 /// The input file that a result names in an attribute, if any.

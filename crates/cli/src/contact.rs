@@ -47,7 +47,6 @@ use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
-pub(crate) use check::{again, check};
 use conductance::Conducting;
 pub use report::Report;
 use report::{Accurate, GridUsed};

@@ -19,6 +19,7 @@
 
 pub mod body;
 pub mod check;
+mod checking;
 pub mod completions;
 pub mod contact;
 mod course;

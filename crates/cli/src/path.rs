@@ -32,7 +32,6 @@ use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
-pub(crate) use self::check::{again, check};
 pub use self::report::{Report, Sliding};
 
 /// The default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.

@@ -38,7 +38,6 @@ mod report;
 use comparison::Reference;
 use report::scalars;
 
-pub(crate) use check::{again, check};
 pub use comparison::Comparison;
 pub use refinement::Refinement;
 pub use report::Report;

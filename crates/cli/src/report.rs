@@ -10,11 +10,12 @@ use gfmd_files::legible::line;
 use gfmd_files::{Output, Reader, SCHEMA_VERSION};
 use serde::Serialize;
 
+use crate::check;
+use crate::checking::Check;
 use crate::session::list_files;
-use crate::{body, contact, path, punch, slide, wear};
 use gfmd_report::{Page, quoted};
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{Configuration, Kind};
+use gfmd_run::result::Kind;
 use gfmd_run::session::Session;
 
 /// Flags of `report`.
@@ -116,15 +117,10 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 /// The command that repeats the run of a result; none if its configuration is one that `check` refuses.
 fn again(kind: Kind, reader: &Reader) -> Option<String> {
     let text = reader.text("/", "config").unwrap_or_default();
-    let config = match kind {
-        Kind::Contact => Configuration::read::<contact::Args>(kind, &text),
-        Kind::Path => Configuration::read::<path::Args>(kind, &text),
-        Kind::KappaSweep => return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into()),
-        Kind::Slide => Configuration::read::<slide::Args>(kind, &text),
-        Kind::Wear => Configuration::read::<wear::Args>(kind, &text),
-        Kind::Punch => Configuration::read::<punch::Args>(kind, &text),
-        Kind::Body => Configuration::read::<body::Args>(kind, &text),
+    let Some(Check { read, .. }) = check::of(kind) else {
+        return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into());
     };
+    let config = read(kind, &text);
     let words: Vec<String> = config.ok()?.words().iter().map(|word| quoted(word)).collect();
     Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
 }

@@ -33,7 +33,6 @@ use crate::contact::ControlArgs;
 use crate::progress::Progress;
 use crate::search::SearchArgs;
 
-pub(crate) use self::check::{again, check};
 use self::file::{StatesFile, fields};
 pub use self::heat::Heat;
 use self::heat::{HeatArgs, Source};

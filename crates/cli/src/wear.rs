@@ -25,7 +25,6 @@ use serde::{Deserialize, Serialize};
 use crate::course::{Course, Followed, LoadArgs, Way, counted, legs, lengths};
 use crate::search::SearchArgs;
 
-pub(crate) use self::check::{again, check};
 pub use self::report::Report;
 
 /// Flags of `wear`.

@@ -1,74 +1,76 @@
 //! The check of a file of fields below a surface.
 
-use std::path::Path;
-
-use gfmd_files::Reader;
+use std::path::{Path, PathBuf};
 
 use super::Args;
 use super::quantity::{TENSOR, TENSOR_OF_A_LINE};
+use crate::checking::{Checked, Checking};
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{Comparison, Configuration, printable};
+use gfmd_run::result::{Comparison, printable};
 use gfmd_run::session::Session;
 use gfmd_run::source::file_of;
 
-/// Compares the mean of σ_xz, σ_yz, σ_zz on every plane of a file with the mean traction on the surface.
-///
-/// # Errors
-/// A file that cannot be read.
-pub(crate) fn check(reader: &Reader, comparison: &mut Comparison) -> Result<(), Failure> {
-    const MEAN: &str = "/fields/mean_traction";
-    const STRESS: &str = "/fields/stress";
-    // An older file has no mean traction; a row of points has another mean than its plane.
-    if !reader.contains(MEAN) || !reader.contains(STRESS) || reader.text("/fields", "slice").is_ok() {
-        return Ok(());
-    }
-    let wanted: Vec<f64> = reader.values(MEAN)?;
-    let shape = reader.shape(STRESS)?;
-    let (planes, components) = (shape.first().copied().unwrap_or(0), shape.last().copied().unwrap_or(0));
-    let columns: Vec<&str> = match components {
-        4 => TENSOR_OF_A_LINE.map(|component| TENSOR[component]).to_vec(),
-        _ => TENSOR.to_vec(),
-    };
-    let names: &[&str] = if components == 4 { &["xz", "zz"] } else { &["xz", "yz", "zz"] };
-    for plane in 0..planes {
-        let stress: Vec<f64> = reader.slab(STRESS, plane)?;
-        let scale = stress.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let mean = |name: &&str| {
-            let column = columns.iter().position(|column| column == name).unwrap_or(0);
-            let values = stress.iter().skip(column).step_by(components.max(1));
-            values.sum::<f64>() / (stress.len() / components.max(1)) as f64
+impl Checked for Args {
+    /// Compares the mean of σ_xz, σ_yz, σ_zz on every plane of a file with the mean traction on the surface.
+    fn check(Checking { reader, .. }: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
+        const MEAN: &str = "/fields/mean_traction";
+        const STRESS: &str = "/fields/stress";
+        // An older file has no mean traction; a row of points has another mean than its plane.
+        if !reader.contains(MEAN) || !reader.contains(STRESS) || reader.text("/fields", "slice").is_ok() {
+            return Ok(());
+        }
+        let wanted: Vec<f64> = reader.values(MEAN)?;
+        let shape = reader.shape(STRESS)?;
+        let (planes, components) = (shape.first().copied().unwrap_or(0), shape.last().copied().unwrap_or(0));
+        let columns: Vec<&str> = match components {
+            4 => TENSOR_OF_A_LINE.map(|component| TENSOR[component]).to_vec(),
+            _ => TENSOR.to_vec(),
         };
-        comparison.values("/fields/stress (mean)", &names.iter().map(mean).collect::<Vec<f64>>(), &wanted, scale);
+        let names: &[&str] = if components == 4 { &["xz", "zz"] } else { &["xz", "yz", "zz"] };
+        for plane in 0..planes {
+            let stress: Vec<f64> = reader.slab(STRESS, plane)?;
+            let scale = stress.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let mean = |name: &&str| {
+                let column = columns.iter().position(|column| column == name).unwrap_or(0);
+                let values = stress.iter().skip(column).step_by(components.max(1));
+                values.sum::<f64>() / (stress.len() / components.max(1)) as f64
+            };
+            comparison.values("/fields/stress (mean)", &names.iter().map(mean).collect::<Vec<f64>>(), &wanted, scale);
+        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Computes the fields of a file again, with the output `out`, if the displacement of the surface is at hand.
-pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let mut named = toml::Table::new();
-    // Waves have no file.
-    if let Some(surface) = config.file() {
-        // The words of an array and of a contact of a caller, which have no checksum.
-        if matches!(surface, "array" | "contact") && reader.text("/input", "file").is_err() {
-            let text = "the input was in memory, so that the fields cannot be computed again";
-            session.warn("input-missing", text);
-            return Ok(false);
+    /// The problem of a file, if the displacement of the surface is at hand.
+    fn repeated(Checking { reader, config, session, .. }: Checking) -> Result<Option<Self>, Failure> {
+        let mut named = toml::Table::new();
+        // Waves have no file.
+        if let Some(surface) = config.file() {
+            // The words of an array and of a contact of a caller, which have no checksum.
+            if matches!(surface, "array" | "contact") && reader.text("/input", "file").is_err() {
+                let text = "the input was in memory, so that the fields cannot be computed again";
+                session.warn("input-missing", text);
+                return Ok(None);
+            }
+            let (file, input) = (file_of(surface), reader.text("/input", "file")?);
+            // Only the input that has a checksum is opened, as the regular file that it was.
+            if file != input {
+                let text = format!("surface is {file:?}; it must be the input {input:?} of the file");
+                return Err(Failure::input("config of the file", text));
+            }
+            if !Path::new(file).exists() {
+                let text = format!(
+                    "the input {} is not there, so that the fields cannot be computed again",
+                    printable(&input)
+                );
+                session.warn("input-missing", text);
+                return Ok(None);
+            }
+            named.insert("surface".into(), surface.into());
         }
-        let (file, input) = (file_of(surface), reader.text("/input", "file")?);
-        // Only the input that has a checksum is opened, as the regular file that it was.
-        if file != input {
-            let text = format!("surface is {file:?}; it must be the input {input:?} of the file");
-            return Err(Failure::input("config of the file", text));
-        }
-        if !Path::new(file).exists() {
-            let text =
-                format!("the input {} is not there, so that the fields cannot be computed again", printable(&input));
-            session.warn("input-missing", text);
-            return Ok(false);
-        }
-        named.insert("surface".into(), surface.into());
+        config.problem(&[], named).map(Some)
     }
-    let args: Args = config.problem(&[], named)?;
-    super::run(&Args { out: Some(out.into()), ..args }, session)?;
-    Ok(true)
+
+    fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
+        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+    }
 }

@@ -1,73 +1,69 @@
 //! The check of the file of a contact.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use gfmd_contact::{Fields as _, Load};
-use gfmd_files::Reader;
 use gfmd_law::Kind;
 use gfmd_record::{At, NOT_SOLVED, Record, Statistics, repulsion};
 use ndarray::{Array2, ArrayView2};
 
 use super::statistics::Findings;
 use super::{Args, Loads, stiffness};
+use crate::checking::{Checked, Checking};
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{
-    Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
-    stored_problem,
-};
-use gfmd_run::series::{Prepared, StateFile, Stored};
+use gfmd_run::result::Comparison;
+use gfmd_run::series::{Prepared, Stored};
 use gfmd_run::session::Session;
 use gfmd_run::statistics;
 
-/// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
-pub(crate) fn check(
-    reader: &Reader,
-    config: &Configuration,
-    comparison: &mut Comparison,
-    session: &Session,
-) -> Result<(), Failure> {
-    compare_heights(reader, comparison)?;
-    let args: Args = stored_problem(reader, config)?;
-    regenerated(reader, config, args.problem.boundary, comparison, session)?;
-    let mut loads = Loads::new(&args, session)?;
-    loads.prepared.take_units(reader);
-    let Prepared { facts, surface, base, lower, .. } = &loads.prepared;
-    let others = [(args.problem.law.law != Kind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
-    let others = others.into_iter().filter_map(|(needed, field)| needed.then_some(field));
-    let mut needed = ["/fields/pressure"].into_iter().chain(others);
-    if let (Some(missing), true) = (needed.find(|needed| !reader.contains(needed)), args.fields.is_some()) {
-        session.warn(
-            "fields-missing",
-            format!("the file has no {missing}, from which loads are recomputed; --rerun solves them"),
-        );
-        return Ok(());
-    }
-    if let Some(base) = base {
-        let lift: Vec<f64> = base.lift.iter().copied().collect();
-        comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
-    }
-    if let Some(lower) = lower
-        && let Ok(stated) = reader.text("/lower", "height_sha256")
-        && lower.checksum() != stated
-    {
-        comparison.differ("/lower/height", "its checksum does not hold".into());
-    }
-    let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
-    let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.tol)?;
-    let (count, asked) = (stored.count(), loads.drives.len());
-    if count != asked {
-        comparison.differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {asked}"));
-    }
-    let (records, measured) = compare(&stored, (&args, &loads), comparison)?;
-    layout(ResultKind::Contact, reader, comparison, |output| {
-        let (chosen, provenance) = (args.fields.clone().unwrap_or_default(), session.provenance(String::new()));
-        let mut file = StateFile::of(Some(output), &provenance, &loads.prepared, asked, (chosen, session))?;
-        if let (true, Some(archive)) = (facts.statistics, file.archive()) {
-            statistics::write(archive, &surface.grid, &surface.units(), &measured)?;
+impl Checked for Args {
+    /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
+    fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Checking { reader, session, .. } = checking;
+        let args: Self = checking.problem(|args: &Self| args.problem.boundary, comparison)?;
+        let mut loads = Loads::new(&args, session)?;
+        loads.prepared.take_units(reader);
+        let Prepared { facts, surface, base, lower, .. } = &loads.prepared;
+        let others =
+            [(args.problem.law.law != Kind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
+        let others = others.into_iter().filter_map(|(needed, field)| needed.then_some(field));
+        let mut needed = ["/fields/pressure"].into_iter().chain(others);
+        if let (Some(missing), true) = (needed.find(|needed| !reader.contains(needed)), args.fields.is_some()) {
+            session.warn(
+                "fields-missing",
+                format!("the file has no {missing}, from which loads are recomputed; --rerun solves them"),
+            );
+            return Ok(());
         }
-        let path = file.finish(&records, asked, None)?;
-        path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
-    })
+        if let Some(base) = base {
+            let lift: Vec<f64> = base.lift.iter().copied().collect();
+            comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
+        }
+        if let Some(lower) = lower
+            && let Ok(stated) = reader.text("/lower", "height_sha256")
+            && lower.checksum() != stated
+        {
+            comparison.differ("/lower/height", "its checksum does not hold".into());
+        }
+        let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
+        let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.tol)?;
+        let (count, asked) = (stored.count(), loads.drives.len());
+        if count != asked {
+            comparison.differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {asked}"));
+        }
+        let (records, measured) = compare(&stored, (&args, &loads), comparison)?;
+        let states = (&loads.prepared, asked, args.fields.clone().unwrap_or_default());
+        checking.layout_of_states(states, comparison, |mut file| {
+            if let (true, Some(archive)) = (facts.statistics, file.archive()) {
+                statistics::write(archive, &surface.grid, &surface.units(), &measured)?;
+            }
+            file.finish(&records, asked, None)
+        })
+    }
+
+    fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
+        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+    }
 }
 
 /// Compares all loads with the states that the contact makes of their fields, and then the statistics. Returns the records and the
@@ -111,11 +107,4 @@ fn compare(
     }
     statistics::compare(reader, &measured, comparison)?;
     Ok((records, measured))
-}
-
-/// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = repeated_problem(reader, config)?;
-    super::run(&Args { out: Some(out.into()), ..args }, session)?;
-    Ok(true)
 }

@@ -1,73 +1,68 @@
 //! The check of the file of a path.
 
 use gfmd_contact::Boundary;
-use gfmd_files::Reader;
 use gfmd_law::Limit;
 use gfmd_problem::Rest;
 use gfmd_record::At;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
-use std::path::Path;
+use std::path::PathBuf;
 
 use super::{Args, memory};
+use crate::checking::{Checked, Checking};
 use crate::course::leak;
 use gfmd_run::failure::Failure;
 use gfmd_run::flow::through;
-use gfmd_run::result::{
-    Comparison, Configuration, Kind as ResultKind, compare_heights, layout, regenerated, repeated_problem,
-    stored_problem,
-};
-use gfmd_run::series::{Chosen, Prepared, StateFile, Stored};
+use gfmd_run::result::Comparison;
+use gfmd_run::series::{Chosen, Prepared, Stored};
 use gfmd_run::session::Session;
 
-/// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
-pub(crate) fn check(
-    reader: &Reader,
-    config: &Configuration,
-    comparison: &mut Comparison,
-    session: &Session,
-) -> Result<(), Failure> {
-    compare_heights(reader, comparison)?;
-    let args: Args = stored_problem(reader, config)?;
-    regenerated(reader, config, args.boundary, comparison, session)?;
-    let mut way = super::course(&args, session)?;
-    way.prepared.take_units(reader);
-    let prepared = &way.prepared;
-    layout(ResultKind::Path, reader, comparison, |output| {
-        let (waypoints, provenance) = (way.places.count(way.drives.len()), session.provenance(args.config()?));
-        let mut file = StateFile::of(Some(output), &provenance, prepared, waypoints, (Chosen::All, session))?;
-        memory::lay_out(&mut file, prepared)?;
-        let path = file.finish(&[], way.drives.len(), None)?;
-        path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
-    })?;
-    let contact = prepared.pose(&args.source, &prepared.law)?;
-    let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
-    let check = StepCheck { args: &args, stored: &stored };
-    for (index, drive) in way.drives.iter().enumerate() {
-        if !stored.compare_step(index, *drive, comparison) {
-            continue;
+impl Checked for Args {
+    /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
+    fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Checking { reader, session, .. } = checking;
+        let args: Self = checking.problem(|args: &Self| args.boundary, comparison)?;
+        let mut way = super::course(&args, session)?;
+        way.prepared.take_units(reader);
+        let prepared = &way.prepared;
+        let waypoints = way.places.count(way.drives.len());
+        checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |mut file| {
+            memory::lay_out(&mut file, prepared)?;
+            file.finish(&[], way.drives.len(), None)
+        })?;
+        let contact = prepared.pose(&args.source, &prepared.law)?;
+        let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
+        let check = StepCheck { args: &args, stored: &stored };
+        for (index, drive) in way.drives.iter().enumerate() {
+            if !stored.compare_step(index, *drive, comparison) {
+                continue;
+            }
+            check.columns(index, comparison);
+            let number = |name: &str| stored.number(name, index);
+            comparison.number("/path/lateral_x", number("lateral_x"), drive.lateral[0], 0.0);
+            comparison.number("/path/lateral_y", number("lateral_y"), drive.lateral[1], 0.0);
+            if prepared.prony.is_some() {
+                comparison.number("/path/time", number("time"), drive.time, 0.0);
+            }
+            let Some(waypoint) = way.places.of(index) else { continue };
+            if prepared.prony.is_some() || prepared.facts.moves_sideways() {
+                check.flow(waypoint, index, comparison)?;
+            }
+            if prepared.prony.is_some() {
+                check.relaxing((waypoint, index), index + 1 == way.drives.len(), comparison)?;
+            } else if prepared.facts.moves_sideways() {
+                check.tractions(waypoint, index, comparison)?;
+            } else {
+                let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+                stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
+            }
         }
-        check.columns(index, comparison);
-        let number = |name: &str| stored.number(name, index);
-        comparison.number("/path/lateral_x", number("lateral_x"), drive.lateral[0], 0.0);
-        comparison.number("/path/lateral_y", number("lateral_y"), drive.lateral[1], 0.0);
-        if prepared.prony.is_some() {
-            comparison.number("/path/time", number("time"), drive.time, 0.0);
-        }
-        let Some(waypoint) = way.places.of(index) else { continue };
-        if prepared.prony.is_some() || prepared.facts.moves_sideways() {
-            check.flow(waypoint, index, comparison)?;
-        }
-        if prepared.prony.is_some() {
-            check.relaxing((waypoint, index), index + 1 == way.drives.len(), comparison)?;
-        } else if prepared.facts.moves_sideways() {
-            check.tractions(waypoint, index, comparison)?;
-        } else {
-            let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
-            stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
-        }
+        Ok(())
     }
-    Ok(())
+
+    fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
+        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+    }
 }
 
 /// The least stress by which tractions of a law are compared, over E* times the rms gradient.
@@ -334,11 +329,4 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 
 fn flat(field: &Array2<f64>) -> Vec<f64> {
     field.iter().copied().collect()
-}
-
-/// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = repeated_problem(reader, config)?;
-    super::run(&Args { out: Some(out.into()), ..args }, session)?;
-    Ok(true)
 }

@@ -1,67 +1,66 @@
 //! The check of the file of a punch.
 
-use std::path::Path;
+use std::path::PathBuf;
 
-use gfmd_files::Reader;
 use gfmd_mixed::MixedError;
 use ndarray::Array3;
 
 use super::report::scalars;
 use super::{Args, Prepared, by_point};
+use crate::checking::{Checked, Checking};
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{Comparison, Configuration, Kind, layout};
+use gfmd_run::result::Comparison;
 use gfmd_run::session::Session;
 
 /// The scalars that the traction does not determine.
 const OF_THE_SOLVE: [&str; 3] = ["iterations", "transform_pairs", "seconds"];
 
-/// Recomputes displacement, residual and scalars from the stored traction.
-pub(crate) fn check(
-    reader: &Reader,
-    config: &Configuration,
-    comparison: &mut Comparison,
-    session: &Session,
-) -> Result<(), Failure> {
-    // The file holds the coarsest grid.
-    let args: Args = problem(reader, config, &["refine".into()])?;
-    let prepared = Prepared::new(&args, session)?;
-    let grid = &prepared.grids[0];
-    let problem = prepared.problem(&args, grid)?;
-    let [nx, ny] = grid.points();
-    let values: Vec<f64> = reader.values("/fields/traction")?;
-    let components = values.len() / grid.len();
-    let traction = Array3::from_shape_vec((nx, ny, components), values);
-    let traction = traction.map_err(|error| Failure::input("/fields/traction", error))?.permuted_axes([2, 0, 1]);
-    let refuse = |error: MixedError| Failure::input("/fields/traction", error);
-    let solution = problem.certify(&traction.as_standard_layout().into_owned()).map_err(refuse)?;
-    let displacement: Vec<f64> = reader.values("/fields/displacement")?;
-    comparison.values("/fields/displacement", &displacement, &by_point(&solution.displacement), 0.0);
-    let points = prepared.points(grid);
-    let under: Vec<f64> = points.iter().map(|under| f64::from(u8::from(*under))).collect();
-    comparison.values("/fields/under_punch", &reader.values::<f64>("/fields/under_punch")?, &under, 0.0);
-    let report = prepared.measure(&args, grid, &points, &solution, f64::NAN);
-    for (name, _, _, value) in scalars(&report).iter().filter(|(name, ..)| !OF_THE_SOLVE.contains(name)) {
-        let path = format!("/punch/{name}");
-        let stored = reader.values::<f64>(&path)?.first().copied().unwrap_or(f64::NAN);
-        let floor = if *name == "residual" { 1e-3 } else { 0.0 };
-        comparison.number(&path, stored, *value, floor);
-        if *name == "converged" && stored == 1.0 {
-            comparison.at_most("residual", report.residual, args.tol);
+impl Checked for Args {
+    /// Recomputes displacement, residual and scalars from the stored traction.
+    fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Checking { reader, session, .. } = checking;
+        // The file holds the coarsest grid.
+        let args = problem(checking, &["refine".into()])?;
+        let prepared = Prepared::new(&args, session)?;
+        let grid = &prepared.grids[0];
+        let problem = prepared.problem(&args, grid)?;
+        let [nx, ny] = grid.points();
+        let values: Vec<f64> = reader.values("/fields/traction")?;
+        let components = values.len() / grid.len();
+        let traction = Array3::from_shape_vec((nx, ny, components), values);
+        let traction = traction.map_err(|error| Failure::input("/fields/traction", error))?.permuted_axes([2, 0, 1]);
+        let refuse = |error: MixedError| Failure::input("/fields/traction", error);
+        let solution = problem.certify(&traction.as_standard_layout().into_owned()).map_err(refuse)?;
+        let displacement: Vec<f64> = reader.values("/fields/displacement")?;
+        comparison.values("/fields/displacement", &displacement, &by_point(&solution.displacement), 0.0);
+        let points = prepared.points(grid);
+        let under: Vec<f64> = points.iter().map(|under| f64::from(u8::from(*under))).collect();
+        comparison.values("/fields/under_punch", &reader.values::<f64>("/fields/under_punch")?, &under, 0.0);
+        let report = prepared.measure(&args, grid, &points, &solution, f64::NAN);
+        for (name, _, _, value) in scalars(&report).iter().filter(|(name, ..)| !OF_THE_SOLVE.contains(name)) {
+            let path = format!("/punch/{name}");
+            let stored = reader.values::<f64>(&path)?.first().copied().unwrap_or(f64::NAN);
+            let floor = if *name == "residual" { 1e-3 } else { 0.0 };
+            comparison.number(&path, stored, *value, floor);
+            if *name == "converged" && stored == 1.0 {
+                comparison.at_most("residual", report.residual, args.tol);
+            }
         }
+        checking.layout(comparison, |output| prepared.write(output, &args, session, &report, &solution))
     }
-    layout(Kind::Punch, reader, comparison, |output| prepared.write(output, &args, session, &report, &solution))
-}
 
-/// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = problem(reader, config, &[])?;
-    super::run(&Args { out: Some(out.into()), ..args }, session)?;
-    Ok(true)
+    fn repeated(checking: Checking) -> Result<Option<Self>, Failure> {
+        problem(checking, &[]).map(Some)
+    }
+
+    fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
+        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+    }
 }
 
 /// The problem without some keys. The points under the punch and the traction beside it are taken from the file, where they stand
 /// as they were used.
-fn problem(reader: &Reader, config: &Configuration, except: &[String]) -> Result<Args, Failure> {
+fn problem(Checking { reader, config, .. }: Checking, except: &[String]) -> Result<Args, Failure> {
     let stored = [("mask", "/fields/under_punch"), ("traction", "/fields/traction")];
     let named = stored.into_iter().filter(|(key, _)| config.has(key));
     let named = named.map(|(key, path)| (key.into(), format!("{}:{path}", reader.path().display()).into()));

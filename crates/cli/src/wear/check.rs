@@ -1,75 +1,64 @@
 //! The check of the file of wear.
 
-use std::path::Path;
+use std::path::PathBuf;
 
-use gfmd_files::Reader;
 use gfmd_problem::Rest;
 use gfmd_record::At;
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{
-    Comparison, Configuration, Kind, compare_heights, layout, regenerated, repeated_problem, stored_problem,
-};
-use gfmd_run::series::{Chosen, StateFile, Stored};
+use gfmd_run::result::Comparison;
+use gfmd_run::series::{Chosen, Stored};
 use gfmd_run::session::Session;
 
 use super::Args;
+use crate::checking::{Checked, Checking};
 use crate::course::leak;
 
-/// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the
-/// balance of work and energy.
-pub(crate) fn check(
-    reader: &Reader,
-    config: &Configuration,
-    comparison: &mut Comparison,
-    session: &Session,
-) -> Result<(), Failure> {
-    compare_heights(reader, comparison)?;
-    let args: Args = stored_problem(reader, config)?;
-    regenerated(reader, config, args.boundary, comparison, session)?;
-    let coefficient = args.coefficient()?;
-    let mut course = super::course(&args, session)?;
-    course.prepared.take_units(reader);
-    let prepared = &course.prepared;
-    layout(Kind::Wear, reader, comparison, |output| {
-        let (waypoints, provenance) = (course.places.count(course.drives.len()), session.provenance(args.config()?));
-        let file = StateFile::of(Some(output), &provenance, prepared, waypoints, (Chosen::All, session))?;
-        let path = file.finish(&[], course.drives.len(), None)?;
-        path.ok_or_else(|| Failure::Computation("the layout was not written".into()))
-    })?;
-    let contact = prepared.pose(&args.source, &prepared.law)?;
-    let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
-    let (mut volume, mut before) = (0.0, [0.0; 4]);
-    for (index, drive) in course.drives.iter().enumerate() {
-        let number = |name: &str| stored.number(name, index);
-        if !stored.compare_step(index, *drive, comparison) {
-            continue;
+impl Checked for Args {
+    /// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the
+    /// balance of work and energy.
+    fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Checking { reader, session, .. } = checking;
+        let args: Self = checking.problem(|args: &Self| args.boundary, comparison)?;
+        let coefficient = args.coefficient()?;
+        let mut course = super::course(&args, session)?;
+        course.prepared.take_units(reader);
+        let prepared = &course.prepared;
+        let waypoints = course.places.count(course.drives.len());
+        checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |file| {
+            file.finish(&[], course.drives.len(), None)
+        })?;
+        let contact = prepared.pose(&args.source, &prepared.law)?;
+        let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
+        let (mut volume, mut before) = (0.0, [0.0; 4]);
+        for (index, drive) in course.drives.iter().enumerate() {
+            let number = |name: &str| stored.number(name, index);
+            if !stored.compare_step(index, *drive, comparison) {
+                continue;
+            }
+            let [pressure, approach, energy] = ["mean_pressure", "displacement", "elastic_energy"].map(number);
+            comparison.number("/wear/distance", number("distance"), drive.distance, 0.0);
+            let [pressure_before, approach_before, energy_before, distance_before] = before;
+            let moved = drive.distance - distance_before;
+            volume += coefficient * pressure * moved;
+            comparison.number("/wear/wear_volume", number("wear_volume"), volume, 0.0);
+            let lost = number("dissipated");
+            let work = 0.5 * (pressure + pressure_before) * (approach - approach_before);
+            let missing = if moved == 0.0 { 0.0 } else { (work - (energy - energy_before) - lost).abs() };
+            let scale = (pressure * approach).abs().max(pressure_before * approach_before).max(energy).max(lost);
+            comparison.number("/wear/dissipated_error", number("dissipated_error"), missing, scale);
+            before = [pressure, approach, energy, drive.distance];
+            let Some(waypoint) = course.places.of(index) else { continue };
+            let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+            if stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?.is_some() {
+                let field = stored.field("pressure", waypoint)?;
+                let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
+                comparison.number("/wear/dissipated", lost, coefficient * moved * squares, 0.0);
+            }
         }
-        let [pressure, approach, energy] = ["mean_pressure", "displacement", "elastic_energy"].map(number);
-        comparison.number("/wear/distance", number("distance"), drive.distance, 0.0);
-        let [pressure_before, approach_before, energy_before, distance_before] = before;
-        let moved = drive.distance - distance_before;
-        volume += coefficient * pressure * moved;
-        comparison.number("/wear/wear_volume", number("wear_volume"), volume, 0.0);
-        let lost = number("dissipated");
-        let work = 0.5 * (pressure + pressure_before) * (approach - approach_before);
-        let missing = if moved == 0.0 { 0.0 } else { (work - (energy - energy_before) - lost).abs() };
-        let scale = (pressure * approach).abs().max(pressure_before * approach_before).max(energy).max(lost);
-        comparison.number("/wear/dissipated_error", number("dissipated_error"), missing, scale);
-        before = [pressure, approach, energy, drive.distance];
-        let Some(waypoint) = course.places.of(index) else { continue };
-        let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
-        if stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?.is_some() {
-            let field = stored.field("pressure", waypoint)?;
-            let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
-            comparison.number("/wear/dissipated", lost, coefficient * moved * squares, 0.0);
-        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Runs the configuration of a file again, with the output `out`.
-pub(crate) fn again(reader: &Reader, config: &Configuration, out: &Path, session: &Session) -> Result<bool, Failure> {
-    let args: Args = repeated_problem(reader, config)?;
-    super::run(&Args { out: Some(out.into()), ..args }, session)?;
-    Ok(true)
+    fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
+        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+    }
 }
