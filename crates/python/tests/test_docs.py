@@ -9,7 +9,7 @@ from pathlib import Path
 import gfmd
 import numpy as np
 import pytest
-from gfmd._columns import LowerFace, Patches, Steps, WearSteps
+from gfmd._columns import LowerFace, Patches, Steps
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -116,8 +116,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
                         gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1), steep, squeezed]),
         (gfmd.Path, [words["loop"], rubbed, indented]),
-        (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking)]),
-        (WearSteps, [worn.steps]),
+        (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn)]),
         (LowerFace, [squeezed.lower]),
         (Patches, [words["c"].patches]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),

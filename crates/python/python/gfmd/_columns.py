@@ -638,6 +638,11 @@ class Steps(Record):
         return self._value("time")
 
     @property
+    def distance(self) -> Array:
+        """Length [step]: sliding distance since first touch. With `coefficient` only."""
+        return self._value("distance")
+
+    @property
     def lateral(self) -> Array:
         """Length [step, 2]: lateral displacement of the rigid surface."""
         return self._value("lateral")
@@ -666,8 +671,22 @@ class Steps(Record):
 
     @property
     def max_pressure(self) -> Array:
-        """Stress [step]: largest pressure. With `law`: largest repulsive pressure. With `prony` only."""
+        """Stress [step]: largest pressure. With `law`: largest repulsive pressure. With `prony` or `coefficient`
+        only.
+        """
         return self._value("max_pressure")
+
+    @property
+    def wear_volume(self) -> Array:
+        """Length [step]: mean over the whole surface of the depth lost so far, the volume over the area. With
+        `coefficient` only.
+        """
+        return self._value("wear_volume")
+
+    @property
+    def max_wear(self) -> Array:
+        """Length [step]: largest depth lost so far. With `coefficient` only."""
+        return self._value("max_wear")
 
     @property
     def elastic_energy(self) -> Array:
@@ -683,19 +702,20 @@ class Steps(Record):
 
     @property
     def dissipated(self) -> Array:
-        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With `prony`:
-        energy lost in the dashpots in this step, per area. With `law` and `prony`: energy lost in the dashpots and
-        in jumps in this step, per area; in the first one without jumps.
+        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With `prony` or
+        `coefficient`: work of the pressure on the depth lost in this step, per area, without the work of friction.
+        With `prony`: energy lost in the dashpots in this step, per area. With `law` and `prony`: energy lost in the
+        dashpots and in jumps in this step, per area; in the first one without jumps.
         """
         return self._value("dissipated")
 
     @property
     def dissipated_error(self) -> Array:
         """Stress * length [step]: estimated error of dissipated; NaN if dissipated does not depend on the division
-        of the step, or is unknown. With `prony`: work of the rigid surface by the trapezoidal rule less the energies
-        gained and lost, in magnitude. With `law` and `prony`: work of the rigid surface by the trapezoidal rule less
-        the energies gained and lost, in magnitude; in a step with a jump the largest error of that rule; 0 in the
-        first step.
+        of the step, or is unknown. With `prony` or `coefficient`: work of the rigid surface by the trapezoidal rule
+        less the energies gained and lost, in magnitude. With `law` and `prony`: work of the rigid surface by the
+        trapezoidal rule less the energies gained and lost, in magnitude; in a step with a jump the largest error of
+        that rule; 0 in the first step.
         """
         return self._value("dissipated_error")
 
@@ -1071,342 +1091,6 @@ class StepFields(Record):
     def shear_y(self) -> Array:
         """Stress [waypoint, x, y]: shear traction on the elastic surface along y. In some problems only. Read-only."""
         return self._value("shear_y")
-
-
-class WearSteps(Record):
-    """The numbers of the steps of wear."""
-
-    @property
-    def mean_pressure(self) -> Array:
-        """Stress [step]: mean pressure over the whole surface; negative if it is pulled."""
-        return self._value("mean_pressure")
-
-    @property
-    def p_star(self) -> Array:
-        """Without unit [step]: reduced pressure p/(E* g)."""
-        return self._value("p_star")
-
-    @property
-    def displacement(self) -> Array:
-        """Length [step]: rigid approach beyond first touch."""
-        return self._value("displacement")
-
-    @property
-    def distance(self) -> Array:
-        """Length [step]: sliding distance since first touch."""
-        return self._value("distance")
-
-    @property
-    def lateral(self) -> Array:
-        """Length [step, 2]: lateral displacement of the rigid surface."""
-        return self._value("lateral")
-
-    @property
-    def mean_shear(self) -> Array:
-        """Stress [step, 2]: mean shear traction on the elastic surface."""
-        return self._value("mean_shear")
-
-    @property
-    def area_fraction(self) -> Array:
-        """Without unit [step]: points that are repelled over all points."""
-        return self._value("area_fraction")
-
-    @property
-    def stick_fraction(self) -> Array:
-        """Without unit [step]: points in contact whose shear is below its limit, over all points; NaN without
-        friction.
-        """
-        return self._value("stick_fraction")
-
-    @property
-    def mean_gap(self) -> Array:
-        """Length [step]: mean distance between the surfaces."""
-        return self._value("mean_gap")
-
-    @property
-    def max_pressure(self) -> Array:
-        """Stress [step]: largest pressure."""
-        return self._value("max_pressure")
-
-    @property
-    def wear_volume(self) -> Array:
-        """Length [step]: mean over the whole surface of the depth lost so far, the volume over the area."""
-        return self._value("wear_volume")
-
-    @property
-    def max_wear(self) -> Array:
-        """Length [step]: largest depth lost so far."""
-        return self._value("max_wear")
-
-    @property
-    def elastic_energy(self) -> Array:
-        """Stress * length [step]: elastic energy per area of the surface."""
-        return self._value("elastic_energy")
-
-    @property
-    def interface_energy(self) -> Array:
-        """Stress * length [step]: energy of the law per area of the surface; NaN if it has none."""
-        return self._value("interface_energy")
-
-    @property
-    def dissipated(self) -> Array:
-        """Stress * length [step]: work of the pressure on the depth lost in this step, per area, without the work of
-        friction.
-        """
-        return self._value("dissipated")
-
-    @property
-    def dissipated_error(self) -> Array:
-        """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
-        lost, in magnitude.
-        """
-        return self._value("dissipated_error")
-
-    @property
-    def passed_instability(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if more energy was lost in a jump of this step than its error; NaN if no energy tells."""
-        return self._value("passed_instability")
-
-    @property
-    def lowest_curvature(self) -> Array:
-        """Without unit [step]: lowest curvature met in the last search for a step, over the elastic curvature."""
-        return self._value("lowest_curvature")
-
-    @property
-    def extra_solves(self) -> npt.NDArray[Any]:
-        """Count [step]: further solves to find the energy lost in the step."""
-        return self._value("extra_solves")
-
-    @property
-    def iterations(self) -> npt.NDArray[Any]:
-        """Count [step]: steps of the solver, extra solves included."""
-        return self._value("iterations")
-
-    @property
-    def transform_pairs(self) -> Array:
-        """Without unit [step]: forward and inverse transforms of one component, in pairs, extra solves included."""
-        return self._value("transform_pairs")
-
-    @property
-    def converged(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if all residuals are at most the tolerance."""
-        return self._value("converged")
-
-    @property
-    def residual_complementarity(self) -> Array:
-        """Without unit [step]: sum(p gap) / (sum(p) h_rms), from the final fields."""
-        return self._value("residual_complementarity")
-
-    @property
-    def residual_penetration(self) -> Array:
-        """Without unit [step]: max(0, -min gap) / h_rms, from the final fields."""
-        return self._value("residual_penetration")
-
-    @property
-    def residual_negative_pressure(self) -> Array:
-        """Without unit [step]: max(0, -min p) / mean p, from the final fields."""
-        return self._value("residual_negative_pressure")
-
-    @property
-    def residual_load(self) -> Array:
-        """Without unit [step]: |mean p - asked| / asked, from the final fields."""
-        return self._value("residual_load")
-
-    @property
-    def seconds(self) -> Array:
-        """Seconds [step]: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without
-        finer grids.
-        """
-        return self._value("seconds")
-
-    @property
-    def flow_xx(self) -> Array:
-        """Without unit [step]: mean flux along x by a mean pressure gradient along x, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
-        """
-        return self._value("flow_xx")
-
-    @property
-    def flow_xy(self) -> Array:
-        """Without unit [step]: mean flux along x by a mean pressure gradient along y, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
-        """
-        return self._value("flow_xy")
-
-    @property
-    def flow_yx(self) -> Array:
-        """Without unit [step]: mean flux along y by a mean pressure gradient along x, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
-        """
-        return self._value("flow_yx")
-
-    @property
-    def flow_yy(self) -> Array:
-        """Without unit [step]: mean flux along y by a mean pressure gradient along y, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
-        """
-        return self._value("flow_yy")
-
-    @property
-    def flow_percolates_x(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if the gap lets a fluid through along x. With `flow` only."""
-        return self._value("flow_percolates_x")
-
-    @property
-    def flow_percolates_y(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if the gap lets a fluid through along y. With `flow` only."""
-        return self._value("flow_percolates_y")
-
-    @property
-    def flow_residual(self) -> Array:
-        """Without unit [step]: largest of what is missing in a cell and the deviations of sections and power, over
-        the mean flow. With `flow` only.
-        """
-        return self._value("flow_residual")
-
-    @property
-    def mean_pressure_limit(self) -> Array:
-        """Stress [step]: estimate of mean_pressure on an infinitely fine grid under the same load, or at the same
-        approach. With `approach` only.
-        """
-        return self._value("mean_pressure_limit")
-
-    @property
-    def mean_pressure_limit_error(self) -> Array:
-        """Stress [step]: 95 % of the errors of mean_pressure_limit are smaller. With `approach` only."""
-        return self._value("mean_pressure_limit_error")
-
-    @property
-    def mean_pressure_grid_error(self) -> Array:
-        """Stress [step]: error of mean_pressure by the finite grid: |mean_pressure - limit| + limit_error. With
-        `approach` only.
-        """
-        return self._value("mean_pressure_grid_error")
-
-    @property
-    def displacement_limit(self) -> Array:
-        """Length [step]: estimate of displacement on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
-        return self._value("displacement_limit")
-
-    @property
-    def displacement_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of displacement_limit are smaller."""
-        return self._value("displacement_limit_error")
-
-    @property
-    def displacement_grid_error(self) -> Array:
-        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error."""
-        return self._value("displacement_grid_error")
-
-    @property
-    def area_fraction_limit(self) -> Array:
-        """Without unit [step]: estimate of area_fraction on an infinitely fine grid under the same load, or at the
-        same approach.
-        """
-        return self._value("area_fraction_limit")
-
-    @property
-    def area_fraction_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of area_fraction_limit are smaller."""
-        return self._value("area_fraction_limit_error")
-
-    @property
-    def area_fraction_grid_error(self) -> Array:
-        """Without unit [step]: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error."""
-        return self._value("area_fraction_grid_error")
-
-    @property
-    def mean_gap_limit(self) -> Array:
-        """Length [step]: estimate of mean_gap on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
-        return self._value("mean_gap_limit")
-
-    @property
-    def mean_gap_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of mean_gap_limit are smaller."""
-        return self._value("mean_gap_limit_error")
-
-    @property
-    def mean_gap_grid_error(self) -> Array:
-        """Length [step]: error of mean_gap by the finite grid: |mean_gap - limit| + limit_error."""
-        return self._value("mean_gap_grid_error")
-
-    @property
-    def elastic_energy_limit(self) -> Array:
-        """Stress * length [step]: estimate of elastic_energy on an infinitely fine grid under the same load, or at
-        the same approach.
-        """
-        return self._value("elastic_energy_limit")
-
-    @property
-    def elastic_energy_limit_error(self) -> Array:
-        """Stress * length [step]: 95 % of the errors of elastic_energy_limit are smaller."""
-        return self._value("elastic_energy_limit_error")
-
-    @property
-    def elastic_energy_grid_error(self) -> Array:
-        """Stress * length [step]: error of elastic_energy by the finite grid: |elastic_energy - limit| +
-        limit_error.
-        """
-        return self._value("elastic_energy_grid_error")
-
-    @property
-    def dissipated_limit(self) -> Array:
-        """Stress * length [step]: estimate of dissipated on an infinitely fine grid under the same load, or at the
-        same approach.
-        """
-        return self._value("dissipated_limit")
-
-    @property
-    def dissipated_limit_error(self) -> Array:
-        """Stress * length [step]: 95 % of the errors of dissipated_limit are smaller."""
-        return self._value("dissipated_limit_error")
-
-    @property
-    def dissipated_grid_error(self) -> Array:
-        """Stress * length [step]: error of dissipated by the finite grid: |dissipated - limit| + limit_error."""
-        return self._value("dissipated_grid_error")
-
-    @property
-    def flow_xx_limit(self) -> Array:
-        """Without unit [step]: estimate of flow_xx on an infinitely fine grid under the same load, or at the same
-        approach. With `flow` only.
-        """
-        return self._value("flow_xx_limit")
-
-    @property
-    def flow_xx_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of flow_xx_limit are smaller. With `flow` only."""
-        return self._value("flow_xx_limit_error")
-
-    @property
-    def flow_xx_grid_error(self) -> Array:
-        """Without unit [step]: error of flow_xx by the finite grid: |flow_xx - limit| + limit_error. With `flow`
-        only.
-        """
-        return self._value("flow_xx_grid_error")
-
-    @property
-    def flow_yy_limit(self) -> Array:
-        """Without unit [step]: estimate of flow_yy on an infinitely fine grid under the same load, or at the same
-        approach. With `flow` only.
-        """
-        return self._value("flow_yy_limit")
-
-    @property
-    def flow_yy_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of flow_yy_limit are smaller. With `flow` only."""
-        return self._value("flow_yy_limit_error")
-
-    @property
-    def flow_yy_grid_error(self) -> Array:
-        """Without unit [step]: error of flow_yy by the finite grid: |flow_yy - limit| + limit_error. With `flow`
-        only.
-        """
-        return self._value("flow_yy_grid_error")
 
 
 class WearFields(Record):

@@ -125,8 +125,8 @@ def _flow(found: dict[str, Any]) -> dict[str, Any]:
     return {name: reduce(lambda part, key: part[int(key)], keys, found[first]) for name, (first, *keys) in there.items()}
 
 
-def gathered(values: dict[str, Any], kind: type[Record]) -> dict[str, Any]:
-    """The report of a path with the numbers of its steps as arrays, in a record of this kind."""
+def gathered(values: dict[str, Any]) -> dict[str, Any]:
+    """The report of a path with the numbers of its steps as arrays."""
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
     flows = [_flow(step.pop("flow", {})) for step in values["steps"]]
@@ -134,7 +134,7 @@ def gathered(values: dict[str, Any], kind: type[Record]) -> dict[str, Any]:
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     reported = {name: _command.records(value) for name, value in values.items()}
-    return {**reported, "steps": kind(columns), "undefined": undefined}
+    return {**reported, "steps": Steps(columns), "undefined": undefined}
 
 
 def path(
@@ -234,7 +234,7 @@ def path(
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made.description)
-    reported = gathered(values, Steps)
+    reported = gathered(values)
     if isinstance(bound, np.ndarray):
         reported["hardness"] = bound
     result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from . import _command
 from ._body import Body, as_body
 from ._check import Quantity, flag, integer, number, quantities, quantity, word
-from ._columns import WearFields, WearSteps
+from ._columns import Steps, WearFields
 from ._leak import Leaks
 from ._path import drive_keys, gathered
 from ._record import Record
@@ -39,7 +39,7 @@ class Wear(Leaks, Computed, WearFields):
         ((5,), (3, 32, 32))
     """
 
-    steps: WearSteps
+    steps: Steps
     coefficient: float
     dissipated: Optional[float]
     dissipated_error: Optional[float]
@@ -157,4 +157,4 @@ def wear(
         **_command.body_keys(elastic),
     )
     values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made.description)
-    return _command.ended(Wear({**gathered(values, WearSteps), "unit": made.unit, "surface": made, **fields}, file), failure)
+    return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)

@@ -241,6 +241,7 @@ fn the_classes_of_python_have_the_columns() {
         all.iter().copied().filter(|facts| facts.task == task && facts.wears == wears).collect()
     };
     let [loads, path, worn] = [of(Task::Loads, false), of(Task::Path, false), of(Task::Path, true)];
+    let steps = [&path[..], &worn].concat();
     let parts = [
         ("residual", "Residual", "Residuals, recomputed from the final fields; `float(...)` is the largest"),
         ("lower", "LowerFace", "Numbers of the lower face"),
@@ -271,9 +272,8 @@ fn the_classes_of_python_have_the_columns() {
             "\n\n    _fields: dict[str, Array]\n\n    @property",
             1,
         ),
-        class("Steps", record, "The numbers of the steps of a path.", &numbers(&path, &OF_STEPS, of_step, &[])),
+        class("Steps", record, "The numbers of the steps of a path.", &numbers(&steps, &OF_STEPS, of_step, &[])),
         class("StepFields", record, "The fields of a path.", &fields(&path, waypoints, kept)),
-        class("WearSteps", record, "The numbers of the steps of wear.", &numbers(&worn, &OF_STEPS, of_step, &[])),
         class("WearFields", record, "The fields of wear.", &fields(&worn, waypoints, kept)),
         class(
             "Patches",
