@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
 use crate::session::list_files;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
@@ -357,11 +356,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     })
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// The fields inside the `body` below the `surface` of the file `name`.

@@ -30,7 +30,6 @@ use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
@@ -537,11 +536,7 @@ pub fn stiffness(
     })
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// Checks that the fields that are chosen are there, with those that are needed.

@@ -6,7 +6,6 @@ use gfmd_green::{Body, Complex64, GreenError, Height, Section};
 use gfmd_response::unit_of;
 use serde::{Deserialize, Serialize};
 
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{BodyArgs, OtherArgs, height, parse_height};
 use gfmd_run::failure::Failure;
@@ -51,11 +50,7 @@ pub struct Args {
     depth: Option<f64>,
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 /// A matrix in JSON: rows of pairs [re, im].
 type Rows = Vec<Vec<[f64; 2]>>;

@@ -26,7 +26,6 @@ pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
 
 use crate::progress::Progress;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::parsed;
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::check_names;
@@ -84,11 +83,7 @@ pub struct Args {
     pub show_config: bool,
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 /// The bytes of a finished contact: in the journal, in the result and in the file.
 const CONTACT_BYTES: u64 = 1024;

@@ -1,6 +1,5 @@
 //! `punch`: a flat rigid punch on an elastic body, all components of displacement and traction.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -9,22 +8,22 @@ use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_green::{Body, Height};
 use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
-use gfmd_relax::{Budget, Watch};
+use gfmd_relax::Budget;
 use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
 use gfmd_problem::check_size;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
 use gfmd_report::figures::parse_prefix;
-use gfmd_run::convergence::{History, NotConverged};
+use gfmd_run::convergence::NotConverged;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::{self, peak_bytes};
+use gfmd_run::series::Watching;
 use gfmd_run::session::Session;
 use gfmd_run::trace::{TraceArgs, Tracer};
 
@@ -181,11 +180,7 @@ pub enum SolverName {
     Fire,
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// The method, with its time step and damping.
@@ -347,7 +342,7 @@ impl Prepared {
         let problem = self.problem(args, grid)?;
         let n = grid.points()[0];
         let tracer = args.trace.tracer(grid, Components::of(grid).axes())?;
-        let mut watch = Watching { n, session, progress, history: History::default(), tracer };
+        let mut watch = Watching::new(format!("n = {n}"), progress, session).with(tracer, None);
         let mut not_converged = None;
         let solved = problem.solve(args.method()?, &args.budget(), &mut watch);
         let Watching { history, tracer, .. } = watch;
@@ -484,33 +479,6 @@ impl Prepared {
         report.not_converged.as_ref().map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         report.history.as_ref().map_or(Ok(()), |history| history.write(&mut archive, "length"))?;
         Ok(archive.finish()?)
-    }
-}
-
-/// The watcher of one solve: progress, interruption, history.
-struct Watching<'a> {
-    n: usize,
-    session: &'a Session,
-    progress: &'a Progress,
-    history: History,
-    tracer: Option<Tracer>,
-}
-
-impl Watch for Watching<'_> {
-    fn see(&mut self, now: &gfmd_relax::Progress) -> ControlFlow<()> {
-        let gfmd_relax::Progress { iteration, residual } = *now;
-        self.history.see(iteration, residual);
-        if let Some(tracer) = &mut self.tracer {
-            tracer.see(iteration, residual);
-        }
-        self.progress.advance(0.0, &format!("n = {}, iteration {iteration}, residual {residual:.1e}", self.n));
-        if self.session.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-
-    fn layer(&mut self, energy: f64, u: &[f64]) {
-        if let Some(tracer) = &mut self.tracer {
-            tracer.layer(energy, u);
-        }
     }
 }
 

@@ -2,7 +2,6 @@
 
 use clap::Args;
 use gfmd_contact::Budget;
-use gfmd_problem::options::flags::without_flags;
 use serde::{Deserialize, Serialize};
 
 /// Flags of the search for one state of a series.
@@ -17,11 +16,7 @@ pub(crate) struct SearchArgs {
     max_iter: u64,
 }
 
-impl Default for SearchArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(SearchArgs);
 
 impl SearchArgs {
     pub(crate) fn budget(self) -> Budget {

@@ -14,7 +14,6 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, Load, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError};
@@ -88,11 +87,7 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// The problem that the flags ask for.

@@ -20,7 +20,6 @@ pub use body::{
 pub use choice::{Choice, named, named_if, parse_choice};
 pub use compliance::{ComplianceArgs, Row, check_wavenumbers};
 pub use dynamics::{DampedBy, DynamicsArgs};
-use flags::without_flags;
 pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
 pub use law::LawArgs;
 pub use prony::{PronyArgs, Relaxation};

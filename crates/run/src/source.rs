@@ -16,7 +16,6 @@ use crate::memory::{self, Processes};
 use crate::session::Session;
 use crate::{processes, rows};
 use gfmd_problem::options::GeneratorArgs;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::sides;
 use gfmd_problem::options::values::{up_to, within};
@@ -340,11 +339,7 @@ const ROUGH_SEAM: f64 = 2.0;
 /// The relative difference up to which the lengths of two cells are equal: headers have some six digits.
 const SAME_LENGTH: f64 = 1e-6;
 
-impl Default for SourceArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(SourceArgs);
 
 impl SourceArgs {
     /// The name of the surface in messages: its file, `surface` of an array, or `the generated surface`.

@@ -4,7 +4,6 @@ use clap::Args as ClapArgs;
 use gfmd_contact::Drive;
 use serde::{Deserialize, Serialize};
 
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Places;
@@ -33,11 +32,7 @@ pub(super) struct WaypointArgs {
     direction: f64,
 }
 
-impl Default for WaypointArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(WaypointArgs);
 
 impl WaypointArgs {
     /// The drive of every step, and the steps that are waypoints.

@@ -11,7 +11,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::choice::{named, named_if, parse_choice};
-use super::flags::{of_keys, without_flags};
+use super::flags::of_keys;
 use super::given::Arrays;
 use crate::{Facts, SIZES, Support, Unusable, check_size};
 
@@ -169,11 +169,7 @@ fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> 
     })
 }
 
-impl Default for BodyArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+crate::defaults_of_flags!(BodyArgs);
 
 impl BodyArgs {
     /// Makes the body.

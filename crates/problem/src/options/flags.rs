@@ -22,6 +22,18 @@ pub fn without_flags<A: Args + FromArgMatches>() -> A {
     matches.and_then(|matches| A::from_arg_matches(&matches)).expect("every flag has a default, or may be absent")
 }
 
+/// Makes [`without_flags`] the default of groups of flags.
+#[macro_export]
+macro_rules! defaults_of_flags {
+    ($($group:ty),+) => {
+        $(impl Default for $group {
+            fn default() -> Self {
+                $crate::options::flags::without_flags()
+            }
+        })+
+    };
+}
+
 /// The keys of a group of flags in a configuration.
 pub fn keys<A: Args>() -> Vec<String> {
     let command = A::augment_args(Command::new("gfmd"));

@@ -12,7 +12,6 @@ use ndarray::{Array2, s};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
-use super::flags::without_flags;
 use super::values::within;
 use crate::{Unusable, check_size};
 
@@ -103,11 +102,7 @@ pub enum Method {
     Rmd,
 }
 
-impl Default for GeneratorArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+crate::defaults_of_flags!(GeneratorArgs);
 
 impl GeneratorArgs {
     /// Returns the flags with every default filled in, for the record of a run.

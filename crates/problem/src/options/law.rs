@@ -5,7 +5,6 @@ use gfmd_law::{Kind, Law, LawError, Tabulated};
 use serde::{Deserialize, Serialize};
 
 use super::values::parse_row;
-use super::without_flags;
 use crate::Unusable;
 
 /// The largest number of rows of a table.
@@ -41,11 +40,7 @@ pub struct LawArgs {
     pub coarse: bool,
 }
 
-impl Default for LawArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+crate::defaults_of_flags!(LawArgs);
 
 impl LawArgs {
     /// The law with a range that is `factor` times as long, and the same work. `None` for a law without a range.

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::body::BodyArgs;
 use super::choice::{named, parse_choice};
-use super::flags::without_flags;
 use crate::{Moduli, Unusable};
 
 /// Flags of the relaxation of the body.
@@ -30,11 +29,7 @@ pub struct PronyArgs {
     pub relaxes: Relaxes,
 }
 
-impl Default for PronyArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+crate::defaults_of_flags!(PronyArgs);
 
 /// The relaxation of a body, as printed.
 #[derive(Clone, Debug, Serialize)]

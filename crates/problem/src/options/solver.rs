@@ -5,7 +5,6 @@ use gfmd_contact::{Budget, Solver};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
-use super::flags::without_flags;
 
 /// Flags of a contact solver.
 #[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
@@ -24,11 +23,7 @@ pub struct SolverArgs {
     pub max_iter: u64,
 }
 
-impl Default for SolverArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+crate::defaults_of_flags!(SolverArgs);
 
 impl SolverArgs {
     /// The tolerance and the iteration limit.

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 
 use clap::Args;
 use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Stiffness, Watch};
-use gfmd_problem::options::flags::without_flags;
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
@@ -104,11 +103,7 @@ const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 0.1;
 
-impl Default for ContactArgs {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(ContactArgs);
 
 impl ContactArgs {
     /// The facts of the contact, whose surface may be a `line`.

@@ -16,8 +16,10 @@ pub struct Watching<'a, 'k> {
     place: String,
     progress: &'a dyn Progress,
     session: &'a Session,
-    pub(super) history: History,
-    pub(super) tracer: Option<Tracer>,
+    /// The residuals so far.
+    pub history: History,
+    /// The recorder of the search, if it is wanted.
+    pub tracer: Option<Tracer>,
     kept: Option<&'a mut UnfinishedRun<'k>>,
     /// True after an interruption, which waits for the next copy.
     closing: bool,
@@ -32,7 +34,8 @@ impl<'a, 'k> Watching<'a, 'k> {
     }
 
     /// The same with a record of the search, and with copies of it.
-    pub(super) fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut UnfinishedRun<'k>>) -> Self {
+    #[must_use]
+    pub fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut UnfinishedRun<'k>>) -> Self {
         Self { tracer, kept, ..self }
     }
 }
