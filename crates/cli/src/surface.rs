@@ -12,7 +12,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
-use gfmd_report::surface::{About, Number, Subject};
+use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
     Areal, HurstFit, Normalisation, Periodisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics,
     Texture, window,
@@ -543,17 +543,6 @@ impl Report {
 
 /// The number of details of an instrument that a page shows.
 const DETAILS: usize = 12;
-
-/// The unit of a power of a length in this unit.
-fn unit_of(unit: &str, power: i32) -> String {
-    match power {
-        0 => "1".into(),
-        1 => unit.into(),
-        -1 => format!("1/{unit}"),
-        power if power < 0 => format!("1/{unit}^{}", -power),
-        power => format!("{unit}^{power}"),
-    }
-}
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {

@@ -5,7 +5,7 @@ use gfmd_plot::{Chart, Mark, Point, Series};
 use maud::html;
 
 use crate::figures::{area_chart, theories};
-use crate::page::{Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, text, whole};
+use crate::page::{Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, text};
 use gfmd_record::{COLUMNS, with_limit};
 use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
@@ -129,11 +129,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         Certificate { name: name.trim_start_matches("residual_").replace('_', " "), largest, allowed: tolerance }
     }));
     page.numbers(&loads, loads.len(), "load");
-    page.cost.extend([
-        Fact(html! { "transform pairs" }, number(loads.sum("transform_pairs"))),
-        Fact(html! { "iterations" }, whole(loads.sum("iterations"))),
-        Fact(html! { "time" }, html! { (number(loads.sum("seconds"))) " s" }),
-    ]);
+    page.effort(&loads);
     Ok(page)
 }
 

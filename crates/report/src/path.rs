@@ -5,7 +5,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use maud::html;
 
 use crate::figures::{largest as farthest, length};
-use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
+use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
 use gfmd_measure::GridLimit;
 use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
@@ -167,8 +167,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.failure(reader, "step");
 
     let tolerance = of(&table, "tol");
-    let name = "largest of all conditions".into();
-    page.certificates.push(Certificate { name, largest: stored.worst("residual"), allowed: tolerance });
+    page.residual(&stored, tolerance);
     page.numbers(&stored, computed, "step");
     if let Some(widest) = widest {
         page.answer.push(html! { p { "The contact is largest at step " (widest) ", " i { "p" } "* = " (number(p_star[widest])) "." } });

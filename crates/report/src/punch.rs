@@ -6,7 +6,7 @@ use gfmd_plot::{Axis, Chart, Colours, Panel, Series};
 use maud::html;
 
 use crate::figures::{Drawn, about_zero, field};
-use crate::page::{Certificate, Fact, Page, Table, body, config, given, number, of, text};
+use crate::page::{Fact, Page, Table, body, config, given, number, of, text};
 use gfmd_run::failure::Failure;
 
 const CITED: [&str; 1] =
@@ -117,24 +117,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         };
         vec![line(0), line(normal)]
     };
-    let panel = |label: &str, series| Panel {
-        x: Axis::linear("*x* / length"),
-        y: Axis::linear(label),
-        series,
-        ..Panel::default()
-    };
-    let panels = vec![
-        panel("displacement / depth", lines("u", &displacement, depth)),
-        panel("traction / mean pressure", lines("t", &traction, mean)),
-    ];
+    let cuts = [lines("u", &displacement, depth), lines("t", &traction, mean)];
     let caption = html! { "Along " i { "x" } " through the middle; a negative " i { "t" } sub { "z" } " presses." };
-    page.chart(&Chart { share_y: false, ..Chart::new(panels) }, "cut through the middle", &caption);
+    page.chart(&cut(cuts, "mean pressure"), "cut through the middle", &caption);
     page.group(reader, "/punch", "The numbers of the punch, under their names in the file.");
-    page.certificates.push(Certificate {
-        name: "error of the prescribed displacement over the depth".into(),
-        largest: residual,
-        allowed: tolerance,
-    });
+    page.certificate("error of the prescribed displacement over the depth", residual, tolerance);
     page.failure(reader, "search");
     page.cost.extend([
         Fact(html! { "iterations" }, given(value("iterations"))),
@@ -142,6 +129,16 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         Fact(html! { "time" }, html! { (number(value("seconds"))) " s" }),
     ]);
     Ok(page)
+}
+
+/// Displacement over the depth, and traction over a stress, along a line through the middle.
+pub fn cut([displacement, traction]: [Vec<Series>; 2], stress: &str) -> Chart {
+    let panel = |label: &str, series| {
+        let (x, y) = (Axis::linear("*x* / length"), Axis::linear(label));
+        Panel { x, y, series, ..Panel::default() }
+    };
+    let traction = panel(&format!("traction / {stress}"), traction);
+    Chart { share_y: false, ..Chart::new(vec![panel("displacement / depth", displacement), traction]) }
 }
 
 /// A number of a group; NaN if the file does not have it.

@@ -7,7 +7,7 @@ use gfmd_unit::Units;
 use maud::html;
 
 use crate::figures::{Drawn, field};
-use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
+use crate::page::{Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
 use gfmd_run::failure::Failure;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
@@ -221,23 +221,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             })
             .collect(),
     });
-    page.certificates.push(Certificate {
-        name: "largest of all conditions".into(),
-        largest: stored.worst("residual"),
-        allowed: tolerance,
-    });
+    page.residual(&stored, tolerance);
     if has_heat {
-        page.certificates.push(Certificate {
-            name: "temperatures of both bodies".into(),
-            largest: stored.worst("heat_residual"),
-            allowed: tolerance,
-        });
+        page.certificate("temperatures of both bodies", stored.worst("heat_residual"), tolerance);
     }
     page.failure(reader, "state");
-    page.cost.extend([
-        Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
-        Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
-        Fact(html! { "time" }, html! { (number(stored.sum("seconds"))) " s" }),
-    ]);
+    page.effort(&stored);
     Ok(page)
 }

@@ -327,8 +327,9 @@ fn kind(power: i32) -> String {
 }
 
 /// The unit of a power of length, if lengths have the unit `unit`.
-fn unit_of(unit: &str, power: i32) -> String {
+pub fn unit_of(unit: &str, power: i32) -> String {
     match power {
+        0 => "1".into(),
         1 => unit.into(),
         -1 => format!("1/{unit}"),
         power if power < 0 => format!("1/{unit}^{}", -power),

@@ -6,7 +6,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
-use crate::page::{Certificate, Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
+use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of};
 use crate::path::{along, waypoints};
 use gfmd_run::failure::Failure;
 
@@ -166,16 +166,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     page.fields(reader, &surface, (shown, modulus), None);
     page.failure(reader, "step");
-    page.certificates.push(Certificate {
-        name: "largest of all conditions".into(),
-        largest: stored.worst("residual"),
-        allowed: tolerance,
-    });
+    page.residual(&stored, tolerance);
     page.numbers(&stored, computed, "step");
-    page.cost.extend([
-        Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
-        Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
-        Fact(html! { "time" }, html! { (number(stored.sum("seconds"))) " s" }),
-    ]);
+    page.effort(&stored);
     Ok(page)
 }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_mixed::MixedSolution;
-use gfmd_plot::{Axis, Chart, Map, Maps, Mark, Panel, Series};
+use gfmd_plot::{Map, Maps, Mark, Series};
 use ndarray::{ArrayView3, Axis as Along};
 
 use super::Report;
 use super::comparison::Reference;
 use gfmd_report::figures::{about_zero, draw_pressure, named};
+use gfmd_report::punch::cut;
 use gfmd_run::failure::Failure;
 
 /// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the
@@ -59,7 +60,7 @@ pub(super) fn draw(
         files.extend(draw_pressure(&named(prefix, "pressure"), grid, &pressure, modulus, "length")?);
     }
     // The cut runs through the middle, where the components along y vanish by symmetry.
-    let cut = |field: ArrayView3<f64>, component: usize, unit: f64| {
+    let along = |field: ArrayView3<f64>, component: usize, unit: f64| {
         let (n, rows, _) = field.dim();
         let spacing = grid.lengths()[0] / n as f64;
         (0..n).map(|i| (i as f64 * spacing, field[[i, rows / 2, component]] / unit)).collect::<Vec<_>>()
@@ -69,25 +70,17 @@ pub(super) fn draw(
     let mut traction = Vec::new();
     for component in [0, normal] {
         let name = report.components[component];
-        displacement.push(Series::line(&format!("*u*_{name}"), component, cut(u, component, report.depth)));
-        traction.push(Series::line(&format!("*t*_{name}"), component, cut(t, component, modulus)));
+        displacement.push(Series::line(&format!("*u*_{name}"), component, along(u, component, report.depth)));
+        traction.push(Series::line(&format!("*t*_{name}"), component, along(t, component, modulus)));
         if let Some(reference) = reference {
             let line = Series::line(
                 &format!("*u*_{name}, reference"),
                 component + 3,
-                cut(reference.displacement.view(), component, report.depth),
+                along(reference.displacement.view(), component, report.depth),
             );
             displacement.push(Series { mark: Mark::Dashes, ..line });
         }
     }
-    let panel = |label: &str, series| Panel {
-        x: Axis::linear("*x* / length"),
-        y: Axis::linear(label),
-        series,
-        ..Panel::default()
-    };
-    let panels = vec![panel("displacement / depth", displacement), panel("traction / *E*\\*", traction)];
-    let chart = Chart { share_y: false, ..Chart::new(panels) };
-    files.extend(chart.save(&named(prefix, "cut"))?);
+    files.extend(cut([displacement, traction], "*E*\\*").save(&named(prefix, "cut"))?);
     Ok(files)
 }

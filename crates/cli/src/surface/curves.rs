@@ -7,7 +7,7 @@ use gfmd_surface::{Autocorrelation, Bearing, Density, Distributions, RadialBin, 
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
-use super::unit_of;
+use gfmd_report::surface::unit_of;
 use gfmd_run::failure::Failure;
 
 /// Curves and the numbers of their groups, in the order of a file.

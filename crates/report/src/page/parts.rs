@@ -11,7 +11,7 @@ use maud::html;
 use super::about::body;
 use super::reading::{FaceFields, InUnit, Stored, StoredSurface};
 use super::write::{given, number, powers, text, whole};
-use super::{Fact, Page, Table};
+use super::{Certificate, Fact, Page, Table};
 use crate::figures::{Face, Kind, Scene, heights, rough, sides};
 use gfmd_run::convergence::StoredFailure;
 
@@ -21,6 +21,25 @@ fn is_shown(form: Form, values: &[f64]) -> bool {
 }
 
 impl Page {
+    /// Adds a condition with its largest residual.
+    pub(crate) fn certificate(&mut self, name: &str, largest: f64, allowed: f64) {
+        self.certificates.push(Certificate { name: name.into(), largest, allowed });
+    }
+
+    /// Adds the largest residual of all conditions of the states.
+    pub(crate) fn residual(&mut self, stored: &Stored, tolerance: f64) {
+        self.certificate("largest of all conditions", stored.worst("residual"), tolerance);
+    }
+
+    /// Adds the effort of all states.
+    pub(crate) fn effort(&mut self, stored: &Stored) {
+        self.cost.extend([
+            Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
+            Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
+            Fact(html! { "time" }, html! { (number(stored.sum("seconds"))) " s" }),
+        ]);
+    }
+
     /// Adds the surface, body and law of the problem.
     pub(crate) fn asked(&mut self, surface: &Result<StoredSurface, String>, table: &toml::Table, law: &str) {
         match surface {
