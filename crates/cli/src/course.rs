@@ -1,5 +1,6 @@
 //! A path of drives, followed step by step and kept: the work that `path` and `wear` have in common.
 
+mod args;
 mod waypoints;
 
 use gfmd_contact::{Budget, Drive, Fields as _, Load, SolveError, Visit};
@@ -23,6 +24,7 @@ use gfmd_run::series::{
 };
 use gfmd_run::session::Session;
 
+pub(crate) use self::args::{AroundArgs, StepArgs};
 pub(crate) use self::waypoints::{LoadArgs, counted, legs, lengths};
 
 /// The input of a path, checked before the first solve.
@@ -184,6 +186,20 @@ pub(crate) fn leak(
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
     let flow = || through(&prepared.surface, [repulsion, gap], at.summary.mean_gap, warn);
     prepared.facts.flow.then(flow).transpose()
+}
+
+/// Prints the table of the steps, a line for each.
+pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
+    for (index, line) in table_of(steps, &[Table::State, Table::Energy], units).iter().enumerate() {
+        let Some(step) = index.checked_sub(1) else {
+            writeln!(f, "{:>5}{line}", "")?;
+            continue;
+        };
+        let is = |name: &str| steps[step].is(name);
+        let jumped = if is("passed_instability") { "  passed an instability" } else { "" };
+        writeln!(f, "{step:>5}{line}{jumped}{}", if is("converged") { "" } else { "  NOT CONVERGED" })?;
+    }
+    Ok(())
 }
 
 /// Prints the table of the flow, a line for each step, if there is one.

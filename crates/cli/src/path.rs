@@ -10,24 +10,18 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::Boundary;
 use gfmd_interface::{Path, Refinement, Step};
 use gfmd_law::{Kind, Limit};
-use gfmd_problem::{Facts, Friction, GridError, Posed, Rest, Task};
+use gfmd_problem::{Facts, Friction, Posed, Rest};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
-use crate::course::{Course, Followed, Way};
-use crate::search::SearchArgs;
+use crate::course::{AroundArgs, Course, Followed, StepArgs, Way};
 use gfmd_problem::options::BodyArgs;
-use gfmd_problem::options::flags::without_flags;
-use gfmd_problem::options::values::within;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
-use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
-use gfmd_run::resume::ResumeArgs;
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
@@ -72,34 +66,20 @@ pub struct Args {
     #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     shear_strength: Option<f64>,
-    /// The surroundings of the surface; free: a patch that does not repeat
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
-    #[serde(with = "named", skip_serializing_if = "is_periodic")]
-    boundary: Boundary,
+    #[command(flatten)]
+    #[serde(flatten)]
+    around: AroundArgs,
     /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that
     /// of each point; the plastic depth stays
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, conflicts_with_all = ["friction", "shear_strength"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     hardness: Option<GivenHardness>,
-    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
-    /// too
-    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
-    #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
-    grid_error: GridError,
-    /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
-    #[arg(long)]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    flow: bool,
     #[command(flatten)]
     #[serde(flatten)]
     waypoints: WaypointArgs,
-    /// Steps from one waypoint to the next
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
-    #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
-    steps: u32,
     #[command(flatten)]
     #[serde(flatten)]
-    search: SearchArgs,
+    steps: StepArgs,
     /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy; with friction
     /// also twice the largest change of the shear in a step, as an energy, when its increments are halved, and its root
     /// that of the part of the contact that sticks, when the last one is
@@ -109,13 +89,6 @@ pub struct Args {
     /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body 0]
     #[arg(long, value_name = "N")]
     energy_solves: Option<u64>,
-    #[command(flatten)]
-    #[serde(skip)]
-    resume: ResumeArgs,
-    /// Write the path, and the fields at its waypoints, to this HDF5 file
-    #[arg(long, value_name = "FILE.h5")]
-    #[serde(skip)]
-    out: Option<PathBuf>,
     /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap,
     /// PREFIX-section (both surfaces and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
@@ -123,30 +96,21 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// The facts of the path, whose surface may be a `line`.
     fn facts(&self, line: bool) -> Facts {
         let friction = (self.friction.map(|_| Friction::Coulomb)).or(self.shear_strength.map(|_| Friction::Tresca));
         Facts {
-            task: Task::Path,
             law: self.law.law,
             hardness: self.hardness.is_some(),
             friction,
-            boundary: self.boundary,
             line,
             approach: self.waypoints.flag() == "--displacement",
             lateral: !self.waypoints.lateral.is_empty(),
             relaxes: self.prony.relaxing(),
-            flow: self.flow,
-            resume: self.resume.resume,
-            grid_error: self.grid_error,
-            ..self.compliance.of(self.body.facts())
+            ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }
 
@@ -161,8 +125,8 @@ impl Args {
             hardness: self.hardness.as_ref(),
             limit,
             prony: self.prony.series()?,
-            boundary: self.boundary,
-            ..Asked::new(&self.source, Cow::Owned(body), self.search.budget())
+            boundary: self.around.boundary,
+            ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
         })
     }
 
@@ -194,15 +158,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let way = Way {
         asked: args.asked()?,
         flag: args.waypoints.flag(),
-        resume: args.resume,
+        resume: args.steps.resume,
         refinement: Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() },
         config: args.config()?,
     };
     course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
-}
-
-fn is_periodic(boundary: &Boundary) -> bool {
-    *boundary == Boundary::Periodic
 }
 
 /// The input of the command, checked before the first solve.
@@ -220,8 +180,8 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     // A viscoelastic body may be left behind, and meet the surface again.
     let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
     let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
-    let (drives, places) = args.waypoints.drives(args.steps, prepared.unit_pressure(), hard)?;
-    let output = session.output(args.out.as_ref())?;
+    let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
+    let output = session.output(args.steps.out.as_ref())?;
     Ok(Course { prepared, drives, places, output })
 }
 
@@ -242,11 +202,11 @@ fn ended(
     let out = session.written(out);
     let mut head = Head::new(&args.asked()?, prepared, contact.surface());
     head.relaxation = args.prony.relaxation(&args.body)?;
-    let report = Report::new(head, args.waypoints.along(), records, args.steps as usize);
+    let report = Report::new(head, args.waypoints.along(), records, args.steps.steps as usize);
     let mut report = Report { parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
         let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
-        report.plots = figures::draw(prefix, &report, args.steps as usize, &scene)?;
+        report.plots = figures::draw(prefix, &report, args.steps.steps as usize, &scene)?;
     }
     Ok(Outcome { report, failure })
 }

@@ -8,28 +8,26 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive};
+use gfmd_contact::Drive;
 use gfmd_interface::Refinement;
-use gfmd_problem::options::flags::without_flags;
-use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, within};
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, named, parse_choice};
-use gfmd_problem::{Facts, GridError, Rest, Task};
+use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs};
+use gfmd_problem::{Facts, Rest};
 use gfmd_report::figures::{Scene, Shown, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::resume::ResumeArgs;
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use serde::{Deserialize, Serialize};
 
-use crate::course::{Course, Followed, LoadArgs, Way, counted, legs, lengths};
-use crate::search::SearchArgs;
+use crate::course::{AroundArgs, Course, Followed, LoadArgs, StepArgs, Way, counted, legs, lengths};
 
 pub use self::report::Report;
 
 /// Flags of `wear`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(mut_arg("steps", |arg| arg.help("Steps of a leg")))]
 #[command(after_help = "Examples:
   gfmd wear --n 128 --eps-f-inv 16 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out w.h5 --plots w
   gfmd wear --surface scan.sur --young 2GPa --pressure 1MPa --coefficient 1e-15/Pa --distance 0,1m --steps 50 --json")]
@@ -43,19 +41,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     compliance: ComplianceArgs,
-    /// The surroundings of the surface; free: a patch that does not repeat
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
-    #[serde(with = "named")]
-    boundary: Boundary,
-    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
-    /// too
-    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
-    #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
-    grid_error: GridError,
-    /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
-    #[arg(long)]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    flow: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    around: AroundArgs,
     #[command(flatten)]
     #[serde(flatten)]
     loads: LoadArgs,
@@ -76,20 +64,9 @@ pub struct Args {
     #[arg(long, value_name = "K", required = true, allow_negative_numbers = true, help_heading = "Wear")]
     #[serde(skip_serializing_if = "Option::is_none")]
     coefficient: Option<f64>,
-    /// Steps of a leg
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
-    #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
-    steps: u32,
     #[command(flatten)]
     #[serde(flatten)]
-    search: SearchArgs,
-    #[command(flatten)]
-    #[serde(skip)]
-    resume: ResumeArgs,
-    /// Write the path, and the fields at its waypoints, to this HDF5 file
-    #[arg(long, value_name = "FILE.h5")]
-    #[serde(skip)]
-    out: Option<PathBuf>,
+    steps: StepArgs,
     /// Draw wear, area and largest pressure against the distance: PREFIX-wear.svg, .png; of the last step the worn
     /// profile beside the unworn: PREFIX-profile, the depth lost: PREFIX-depth, and PREFIX-map (pressure), PREFIX-gap,
     /// PREFIX-section
@@ -98,24 +75,15 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        without_flags()
-    }
-}
+gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     fn facts(&self, line: bool) -> Facts {
         Facts {
-            task: Task::Path,
             wears: true,
-            flow: self.flow,
-            boundary: self.boundary,
             line,
             approach: self.loads.flag() == "--displacement",
-            resume: self.resume.resume,
-            grid_error: self.grid_error,
-            ..self.compliance.of(self.body.facts())
+            ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }
 
@@ -124,8 +92,8 @@ impl Args {
         Asked {
             compliance: Cow::Borrowed(&self.compliance),
             wear: self.coefficient,
-            boundary: self.boundary,
-            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.search.budget())
+            boundary: self.around.boundary,
+            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.steps.search.budget())
         }
     }
 
@@ -157,10 +125,11 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     let (values, load) = args.loads.values(prepared.unit_pressure(), true)?;
     let lists = [(args.loads.flag(), values.len()), ("--distance", distances.len())];
-    let count = counted(&lists, args.steps, |count| count)?;
-    let (drives, places) =
-        legs((&values, &distances, count), args.steps, |value, distance| Drive::from(load(value)).after(distance));
-    let output = session.output(args.out.as_ref())?;
+    let count = counted(&lists, args.steps.steps, |count| count)?;
+    let (drives, places) = legs((&values, &distances, count), args.steps.steps, |value, distance| {
+        Drive::from(load(value)).after(distance)
+    });
+    let output = session.output(args.steps.out.as_ref())?;
     Ok(Course { prepared, drives, places, output })
 }
 
@@ -173,7 +142,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let way = Way {
         asked: args.asked(),
         flag: args.loads.flag(),
-        resume: args.resume,
+        resume: args.steps.resume,
         // A step is as long as it is asked to be.
         refinement: Refinement { solves_per_step: 0, ..Refinement::default() },
         config: args.config()?,

@@ -4,13 +4,14 @@ use gfmd_contact::Boundary;
 use gfmd_law::Limit;
 use gfmd_problem::Rest;
 use gfmd_record::At;
+use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::PathBuf;
 
 use super::{Args, memory};
 use crate::checking::{Checked, Checking};
-use crate::course::leak;
+use crate::course::{StepArgs, leak};
 use gfmd_run::failure::Failure;
 use gfmd_run::flow::through;
 use gfmd_run::result::Comparison;
@@ -21,7 +22,7 @@ impl Checked for Args {
     /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
         let Checking { reader, session, .. } = checking;
-        let args: Self = checking.problem(|args: &Self| args.boundary, comparison)?;
+        let args: Self = checking.problem(|args: &Self| args.around.boundary, comparison)?;
         let mut way = super::course(&args, session)?;
         way.prepared.take_units(reader);
         let prepared = &way.prepared;
@@ -31,7 +32,7 @@ impl Checked for Args {
             file.finish(&[], way.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
-        let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
+        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tol)?;
         let check = StepCheck { args: &args, stored: &stored };
         for (index, drive) in way.drives.iter().enumerate() {
             if !stored.compare_step(index, *drive, comparison) {
@@ -61,7 +62,8 @@ impl Checked for Args {
     }
 
     fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
-        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+        let steps = StepArgs { out: Some(out), ..self.steps };
+        super::run(&Self { steps, ..self }, session).map(|_| ())
     }
 }
 
@@ -119,7 +121,7 @@ impl StepCheck<'_> {
         }
         let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
         let (mut repulsion, floor) = self.repulsion(&pressure, &gap);
-        let least = self.args.search.tol * floor;
+        let least = self.args.steps.search.tol * floor;
         repulsion.mapv_inplace(|p| if p > least { p } else { 0.0 });
         let found = through(surface, [repulsion.view(), gap.view()], mean_gap, |_| {})?;
         for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
@@ -205,8 +207,7 @@ impl StepCheck<'_> {
                 let left = p - of_law;
                 if touches(*gap) { (-left).max(0.0) } else { left.abs() }
             });
-            let left = left.fold(0.0, |most: f64, left| if left > most || left.is_nan() { left } else { most });
-            comparison.at_most("/fields/pressure (of the law)", left / floor, 100.0 * args.search.tol);
+            comparison.at_most("/fields/pressure (of the law)", worst(left) / floor, 100.0 * args.steps.search.tol);
             let energy = mean(&gap.mapv(|gap| law.opening_energy(gap)));
             let size = number("elastic_energy").abs() + energy.abs();
             comparison.number("/path/interface_energy", number("interface_energy"), energy, size);
@@ -215,23 +216,23 @@ impl StepCheck<'_> {
             let pressed = pressure.sum();
             let closed = (&pressure * &gap).sum().abs();
             let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
-            comparison.at_most("/fields/gap (in contact)", open, args.search.tol);
+            comparison.at_most("/fields/gap (in contact)", open, args.steps.search.tol);
         }
         if !facts.has_law() || law.has_wall() {
-            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.search.tol);
+            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.steps.search.tol);
         }
         let largest = repulsion.iter().copied().fold(0.0, f64::max);
         comparison.number("/path/mean_pressure", number("mean_pressure"), mean(&pressure), floor);
         comparison.number("/path/max_pressure", number("max_pressure"), largest, floor);
         // Where a law vanishes, the sign of its pressure is that of rounding errors.
         let touching = |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
-        let [fewest, most] = [touching(args.search.tol * floor), touching(0.0)];
+        let [fewest, most] = [touching(args.steps.search.tol * floor), touching(0.0)];
         let area = number("area_fraction");
         comparison.number("/path/area_fraction", area, area.clamp(fewest, most), 0.0);
         comparison.number("/path/mean_gap", number("mean_gap"), mean(&gap), height);
         if is_last {
             let fields = (&pressure, &displacement, number("elastic_energy"));
-            memory::check(file.reader, file.prepared, fields, 100.0 * args.search.tol, comparison)?;
+            memory::check(file.reader, file.prepared, fields, 100.0 * args.steps.search.tol, comparison)?;
         }
         Ok(())
     }
@@ -273,13 +274,13 @@ impl StepCheck<'_> {
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
         let height = file.height();
         let stored_displacement = flat(&field("displacement_z")?);
-        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.search.tol);
-        let worst = apart(&displacement[lateral..], &stored_displacement) / height;
-        comparison.at_most("/fields/displacement_z", worst, 100.0 * args.search.tol);
+        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.steps.search.tol);
+        let distance = apart(&displacement[lateral..], &stored_displacement) / height;
+        comparison.at_most("/fields/displacement_z", distance, 100.0 * args.steps.search.tol);
         let law = limit.is_none().then_some(law);
         if law.is_none_or(|law| law.has_wall()) {
             let below = -gap.iter().copied().fold(0.0, f64::min) / height;
-            comparison.at_most("/fields/gap (penetration)", below, args.search.tol);
+            comparison.at_most("/fields/gap (penetration)", below, args.steps.search.tol);
         }
         let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
         match law {
@@ -287,7 +288,7 @@ impl StepCheck<'_> {
             Some(_) => comparison.at_most(
                 "/path/mean_pressure",
                 (stored("mean_pressure") - mean_pressure).abs() / unit_pressure,
-                100.0 * args.search.tol,
+                100.0 * args.steps.search.tol,
             ),
             None => comparison.number("/path/mean_pressure", stored("mean_pressure"), mean_pressure, 0.0),
         }
@@ -296,7 +297,11 @@ impl StepCheck<'_> {
         let approaches =
             surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
         let approach = approaches.sum::<f64>() / points as f64;
-        comparison.at_most("/path/displacement", (stored("displacement") - approach).abs() / height, args.search.tol);
+        comparison.at_most(
+            "/path/displacement",
+            (stored("displacement") - approach).abs() / height,
+            args.steps.search.tol,
+        );
         if let Some(limit) = *limit {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
             let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
@@ -314,7 +319,7 @@ impl StepCheck<'_> {
         let magnitude = |i: usize| shear.chunks_exact(points).map(|s| s[i] * s[i]).sum::<f64>().sqrt();
         let excess = (0..points).map(|i| magnitude(i) - limits[i]).fold(0.0, f64::max);
         if strongest > 0.0 {
-            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.search.tol);
+            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.steps.search.tol);
         }
     }
 }
@@ -324,7 +329,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     let mean = |field: &[f64]| field.iter().sum::<f64>() / field.len() as f64;
     let shift = mean(a) - mean(b);
     let distances = a.iter().zip(b).map(|(a, b)| (a - b - shift).abs());
-    distances.fold(0.0, |worst: f64, distance| if distance > worst || distance.is_nan() { distance } else { worst })
+    worst(distances)
 }
 
 fn flat(field: &Array2<f64>) -> Vec<f64> {

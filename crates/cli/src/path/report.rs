@@ -5,11 +5,11 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gfmd_measure::GridLimit;
-use gfmd_record::{Record, Table, lines, table_of, with_limit};
+use gfmd_record::{Record, lines, with_limit};
 use gfmd_unit::Shown;
 use serde::Serialize;
 
-use crate::course::print_flow;
+use crate::course::{print_flow, print_steps};
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::hardness::GivenHardness;
@@ -158,17 +158,7 @@ impl fmt::Display for Report {
             };
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
         }
-        for (index, line) in
-            table_of(&self.steps, &[Table::State, Table::Energy], &self.head.units()).iter().enumerate()
-        {
-            let Some(step) = index.checked_sub(1) else {
-                writeln!(f, "{:>5}{line}", "")?;
-                continue;
-            };
-            let is = |name: &str| self.steps[step].is(name);
-            let jumped = if is("passed_instability") { "  passed an instability" } else { "" };
-            writeln!(f, "{step:>5}{line}{jumped}{}", if is("converged") { "" } else { "  NOT CONVERGED" })?;
-        }
+        print_steps(f, &self.steps, &self.head.units())?;
         if let Some(step) = self.parted_at {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }

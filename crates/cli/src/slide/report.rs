@@ -8,6 +8,7 @@ use gfmd_contact::Fields as _;
 use gfmd_files::contiguous;
 use gfmd_measure::Scales;
 use gfmd_record::significant;
+use gfmd_relax::worst;
 use gfmd_report::figures::{Scene, Shown, named};
 use gfmd_report::slide::{Sliding, chart, rises, temperature};
 use gfmd_run::failure::Failure;
@@ -107,11 +108,7 @@ impl State {
 impl State {
     /// The largest residual; NaN if one is NaN.
     pub(super) fn worst(&self) -> f64 {
-        let larger = |worst: f64, residual: &f64| match residual.is_nan() || worst.is_nan() {
-            true => f64::NAN,
-            false => worst.max(*residual),
-        };
-        self.residual.values().fold(0.0, larger)
+        worst(self.residual.values().copied())
     }
 }
 

@@ -11,14 +11,14 @@ use gfmd_run::session::Session;
 
 use super::Args;
 use crate::checking::{Checked, Checking};
-use crate::course::leak;
+use crate::course::{StepArgs, leak};
 
 impl Checked for Args {
     /// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and the
     /// balance of work and energy.
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
         let Checking { reader, session, .. } = checking;
-        let args: Self = checking.problem(|args: &Self| args.boundary, comparison)?;
+        let args: Self = checking.problem(|args: &Self| args.around.boundary, comparison)?;
         let coefficient = args.coefficient()?;
         let mut course = super::course(&args, session)?;
         course.prepared.take_units(reader);
@@ -28,7 +28,7 @@ impl Checked for Args {
             file.finish(&[], course.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
-        let stored = Stored::new(reader, prepared, &contact, args.search.tol)?;
+        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tol)?;
         let (mut volume, mut before) = (0.0, [0.0; 4]);
         for (index, drive) in course.drives.iter().enumerate() {
             let number = |name: &str| stored.number(name, index);
@@ -59,6 +59,7 @@ impl Checked for Args {
     }
 
     fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure> {
-        super::run(&Self { out: Some(out), ..self }, session).map(|_| ())
+        let steps = StepArgs { out: Some(out), ..self.steps };
+        super::run(&Self { steps, ..self }, session).map(|_| ())
     }
 }

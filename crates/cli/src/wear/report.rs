@@ -3,10 +3,10 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use gfmd_record::{Record, Table, lines, table_of};
+use gfmd_record::{Record, lines};
 use serde::Serialize;
 
-use crate::course::print_flow;
+use crate::course::{print_flow, print_steps};
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::memory::peak_bytes;
@@ -59,16 +59,7 @@ impl fmt::Display for Report {
         write!(f, "{}", self.head)?;
         let read = |value: f64, kind: &str| self.head.read(value, kind, "");
         writeln!(f, "wear coefficient {}; wear: mean depth lost so far\n", read(self.coefficient, "1/stress"))?;
-        let table = table_of(&self.steps, &[Table::State, Table::Energy], &self.head.units());
-        for (index, line) in table.iter().enumerate() {
-            match index.checked_sub(1) {
-                None => writeln!(f, "{:>5}{line}", "")?,
-                Some(step) => {
-                    let remark = if self.steps[step].is("converged") { "" } else { "  NOT CONVERGED" };
-                    writeln!(f, "{step:>5}{line}{remark}")?;
-                }
-            }
-        }
+        print_steps(f, &self.steps, &self.head.units())?;
         print_flow(f, &self.steps, &self.head.units())?;
         if let (Some(lost), Some(error), Some(volume)) = (self.dissipated, self.dissipated_error, self.wear_volume) {
             writeln!(

@@ -1,0 +1,68 @@
+//! Flags of all paths.
+
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use gfmd_contact::Boundary;
+use gfmd_problem::options::values::within;
+use gfmd_problem::options::{named, parse_choice};
+use gfmd_problem::{Facts, GridError, Task};
+use gfmd_run::resume::ResumeArgs;
+use serde::{Deserialize, Serialize};
+
+use crate::search::SearchArgs;
+
+/// Flags of the surroundings of a path, and of the numbers of its steps.
+#[derive(ClapArgs, Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct AroundArgs {
+    /// The surroundings of the surface; free: a patch that does not repeat
+    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[serde(with = "named", skip_serializing_if = "is_periodic")]
+    pub(crate) boundary: Boundary,
+    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
+    /// too
+    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
+    #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
+    grid_error: GridError,
+    /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    flow: bool,
+}
+
+gfmd_problem::defaults_of_flags!(AroundArgs);
+
+fn is_periodic(boundary: &Boundary) -> bool {
+    *boundary == Boundary::Periodic
+}
+
+impl AroundArgs {
+    /// The facts of a path, which may continue an earlier one, on a body with these.
+    pub(crate) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
+        let Self { boundary, grid_error, flow } = self;
+        Facts { task: Task::Path, boundary, flow, resume, grid_error, ..body }
+    }
+}
+
+/// Flags of the steps of a path, of the search for each, and of the file.
+#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct StepArgs {
+    /// Steps from one waypoint to the next
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
+    pub(crate) steps: u32,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(crate) search: SearchArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub(crate) resume: ResumeArgs,
+    /// Write the path, and the fields at its waypoints, to this HDF5 file
+    #[arg(long, value_name = "FILE.h5")]
+    #[serde(skip)]
+    pub(crate) out: Option<PathBuf>,
+}
+
+gfmd_problem::defaults_of_flags!(StepArgs);
