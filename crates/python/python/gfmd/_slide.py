@@ -13,6 +13,7 @@ from . import _command
 from ._body import Body, as_body
 from ._check import Array, integer, number, quantities, quantity, shown, word
 from ._errors import InputError
+from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
 from ._surface import Surface, as_surface
@@ -124,17 +125,10 @@ def slide(
         raise InputError("body is elastic; it must be viscoelastic to slide without heat: gfmd.Body(prony=...)")
     if "compliance" in elastic:
         raise InputError("body has a table of compliances; it must have moduli to slide")
-    loads = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
-    kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
-    found = {name: quantities(name, value, kinds[name]) for name, value in loads.items() if value is not None}
-    if len(found) != 1:
-        raise InputError(f"the loads are given by {', '.join(found) or 'none'}; they must be given by one of mean_pressure, p_star, approach")
     problem: dict[str, Any] = dict(
         unit=made.unit,
         stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
-        pressure=found.get("mean_pressure"),
-        p_star=found.get("p_star"),
-        displacement=found.get("approach"),
+        **drive_keys("the load is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
         velocity=quantities("velocity", velocity, "length/time"),
         direction=number("direction", direction),
         heat=None if heat is None else _thermal(heat),
