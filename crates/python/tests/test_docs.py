@@ -10,6 +10,7 @@ import gfmd
 import numpy as np
 import pytest
 from gfmd._columns import LowerFace, Patches, Steps
+from gfmd._states import States
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -112,11 +113,14 @@ def test_results_have_the_attributes_that_are_documented(words):
     law = gfmd.law("exponential", gamma=1e-4, range=5e-3)
     sticking = gfmd.path(slab, gfmd.Body(), approach=0.001, lateral=0.001, law=law, steps=1)
     worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
+    warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
+    sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm)]
     examples = [
         (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
                         gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1), steep, squeezed]),
         (gfmd.Path, [words["loop"], rubbed, indented]),
         (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn)]),
+        (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
         (LowerFace, [squeezed.lower]),
         (Patches, [words["c"].patches]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),

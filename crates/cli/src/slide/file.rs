@@ -127,3 +127,59 @@ impl<'a> StatesFile<'a> {
         Ok(self.archive.finish()?)
     }
 }
+
+#[cfg(test)]
+#[path = "../../../record/tests/suite/classes.rs"]
+mod classes;
+
+#[cfg(test)]
+mod tests {
+    use super::classes::{Property, class, compare, quantity};
+    use super::{FIELDS, HEAT_FLUX, OF_HEAT, SCALARS, TEMPERATURE};
+
+    const HEAD: &str = r#""""The numbers and fields of states that slide steadily, with their units and definitions.
+
+Made from crates/cli/src/slide/file.rs by `GFMD_DOCS=write cargo test -p gfmd-cli --lib`.
+"""
+
+# mypy: no-warn-return-any
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy.typing as npt
+
+from ._check import Array
+from ._record import Record
+"#;
+
+    #[test]
+    fn the_classes_of_python_have_the_scalars_and_fields() {
+        let number = |name: &str, unit: &str, meaning: &str, only: &str| {
+            let of = if ["iterations", "converged"].contains(&name) { "npt.NDArray[Any]" } else { "Array" };
+            Property::of_record(
+                name.to_owned(),
+                of,
+                format!("{} [state]: {}{only}.", quantity(unit), meaning.replace("1 if", "true if")),
+            )
+        };
+        // Python has the residuals one by one.
+        let all = SCALARS.iter().filter(|(name, ..)| *name != "residual");
+        let all = all.map(|(name, unit, meaning, _)| number(name, unit, meaning, ""));
+        let heat = OF_HEAT.iter().map(|(name, unit, meaning, _)| number(name, unit, meaning, ". With `heat` only"));
+        let field = |(name, unit, meaning): &super::Field, only: &str| {
+            let text = format!("{} [state, x, y]: {meaning}{only}. Read-only.", quantity(unit));
+            Property::of_record((*name).to_owned(), "Array", text)
+        };
+        let warm = [field(&TEMPERATURE, ". With `heat` only"), field(&HEAT_FLUX, ". With `heat` of both bodies only")];
+        let fields: Vec<Property> = FIELDS.iter().map(|of| field(of, "")).chain(warm).collect();
+        let numbers: Vec<Property> = all.chain(heat).collect();
+        let (numbers, fields) = (
+            class("States", "(Record)", "The numbers of states that slide steadily.", &numbers),
+            class("StateFields", "(Record)", "The fields of states that slide steadily.", &fields),
+        );
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/python/gfmd/_states.py");
+        compare(file, &format!("{HEAD}{numbers}{fields}"));
+    }
+}

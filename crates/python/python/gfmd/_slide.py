@@ -11,26 +11,21 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, integer, number, quantities, quantity, shown, word
+from ._check import integer, number, quantities, quantity, shown, word
 from ._errors import InputError
 from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
+from ._states import StateFields, States
 from ._surface import Surface, as_surface
 
 
-class Slide(Computed):
+class Slide(Computed, StateFields):
     """Steady states of a surface that slides over a body.
 
     Attributes:
-        states: a Record of arrays over the states, every load at every velocity: `velocity`, `mean_pressure`, `max_pressure` (stress),
-            `p_star`, `displacement` (the approach), `mean_gap` (length), `area_fraction`, `friction` (by the power lost in the body),
-            `friction_slope` (by the pressure on the slopes), `dissipated_power` (stress * velocity), `persson_friction`,
-            `persson_area_fraction`, with heat `heat_mean_flux` (stress * length/time), `heat_fraction` (into the body), `heat_max_rise`,
-            `heat_mean_rise` (temperature in contact, above the mean of the surface), `heat_residual`, `iterations`, `transform_pairs`, `converged`, `residual_...`, `seconds`.
-        pressure, gap, displacement_z: fields [state, x, y], stress and length; NaN at states that were not reached.
-        temperature: with heat, field [state, x, y], that of the body's surface above its mean; K if lengths have a unit.
-        heat_flux: if the surface shares the heat, field [state, x, y], the heat into the body per area and time.
+        states: the numbers of the states, every load at every velocity, a `Record` of arrays [state], with the parts of
+            the residual as `residual_...`. Fields are NaN at states that were not reached.
         direction: unit vector of the velocity.
         prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of a viscoelastic body.
         warnings: a Record for each warning of the computation: `code`, `text`.
@@ -42,12 +37,7 @@ class Slide(Computed):
         (2, 32, 32)
     """
 
-    states: Record
-    pressure: Array
-    gap: Array
-    displacement_z: Array
-    temperature: Array
-    heat_flux: Array
+    states: States
     direction: list[float]
     prony: list[list[float]]
     moduli: str
@@ -148,5 +138,5 @@ def slide(
         rows.append({**state, **theory, **warm, **parts})
     columns = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
     reported = {name: _command.records(value) for name, value in values.items()}
-    result = Slide({**reported, "unit": made.unit, "surface": made, "states": Record(columns), **fields}, file)
+    result = Slide({**reported, "unit": made.unit, "surface": made, "states": States(columns), **fields}, file)
     return _command.ended(result, failure)

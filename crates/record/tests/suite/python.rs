@@ -4,10 +4,8 @@
 use gfmd_problem::{Facts, Part, Task};
 use gfmd_record::{ARRAYS, COLUMNS, Column, Number, STATISTICS};
 
+use crate::classes::{Property, class, compare, quantity};
 use crate::parts::all_facts;
-
-/// The longest line of the file.
-const WIDTH: usize = 120;
 
 const HEAD: &str = r#""""The numbers and fields of states, with their units and definitions.
 
@@ -28,49 +26,6 @@ from ._record import Record
 if TYPE_CHECKING:
     from ._load import Residual
 "#;
-
-/// A property of a class: its name, its type, its definition, and the way to its value.
-struct Property {
-    name: String,
-    of: &'static str,
-    text: String,
-    value: String,
-}
-
-impl Property {
-    /// A value of the mapping that a record is.
-    fn of_record(name: String, of: &'static str, text: String) -> Self {
-        let value = format!("self._value(\"{name}\")");
-        Self { name, of, text, value }
-    }
-}
-
-/// The text of a class.
-fn class(name: &str, base: &str, text: &str, properties: &[Property]) -> String {
-    let head = format!("\n\nclass {name}{base}:\n    \"\"\"{text}\"\"\"\n");
-    properties.iter().fold(head, |class, Property { name, of, text, value }| {
-        let text = filled(&format!("\"\"\"{text}"), 8);
-        class + &format!("\n    @property\n    def {name}(self) -> {of}:\n{text}\n        return {value}\n")
-    })
-}
-
-/// The lines of a docstring that begins with its quotes, which are closed below the last one if there are several.
-fn filled(text: &str, indent: usize) -> String {
-    let margin = " ".repeat(indent);
-    let mut lines = vec![margin.clone()];
-    for word in text.split(' ') {
-        let last = lines.last_mut().unwrap();
-        if last.trim().is_empty() {
-            last.push_str(word);
-        } else if last.len() + 1 + word.len() > WIDTH - 3 {
-            lines.push(format!("{margin}{word}"));
-        } else {
-            *last += &format!(" {word}");
-        }
-    }
-    let end = if lines.len() > 1 { format!("\n{margin}\"\"\"") } else { "\"\"\"".to_owned() };
-    lines.join("\n") + &end
-}
 
 /// The words for the problems of which something holds, by their options in Python; `None` for all of them.
 fn condition(facts: &[Facts], holds: impl Fn(&Facts) -> bool) -> Option<String> {
@@ -126,16 +81,6 @@ fn definitions(facts: &[Facts], meanings: &[&str], of: impl Fn(&Facts) -> &'stat
         let words = condition(facts, |f| place(f) <= Some(place_of)).unwrap_or_default();
         format!("{texts}. {words}: {text}")
     })
-}
-
-/// The kind of quantity at the beginning of a definition.
-fn quantity(unit: &str) -> String {
-    let words = match unit {
-        "1" => "without unit".to_owned(),
-        "s" => "seconds".to_owned(),
-        unit => unit.replace('*', " * "),
-    };
-    words[..1].to_uppercase() + &words[1..]
 }
 
 /// The shape, and the types of numbers, of the numbers of one state, or of the arrays over several ones.
@@ -288,11 +233,7 @@ fn the_classes_of_python_have_the_columns() {
         classes.concat()
     );
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/python/gfmd/_columns.py");
-    if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
-        std::fs::write(file, &text).unwrap();
-    }
-    assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
-    assert_eq!(std::fs::read_to_string(file).unwrap(), text);
+    compare(file, &text);
 }
 
 /// The numbers of a flow by their names, with their places in its object.
