@@ -17,6 +17,7 @@
 //! # Ok::<(), gfmd_run::failure::Failure>(())
 //! ```
 
+mod allocator;
 pub mod body;
 pub mod check;
 mod checking;
