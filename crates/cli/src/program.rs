@@ -146,9 +146,9 @@ pub fn keep_freed_memory() {
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
     // SAFETY: the allocator takes its lock, and the settings accept any value.
     unsafe {
-        use nix::libc::{M_ARENA_MAX, M_MMAP_MAX, M_TOP_PAD, M_TRIM_THRESHOLD, mallopt};
+        use nix::libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TOP_PAD, M_TRIM_THRESHOLD, mallopt};
         mallopt(M_ARENA_MAX, 1);
-        mallopt(M_MMAP_MAX, 0);
+        mallopt(M_MMAP_THRESHOLD, 1 << 24);
         mallopt(M_TRIM_THRESHOLD, -1);
         mallopt(M_TOP_PAD, 1 << 26);
     }
