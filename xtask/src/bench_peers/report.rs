@@ -181,18 +181,16 @@ impl Report {
     }
 
     fn costs(&self, threads: usize) -> Table {
-        let title = format!("Cost in pairs of FFTW, {}; in brackets: ratio to the first", in_words(threads));
+        let title = format!(
+            "Cost in pairs of FFTW, {}; in brackets: ratio to the first; seconds are cost times pair",
+            in_words(threads)
+        );
         self.by_case(threads, title, |entry| {
             if entry.name == self.contestants[0] {
                 return format!("{:.0}", entry.cost);
             }
             format!("{:.0} ({:.1})", entry.cost, entry.slower)
         })
-    }
-
-    fn seconds(&self, threads: usize) -> Table {
-        let title = format!("Seconds, {}", in_words(threads));
-        self.by_case(threads, title, |entry| format!("{:.4}", entry.seconds))
     }
 
     fn work(&self, threads: usize) -> Table {
@@ -203,12 +201,18 @@ impl Report {
         })
     }
 
-    fn certificates(&self, threads: usize) -> Table {
-        let title = "Certified residual / rms difference of the pressure / points that differ in contact";
-        self.by_case(threads, title.into(), |entry| {
-            let differs = entry.verdict.differs;
-            format!("{:.1e} / {:.0e} / {}", entry.verdict.worst(), differs.pressure, differs.points)
-        })
+    /// The largest certified residual and the largest differences from the first contestant, in words.
+    fn certificate(&self) -> String {
+        let timings = self.cases.iter().flat_map(|case| &case.timings);
+        let verdicts: Vec<&Verdict> = timings.flat_map(|timing| &timing.entries).map(|entry| &entry.verdict).collect();
+        let worst = |value: fn(&Verdict) -> f64| gfmd_relax::worst(verdicts.iter().map(|verdict| value(verdict)));
+        let points = verdicts.iter().map(|verdict| verdict.differs.points).max().unwrap_or(0);
+        format!(
+            "The largest certified residual is {:.1e}; pressures differ by at most {:.0e} (rms, relative), contacts in at most\n\
+             {points} points.",
+            worst(Verdict::worst),
+            worst(|verdict| verdict.differs.pressure)
+        )
     }
 
     /// A table of the largest memory of each contestant at each size and number of threads.
@@ -271,14 +275,9 @@ impl Report {
         Table { title, head, rows }
     }
 
-    fn tables(&self) -> Vec<Table> {
-        let threads = self.threads();
-        let first = threads.first().copied().unwrap_or(1);
-        let mut tables = vec![self.ratios()];
-        tables.extend(threads.iter().map(|t| self.costs(*t)));
-        tables.extend(threads.iter().map(|t| self.seconds(*t)));
-        tables.extend([self.work(first), self.memory(), self.certificates(first)]);
-        tables
+    fn tables(&self) -> [Table; 4] {
+        let first = self.threads().first().copied().unwrap_or(1);
+        [self.ratios(), self.costs(first), self.work(first), self.memory()]
     }
 
     /// A warning if other processes used the processor during the run.
@@ -327,7 +326,8 @@ impl Report {
         }
         let _ = write!(
             page,
-            "{kept}{}",
+            "{}\n\n{kept}{}",
+            self.certificate(),
             include_str!("method.md")
                 .replace("{tolerance}", &format!("{tolerance:e}"))
                 .replace("{agreement}", &format!("{AGREEMENT:e}"))
@@ -342,6 +342,7 @@ impl fmt::Display for Report {
         for table in self.tables() {
             writeln!(f, "{table}")?;
         }
+        writeln!(f, "{}", self.certificate())?;
         for note in self.disturbance().iter().chain(&self.notes) {
             writeln!(f, "note: {note}")?;
         }

@@ -84,16 +84,14 @@ impl AnyLoad {
     }
 
     pub(super) fn tables(&self) -> Vec<Table> {
-        let mut tables = vec![self.summary()];
-        tables.extend(self.blocks.iter().map(|block| block.table("Effort and certificate", ToString::to_string)));
-        if self.timed {
-            let seconds = |cell: &Cell| match (cell.certified, cell.seconds) {
-                (true, Some(seconds)) => format!("{seconds:.3}"),
-                _ => "✗".into(),
-            };
-            tables.extend(self.blocks.iter().map(|block| block.table("Seconds", seconds)));
-        }
-        tables
+        let (title, timed) =
+            if self.timed { ("Effort, certificate, seconds", true) } else { ("Effort and certificate", false) };
+        let cell = |cell: &Cell| match cell.seconds {
+            Some(seconds) if timed && cell.certified => format!("{cell}, {seconds:.3}"),
+            _ => cell.to_string(),
+        };
+        let blocks = self.blocks.iter().map(|block| block.table(title, cell));
+        std::iter::once(self.summary()).chain(blocks).collect()
     }
 
     /// The results that are not certified, one line for each contestant and surface.
@@ -116,6 +114,7 @@ impl AnyLoad {
         let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
         let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
         let flag = if self.timed { "" } else { " --without-times" };
+        let seconds = if self.timed { ", and the seconds of the solution" } else { "" };
         let busy = if self.timed {
             ""
         } else {
@@ -131,7 +130,7 @@ impl AnyLoad {
              {date}. {machine}. Commit {short}. {versions}.\n\n\
              {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, shortest \
              wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that a program computed (the iterations, it., if it does not \
-             count them) and the residual of its pressure by the certificate below, at most {tolerance:e}. ✗: not certified, with \
+             count them), the residual of its pressure by the certificate below, at most {tolerance:e}{seconds}. ✗: not certified, with \
              the residual reached and the deviation of the pressure (rms, relative to that of gfmd, if above 0.1 %), or no result within {patience} s.\n\n{busy}"
         );
         for note in &self.notes {
