@@ -1,4 +1,4 @@
-"""The source's punch by finite elements with its own nodes: trilinear elements on the 128 x 128 nodes of the surface.
+"""The punch of the thesis by finite elements with its own nodes: trilinear elements on the 128 x 128 nodes of the surface.
 
 A sticking square punch a quarter of the cell wide holds the nodes strictly inside its edge (eq. 4.7); all other nodes of the surface
 are free, the base is fixed, the cell repeats. The elements are bricks of the spacing of the surface, `layers` of them along the

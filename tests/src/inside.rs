@@ -94,7 +94,7 @@ fn waves(reference: &Reference) -> Result<[Check; 3], ValidationError> {
     ])
 }
 
-/// The punch of the source's chapter 4: side of the cell and height of the slab, and depth.
+/// The punch of chapter 4 of the thesis: side of the cell and height of the slab, and depth.
 const LENGTH: f64 = 1.27;
 const DEPTH: f64 = 0.005;
 
@@ -245,7 +245,7 @@ fn energy_inside(interior: &Interior, height: f64) -> Result<f64, ValidationErro
     Ok(sum * height / (3 * STEPS) as f64)
 }
 
-/// Figures 3.9 to 3.11 of the source: cos(2πx) on a surface that is held sideways, in three dimensions and in two; and
+/// Figures 3.9 to 3.11 of the thesis: cos(2πx) on a surface that is held sideways, in three dimensions and in two; and
 /// figure 3.2, two waves that cross.
 fn single_modes() -> Result<[Check; 2], ValidationError> {
     let body = Body::slab(Material::from_young(1.0, 0.33)?, 1.0)?;

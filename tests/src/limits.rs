@@ -77,7 +77,7 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// The formulas that eq. 3.18 prints, in the variables of the source, against the factors by which they differ from K; and the
+/// The formulas that eq. 3.18 prints, in the variables of the thesis, against the factors by which they differ from K; and the
 /// formulas for K of theory.md, section 2.
 fn printed_matrix() -> Result<[Worst; 4], ValidationError> {
     let [mut diagonal, mut others, mut coupling, mut repaired] = [Worst::new(); 4];

@@ -112,7 +112,7 @@ impl Case<'_> {
         Ok(worst.check("square, 64 points, three kinds of dynamics: displacement over the depth", DISCRETE, 1e-8))
     }
 
-    /// The error measure of the source, with points on the edge held.
+    /// The error measure of the thesis, with points on the edge held.
     fn nearness(&self) -> Result<Vec<Check>, ValidationError> {
         let continuum = self.displacement("continuum_u_n128")?;
         let grids = if self.line { vec![128] } else { vec![64, 128, 256] };
@@ -136,7 +136,7 @@ impl Case<'_> {
         Ok(checks)
     }
 
-    /// The set-up of the source, points on the edge not held: against the sharp-edged punch, and, as the source compares (eq.
+    /// The set-up of the thesis, points on the edge not held: against the sharp-edged punch, and, as the thesis compares (eq.
     /// 4.13, where it finds 0.00196 with elements that it does not describe in full), against elements on the same nodes.
     fn strict(&self) -> Result<[Check; 3], ValidationError> {
         let solution = self.solve(128, Edge::Strict)?;

@@ -41,7 +41,7 @@ pub use comparison::Comparison;
 pub use refinement::Refinement;
 pub use report::Report;
 
-/// Flags of `punch`. The defaults are the case of the source: lengths in micrometres, stress in GPa.
+/// Flags of `punch`. The defaults are the case of the thesis (theory.md, section 0): lengths in micrometres, stress in GPa.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(

@@ -1,4 +1,4 @@
-//! Contact with all components of the surface displacement, as in the source of the method: the lateral traction is
+//! Contact with all components of the surface displacement, as in the thesis (theory.md, section 0): the lateral traction is
 //! zero, and u_x and u_y are unknown (theory.md, section 3, frictionless).
 
 use std::sync::Arc;

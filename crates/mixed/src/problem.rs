@@ -38,7 +38,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// The time step of [`Method::VerletCritical`] over the stability limit. The source gives Δt = 0.25 without a unit
+    /// The time step of [`Method::VerletCritical`] over the stability limit. The thesis gives Δt = 0.25 without a unit
     /// (docs/solvers.md).
     pub const TIME_STEP: f64 = 0.25;
 }

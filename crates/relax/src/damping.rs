@@ -29,10 +29,10 @@ pub struct Damping {
 /// Damping coefficients η relative to critical ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Factors {
-    /// One η for all entries, over the critical one of the softest mode (source thesis, eq. 4.8).
+    /// One η for all entries, over the critical one of the softest mode (thesis, eq. 4.8).
     Softest(f64),
     /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m,
-    /// C44/z_m, C11/z_m on a bonded slab (source thesis, eq. 4.5).
+    /// C44/z_m, C11/z_m on a bonded slab (thesis, eq. 4.5).
     Components([f64; 3]),
 }
 

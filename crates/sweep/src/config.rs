@@ -77,7 +77,7 @@ pub enum Method {
     Sra,
     /// Random midpoint displacement, restricted in the same way.
     Rmd,
-    /// The exponent printed in the source thesis, eq. 5.5, h ~ 1/q^(2(1+H)): a surface of the Hurst exponent 1 + 2H,
+    /// The exponent printed in the thesis, eq. 5.5, h ~ 1/q^(2(1+H)): a surface of the Hurst exponent 1 + 2H,
     /// which is at most 1 for H = 0 only.
     Printed,
 }

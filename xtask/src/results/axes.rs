@@ -66,7 +66,7 @@ pub(super) fn surfaces(summaries: &Summaries) -> Result<String, Failure> {
         ("roll-off at half of the longest wavelength", "0.8", "roll-off0.5-h0.8"),
         ("roll-off at a quarter of it", "0.8", "roll-off0.25-h0.8"),
         ("spectrum (psd)", "0", "half-space-h0.0-nu0.0"),
-        ("exponent as printed in the source, 2(1 + H)", "0", "method-printed-h0.0"),
+        ("exponent as printed in the thesis, 2(1 + H)", "0", "method-printed-h0.0"),
     ];
     let mut text = String::from("| surface | H | κ | perimeter corrected |\n|---|---|---|---|\n");
     for (what, hurst, name) in rows {

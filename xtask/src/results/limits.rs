@@ -1,4 +1,4 @@
-//! Table 5.1 of the source: kappa of other authors, beside ours under their conditions.
+//! Table 5.1 of the thesis: kappa of other authors, beside ours under their conditions.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use gfmd_run::failure::Failure;
 use super::kappa;
 use super::summary::Summaries;
 
-/// A row of the source's table: authors, H, kappa, 1/eps_c, 1/eps_f, 1/eps_t as printed; the conditions for which ours stands.
+/// A row of that table: authors, H, kappa, 1/eps_c, 1/eps_f, 1/eps_t as printed; the conditions for which ours stands.
 struct Row {
     authors: &'static str,
     hurst: &'static str,

@@ -1,4 +1,4 @@
-//! The source's protocol: table 5.2 and figure 5.1.
+//! The protocol of the thesis: table 5.2 and figure 5.1.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use gfmd_run::failure::Failure;
 
 use super::summary::{Protocol, Summaries, Summary, or_none};
 
-/// The cells about which the source extrapolates, with its C_c, alpha_c, C_f, alpha_f, kappa_TFC.
+/// The cells about which the thesis extrapolates, with its C_c, alpha_c, C_f, alpha_f, kappa_TFC.
 const PRINTED: [([f64; 2], [f64; 5]); 2] = [
     ([256.0, 4.0], [2.640_09, 0.991_761, 10.24, 1.0, 2.2]),
     ([256.0, 8.0], [2.640_09, 0.991_761, 9.310_12, 0.965_235, 2.0]),
@@ -22,7 +22,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
         let undone = kappa + c * cell[1].powf(-alpha_c) + f * cell[0].powf(-alpha_f);
         let _ = writeln!(
             text,
-            "| source: 2, {}, {} | {undone:.3} (undone) | {c} | {alpha_c} | {f} | {alpha_f} | {kappa} |",
+            "| thesis: 2, {}, {} | {undone:.3} (undone) | {c} | {alpha_c} | {f} | {alpha_f} | {kappa} |",
             cell[0], cell[1]
         );
     }

@@ -1,4 +1,4 @@
-//! The figures of docs/validation.md, modelled on those of the source thesis.
+//! The figures of docs/validation.md, modelled on those of the thesis.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
