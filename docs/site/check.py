@@ -81,6 +81,8 @@ OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clie
 IMAGES = """[...document.images].filter(i => { i.loading = 'eager'; return i.offsetParent !== null; })
     .filter(i => !(i.complete && i.naturalWidth > 0)).map(i => i.src)"""
 NAMELESS = """[...document.images].filter(i => !i.alt || i.alt.endsWith(i.src.split('/').pop())).map(i => i.src)"""
+FONT = """document.querySelector('math') === null ||
+    [...document.fonts].some(font => font.family.includes('STIX Two Math') && font.status === 'loaded')"""
 LINKS = "all => all.map(a => a.getAttribute('href'))"
 FORMULAS = """[...document.querySelectorAll('math')].filter(m => { const r = m.getBoundingClientRect();
     return r.width < 2 || r.height < 2; }).length"""
@@ -123,6 +125,8 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                     wrong += [f"{where}: the image {source} has no description" for source in page.evaluate(NAMELESS)]
                     if empty := page.evaluate(FORMULAS):
                         wrong.append(f"{where}: {empty} formulas are empty")
+                    if not page.evaluate(FONT):
+                        wrong.append(f"{where}: the font of formulas is not loaded")
                     if shots and name in SHOTS:
                         shots.mkdir(parents=True, exist_ok=True)
                         shot = shots / f"{name.replace('/', '-')[:-5]}-{width}-{scheme}.png"
