@@ -303,7 +303,7 @@ fn the_page_has_the_rules() {
          small grid.\n\
          `gfmd contact --help` and `gfmd path --help` print the same lists.\n\n\
          ## `contact`\n\n{}\n## `path`\n\n{}\n## `wear`\n\n\
-         - as `path`, without {}\n\n## Reasons\n\n{}",
+         - as `path`; refused besides: {}\n\n## Reasons\n\n{}",
         lines(Task::Loads),
         lines(Task::Path),
         rules_of_wear().join(", "),
