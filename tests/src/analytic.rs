@@ -50,8 +50,8 @@ fn mean_gap(solution: &Solution) -> f64 {
     solution.gap.mean().unwrap_or(f64::NAN)
 }
 
-/// The errors on one grid, as root mean square over contacts that are shifted by parts of the spacing. The error of a single
-/// contact would jump with the position of its edge between two points.
+/// The errors on one grid, as root mean square over contacts that are shifted by parts of the spacing. The error of a
+/// single contact would jump with the position of its edge between two points.
 fn shifted<const K: usize>(
     n: usize,
     errors: impl Fn(f64) -> Result<[f64; K], ValidationError>,

@@ -1,5 +1,5 @@
-//! Contacts with free boundaries, a hardness, or both: dense solutions of small problems, and closed forms on a patch, whose errors must fall with
-//! the grid spacing at an order that is measured here.
+//! Contacts with free boundaries, a hardness, or both: dense solutions of small problems, and closed forms on a patch,
+//! whose errors must fall with the grid spacing at an order that is measured here.
 
 use std::f64::consts::PI;
 

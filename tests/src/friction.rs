@@ -1,5 +1,5 @@
-//! Contacts with friction in which pressure and shear act on each other, on slabs and for ν < ½: dense solutions of small problems. And the tangential stiffness
-//! of rough contacts.
+//! Contacts with friction in which pressure and shear act on each other, on slabs and for ν < ½: dense solutions of
+//! small problems. And the tangential stiffness of rough contacts.
 
 use std::sync::Arc;
 
@@ -87,7 +87,8 @@ pub(crate) fn follow(
     Ok(worst.check(format!("{name}: pressure and shear of all increments"), source, 1e-8))
 }
 
-/// The tangential over the normal stiffness of a rough contact, against that of a circle. The points in contact stick, and the pressure stays.
+/// The tangential over the normal stiffness of a rough contact, against that of a circle. The points in contact stick,
+/// and the pressure stays.
 fn tangential_stiffness() -> Result<Check, ValidationError> {
     let mut worst = Worst::new();
     for poisson in [0.0, 0.3, 0.5] {

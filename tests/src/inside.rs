@@ -126,7 +126,8 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
         for ((i, _, axis), wanted) in displacements.indexed_iter().filter(|((_, k, _), _)| *k == level) {
             displacement.compare_to(u[axis][middle(i)], *wanted, DEPTH);
         }
-        // The surface is left out: the file has derivatives along Nyquist directions there, which fields on a grid do not.
+        // The surface is left out: the file has derivatives along Nyquist directions there, which fields on a grid do
+        // not.
         for ((i, _, k), wanted) in stresses.indexed_iter().filter(|((_, k, _), _)| *k == level && level < 8) {
             stress.compare_to(states[middle(i)].stress[k], *wanted, largest);
         }
@@ -137,9 +138,9 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     ])
 }
 
-/// The comparison with finite elements of the continuum, below a punch with sharp edges, up to three quarters of the height.
-/// The displacement of the surface is theirs, too, at the points of a grid, so that only the values between the points near
-/// the edges differ.
+/// The comparison with finite elements of the continuum, below a punch with sharp edges, up to three quarters of the
+/// height. The displacement of the surface is theirs, too, at the points of a grid, so that only the values between the
+/// points near the edges differ.
 fn finite_elements(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     const ELEMENTS: &str = "finite elements of high order, sharp edges";
     let coarse = below_sharp_punch(reference, 64)?;

@@ -67,7 +67,8 @@ fn three_dimensions(reference: &Reference) -> Result<Worst, ValidationError> {
                 [("xx", m[0][0].re), ("xy", m[0][1].re), ("xy", m[1][0].re), ("yy", m[1][1].re), ("zz", m[2][2].re)]
             {
                 let wanted = row.get(&format!("{letter}{name}"));
-                // Entry xy is the difference of two numbers that are equal at ν = 0, so its error is that of its neighbours.
+                // Entry xy is the difference of two numbers that are equal at ν = 0, so its error is that of its
+                // neighbours.
                 worst.compare_to(found, wanted, if name == "xy" { m[0][0].re } else { wanted.abs() });
             }
             for (name, found) in [("xz", m[0][2]), ("xz", m[2][0].conj()), ("yz", m[1][2]), ("yz", m[2][1].conj())] {

@@ -1,5 +1,5 @@
-//! Layered bodies on every base, and pairs of bodies: dense solutions of small problems, stresses on either side of interfaces, and closed
-//! forms of thin layers.
+//! Layered bodies on every base, and pairs of bodies: dense solutions of small problems, stresses on either side of
+//! interfaces, and closed forms of thin layers.
 
 use gfmd_body::Interior;
 use gfmd_contact::{Contact, Equilibrium, Load, Solver};
@@ -206,8 +206,9 @@ impl File {
     }
 }
 
-/// A cylinder on a thin layer: the layer deforms point by point, with the modulus C11 on a bonded base, E* on a sliding one, where
-/// moreover the lateral stress of the confined layer is uniform (theory.md, section 4.1). The error falls with h/a.
+/// A cylinder on a thin layer: the layer deforms point by point, with the modulus C11 on a bonded base, E* on a sliding
+/// one, where moreover the lateral stress of the confined layer is uniform (theory.md, section 4.1). The error falls
+/// with h/a.
 fn thin_layers() -> Result<Vec<Check>, ValidationError> {
     let material = Material::from_young(1.0, 0.25)?;
     let (n, a, radius) = (4096_u16, 0.2_f64, 1.0);
@@ -247,8 +248,8 @@ fn thin_layers() -> Result<Vec<Check>, ValidationError> {
     Ok(checks)
 }
 
-/// A rigid strip without friction on a thin bonded layer: below it the layer is compressed uniformly, with the modulus C11; the edges
-/// add a part that falls with h/a.
+/// A rigid strip without friction on a thin bonded layer: below it the layer is compressed uniformly, with the modulus
+/// C11; the edges add a part that falls with h/a.
 fn strip() -> Result<[Check; 2], ValidationError> {
     let material = Material::from_young(1.0, 0.25)?;
     let (grid, punch) = (Grid::line(4096, 1.0)?, FlatPunch::new(0.25, Edge::Inclusive)?);

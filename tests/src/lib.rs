@@ -1,8 +1,8 @@
 //! Validation: what the crates compute against references, closed forms and identities.
 //!
-//! A [`Check`] is a number and the bound it must meet. [`TOPICS`] lists the functions that make them, one file each; `cargo
-//! test` asserts them, and `cargo xtask verify` prints them and writes docs/validation.md. To add a topic: a file with a
-//! function of a [`Reference`], and its line in [`TOPICS`].
+//! A [`Check`] is a number and the bound it must meet. [`TOPICS`] lists the functions that make them, one file each;
+//! `cargo test` asserts them, and `cargo xtask verify` prints them and writes docs/validation.md. To add a topic: a
+//! file with a function of a [`Reference`], and its line in [`TOPICS`].
 //!
 //! Beside them: short ways to pose a contact problem.
 

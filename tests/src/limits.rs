@@ -1,5 +1,5 @@
-//! Tables 3.1 to 3.3 of the thesis, as they should read, and eq. 3.18 as it is printed: its matrix M is K/2 (theory.md, section
-//! 12).
+//! Tables 3.1 to 3.3 of the thesis, as they should read, and eq. 3.18 as it is printed: its matrix M is K/2 (theory.md,
+//! section 12).
 
 use gfmd_green::{Body, Material};
 
@@ -77,8 +77,8 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// The formulas that eq. 3.18 prints, in the variables of the thesis, against the factors by which they differ from K; and the
-/// formulas for K of theory.md, section 2.
+/// The formulas that eq. 3.18 prints, in the variables of the thesis, against the factors by which they differ from K;
+/// and the formulas for K of theory.md, section 2.
 fn printed_matrix() -> Result<[Worst; 4], ValidationError> {
     let [mut diagonal, mut others, mut coupling, mut repaired] = [Worst::new(); 4];
     for poisson in [-0.3, 0.0, 0.25, 0.33, 0.45] {

@@ -1,4 +1,5 @@
-//! A hardness for each point, on half-spaces and layers, and the plastic depth along a path: dense solutions of small problems.
+//! A hardness for each point, on half-spaces and layers, and the plastic depth along a path: dense solutions of small
+//! problems.
 
 use gfmd_contact::{Boundary, Budget, Contact, Hardness, Load, Solver};
 use gfmd_field::Grid;

@@ -136,8 +136,9 @@ impl Case<'_> {
         Ok(checks)
     }
 
-    /// The set-up of the thesis, points on the edge not held: against the sharp-edged punch, and, as the thesis compares (eq.
-    /// 4.13, where it finds 0.00196 with elements that it does not describe in full), against elements on the same nodes.
+    /// The set-up of the thesis, points on the edge not held: against the sharp-edged punch, and, as the thesis
+    /// compares (eq. 4.13, where it finds 0.00196 with elements that it does not describe in full), against elements on
+    /// the same nodes.
     fn strict(&self) -> Result<[Check; 3], ValidationError> {
         let solution = self.solve(128, Edge::Strict)?;
         let [x, _] = rms(&solution, &self.displacement("continuum_u_n128")?);
@@ -152,8 +153,8 @@ impl Case<'_> {
         ])
     }
 
-    /// The errors of the mean pressure on the grids n, 2 n, 4 n. Their order is one, and extrapolation of the first and second
-    /// power of the spacing removes them.
+    /// The errors of the mean pressure on the grids n, 2 n, 4 n. Their order is one, and extrapolation of the first and
+    /// second power of the spacing removes them.
     fn force(&self, what: &str, n: usize, [order, limit]: [f64; 2]) -> Result<[Check; 2], ValidationError> {
         let continuum = self.continuum()?;
         let [mut orders, mut limits] = [Worst::new(); 2];

@@ -1,5 +1,5 @@
-//! `accuracy`: the estimates of the error of the grid, compared with closed forms and with solutions on grids 8 times finer, of
-//! new surfaces.
+//! `accuracy`: the estimates of the error of the grid, compared with closed forms and with solutions on grids 8 times
+//! finer, of new surfaces.
 
 mod case;
 
@@ -52,8 +52,8 @@ pub struct Report {
     pub patches: u64,
     pub alike: u64,
     pub first_seed: u64,
-    /// By the mode of `--grid-error` or the kind of the surface, then by the name of the number, then by the surfaces and loads:
-    /// `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
+    /// By the mode of `--grid-error` or the kind of the surface, then by the name of the number, then by the surfaces
+    /// and loads: `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
     pub modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>>,
 }
 
@@ -211,8 +211,8 @@ impl std::fmt::Display for Report {
         let Self { seeds, patches, alike, first_seed, .. } = self;
         writeln!(
             f,
-            "{seeds} surfaces, {patches} rough spheres with free boundaries, {alike} spheres, waves and adhesive summits each, from \
-             seed {first_seed}"
+            "{seeds} surfaces, {patches} rough spheres with free boundaries, {alike} spheres, waves and adhesive \
+             summits each, from seed {first_seed}"
         )?;
         for (mode, numbers) in &self.modes {
             writeln!(f, "\n{mode}")?;

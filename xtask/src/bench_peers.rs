@@ -68,11 +68,17 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "P,..")]
     pub p_star: Vec<f64>,
     /// The surroundings of the surfaces
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic, conflicts_with = "any_load")]
+    #[arg(
+        long,
+        value_parser = parse_choice::<Boundary>(),
+        default_value_t = Boundary::Periodic,
+        conflicts_with = "any_load"
+    )]
     #[serde(with = "named")]
     pub boundary: Boundary,
-    /// A table of all loads, from first touch to full contact, with periodic and free boundaries and with a hardness: what every
-    /// program reaches there, judged by one certificate, and what fails. Each is asked for --tol, and up to twice for less
+    /// A table of all loads, from first touch to full contact, with periodic and free boundaries and with a hardness:
+    /// what every program reaches there, judged by one certificate, and what fails. Each is asked for --tol, and up to
+    /// twice for less
     #[arg(long, conflicts_with_all = ["quick", "solvers"])]
     pub any_load: bool,
     /// With --any-load: leave times out, as on a machine that is not idle
@@ -94,11 +100,16 @@ pub struct Args {
     #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
     pub tol: f64,
     /// Solvers of this program to run
-    #[arg(long, value_parser = parse_choice::<Solver>(), value_delimiter = ',', default_values_t = [Solver::Auto, Solver::PolonskyKeer])]
+    #[arg(
+        long,
+        value_parser = parse_choice::<Solver>(),
+        value_delimiter = ',',
+        default_values_t = [Solver::Auto, Solver::PolonskyKeer]
+    )]
     #[serde(serialize_with = "names")]
     pub solvers: Vec<Solver>,
-    /// Peers (other programs) to run, of those that are installed [default: tamaas,contact-mechanics,no-restart,aspher; with
-    /// free boundaries tamaas,contact-mechanics,aspher,hertzian; with --any-load all]
+    /// Peers (other programs) to run, of those that are installed [default: tamaas,contact-mechanics,no-restart,aspher;
+    /// with free boundaries tamaas,contact-mechanics,aspher,hertzian; with --any-load all]
     #[arg(long, value_enum, value_delimiter = ',')]
     pub peers: Vec<Peer>,
     /// FFTW used by Tamaas
@@ -107,7 +118,8 @@ pub struct Args {
     /// Smallest number of solves up to 1024 x 1024 points; larger ones may run once. The median is reported
     #[arg(long, default_value_t = 3, value_name = "K")]
     pub repeats: usize,
-    /// Time limit: a peer is left out of a case that takes it longer, or is expected to [default: 1800; with --any-load and --adhesion 60]
+    /// Time limit: a peer is left out of a case that takes it longer, or is expected to
+    /// [default: 1800; with --any-load and --adhesion 60]
     #[arg(long, value_name = "SECONDS")]
     pub patience: Option<f64>,
     /// A smoke run: 128 and 256 points, H = 0.8, p* = 0.05, one repeat
@@ -119,8 +131,8 @@ pub struct Args {
     /// Folder of the environment, created if missing [default: bench-peers/venv beside the build]
     #[arg(long, value_name = "FOLDER")]
     pub venv: Option<PathBuf>,
-    /// Continue an interrupted run: its finished cases are taken as they are. It must have had the same settings, program,
-    /// peers and machine
+    /// Continue an interrupted run: its finished cases are taken as they are. It must have had the same settings,
+    /// program, peers and machine
     #[arg(long)]
     pub resume: bool,
     /// Write the documentation page [default: docs/benchmarks.md; with --any-load docs/any-load.md; with --creep
@@ -149,8 +161,8 @@ pub enum Peer {
     TamaasRegistered,
     /// ASPHER, its nested grids
     Aspher,
-    /// ASPHER with its active set, which leaves points out, and the H2 operator, an approximation, which that needs (free
-    /// boundaries)
+    /// ASPHER with its active set, which leaves points out, and the H2 operator, an approximation, which that needs
+    /// (free boundaries)
     AspherActive,
     /// hertzian, which has free boundaries only; install it into the environment from its repository
     Hertzian,
@@ -332,8 +344,8 @@ impl fmt::Display for Made {
 /// Runs the command. After a failure the finished cases are kept in a file, which the message names.
 ///
 /// # Errors
-/// Invalid input; an environment that cannot be created; a failed solve of this program; without `--any-load` a result whose
-/// certified residual exceeds the tolerance, or which differs from that of the first contestant.
+/// Invalid input; an environment that cannot be created; a failed solve of this program; without `--any-load` a result
+/// whose certified residual exceeds the tolerance, or which differs from that of the first contestant.
 pub fn run(args: &Args, session: &Session) -> Result<Made, Failure> {
     let mut args = args.resolved();
     args.check()?;

@@ -1,5 +1,5 @@
-//! `finite`: what self-affine surfaces of finite spectra have besides κ: mean gap, stiffness, pressure and its distribution, and the
-//! load at which contacts percolate.
+//! `finite`: what self-affine surfaces of finite spectra have besides κ: mean gap, stiffness, pressure and its
+//! distribution, and the load at which contacts percolate.
 
 mod high;
 
@@ -34,8 +34,8 @@ const REDUCED: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 /// The loads p λ_l/(E* h_rms), which do not depend on the short waves.
 const OF_LONG_WAVES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 
-/// Reduced pressures between which contacts percolate, each this factor over the one before, and the number of times that the
-/// interval in which they begin to is halved.
+/// Reduced pressures between which contacts percolate, each this factor over the one before, and the number of times
+/// that the interval in which they begin to is halved.
 const LIGHTEST: f64 = 0.12;
 const FACTOR: f64 = 1.12;
 const STEPS: i32 = 18;
@@ -86,7 +86,8 @@ pub struct Kind {
     /// Under the given reduced pressures, the part of the surface with more than each of [`PRESSURES`], over p/(E* ḡ).
     pub above: Vec<Vec<Known>>,
     pub of_long_waves: Vec<Numbers>,
-    /// The reduced pressure and the area fraction at which contacts percolate along an axis, and the gap closes across it.
+    /// The reduced pressure and the area fraction at which contacts percolate along an axis, and the gap closes across
+    /// it.
     pub percolation: [Known; 2],
 }
 
@@ -105,8 +106,8 @@ pub struct Numbers {
     pub rms_pressure: Option<Known>,
 }
 
-/// The numbers of one surface: the height, four numbers with their errors for each load, the parts with high pressure for each reduced
-/// pressure, the load and area of percolation.
+/// The numbers of one surface: the height, four numbers with their errors for each load, the parts with high pressure
+/// for each reduced pressure, the load and area of percolation.
 struct Found {
     height: f64,
     loads: Vec<Option<[Known; 4]>>,
@@ -114,8 +115,8 @@ struct Found {
     percolation: [Known; 2],
 }
 
-/// Half of the 95 % interval of a mean over numbers that scatter (Student's t to 2 % from four numbers on), with the mean of their own
-/// errors, which may be alike.
+/// Half of the 95 % interval of a mean over numbers that scatter (Student's t to 2 % from four numbers on), with the
+/// mean of their own errors, which may be alike.
 fn mean(numbers: impl Iterator<Item = Known>) -> Known {
     let numbers: Vec<Known> = numbers.collect();
     let count = numbers.len() as f64;
@@ -145,7 +146,8 @@ fn numbers(load: &Value, height: f64) -> Option<[Known; 4]> {
     ])
 }
 
-/// The load and the area at which contacts of a surface percolate, the mean of both axes; first between the loads of a ramp.
+/// The load and the area at which contacts of a surface percolate, the mean of both axes; first between the loads of a
+/// ramp.
 fn percolation(surface: &str, ramp: &[Value]) -> Result<[Known; 2], Failure> {
     let unknown = || Failure::Computation("contacts do not begin to percolate between the loads of the ramp".into());
     let of_axis = |axis: usize| -> Result<[Known; 2], Failure> {

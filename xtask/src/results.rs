@@ -1,5 +1,5 @@
-//! `results`: writes data/results/limits.json, the tables of docs/results.md and its pages, docs/theory.md, docs/accuracy.md and
-//! README.md, and the figures, from the summaries in data/results.
+//! `results`: writes data/results/limits.json, the tables of docs/results.md and its pages, docs/theory.md,
+//! docs/accuracy.md and README.md, and the figures, from the summaries in data/results.
 //!
 //! A table stands between `<!-- results: NAME -->` and `<!-- end -->`; the text around it is written by hand.
 

@@ -1,6 +1,7 @@
 use gfmd_green::Material;
 
-/// The strain and the stress on one plane of a body, point by point, in the memory of a [`Workspace`](crate::Workspace).
+/// The strain and the stress on one plane of a body, point by point, in the memory of a
+/// [`Workspace`](crate::Workspace).
 #[derive(Clone, Copy, Debug)]
 pub struct Deformation<'w> {
     pub(crate) material: Material,

@@ -67,7 +67,8 @@ pub enum InteriorError {
     },
     /// A mean traction of the surface that its mean displacement contradicts.
     #[error(
-        "the mean traction along {axis} is {found}; it must be {expected}, which the mean displacement of the surface says"
+        "the mean traction along {axis} is {found}; it must be {expected}, which the mean displacement of the surface \
+         says"
     )]
     Contradiction {
         /// The component: x, y or z.

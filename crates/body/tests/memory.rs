@@ -1,4 +1,5 @@
-//! A volume takes the memory of a few planes. The test has its own file, since it counts the memory of the whole process.
+//! A volume takes the memory of a few planes. The test has its own file, since it counts the memory of the whole
+//! process.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};

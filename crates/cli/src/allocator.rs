@@ -1,7 +1,7 @@
 //! The allocator of the program and of the Python package: the allocator of the system, with huge pages for fields.
 //!
-//! A field of 1024 x 1024 points has 2048 pages of 4 KiB. Each costs an interruption at its first use, and their addresses do
-//! not fit into the tables of the processor, on which transforms along columns wait.
+//! A field of 1024 x 1024 points has 2048 pages of 4 KiB. Each costs an interruption at its first use, and their
+//! addresses do not fit into the tables of the processor, on which transforms along columns wait.
 
 #![allow(unsafe_code, reason = "an allocator has no other interface")]
 
@@ -13,7 +13,8 @@ static ALLOCATOR: HugePages = HugePages;
 /// The smallest block with huge pages, in bytes.
 const LEAST: usize = 1 << 18;
 
-/// The largest distance from a block to the end of the memory of the process up to which all between has huge pages, in bytes.
+/// The largest distance from a block to the end of the memory of the process up to which all between has huge pages, in
+/// bytes.
 const FAR: usize = 1 << 27;
 
 /// The allocator of the system, which asks Linux for huge pages for large blocks.
@@ -42,8 +43,9 @@ unsafe impl GlobalAlloc for HugePages {
     }
 }
 
-/// The block, after the advice to give it huge pages if it is large, and to all memory behind it that the process has for the
-/// next ones: the allocator writes beside its blocks, and a huge page is possible only where nothing was written before.
+/// The block, after the advice to give it huge pages if it is large, and to all memory behind it that the process has
+/// for the next ones: the allocator writes beside its blocks, and a huge page is possible only where nothing was
+/// written before.
 fn advised(block: *mut u8, size: usize) -> *mut u8 {
     #[cfg(target_os = "linux")]
     if size >= LEAST && !block.is_null() {

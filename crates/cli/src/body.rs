@@ -57,12 +57,13 @@ use volume::{Planes, Volume};
 --draw uy,uz,eyz --plots wave
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --compare elements.npy --plots both")]
 pub struct Args {
-    /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset]
-    /// of this shape; to /fields/displacement_z of a contact, the lateral displacement without friction is added
+    /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or
+    /// FILE.h5[:/dataset] of this shape; to /fields/displacement_z of a contact, the lateral displacement without
+    /// friction is added
     #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"])]
     surface: Option<ArrayOption>,
-    /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves that are
-    /// given add up, other components are zero
+    /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves
+    /// that are given add up, other components are zero
     #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true)]
     wave: Vec<Wave>,
     /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
@@ -72,8 +73,8 @@ pub struct Args {
     /// Number of the load in the file of a contact, from 0; default: the last one
     #[arg(long, value_name = "K")]
     load: Option<usize>,
-    /// Mean traction x, y, z on the surface (x, z of a line; z is less than 0 under pressure), of an array on a body whose mean
-    /// displacement does not say it: a half-space, or incompressible layers; default: 0
+    /// Mean traction x, y, z on the surface (x, z of a line; z is less than 0 under pressure), of an array on a body
+    /// whose mean displacement does not say it: a half-space, or incompressible layers; default: 0
     #[arg(
         long,
         value_delimiter = ',',
@@ -97,8 +98,8 @@ pub struct Args {
     /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
     deepest: Option<f64>,
-    /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane at this
-    /// height above the base (of a half-space: above its surface)
+    /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane
+    /// at this height above the base (of a half-space: above its surface)
     #[arg(long, value_name = "x=X|y=Y|z=Z")]
     slice: Option<Slice>,
     /// Quantities to compute
@@ -108,8 +109,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5|FILE.vti")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Compare what is drawn with another run of this command, FILE.h5, or with FILE.npy: [level, point, component] from the
-    /// surface downwards, [x, y, component] of a plane, with the components of displacement, of stress, or of both
+    /// Compare what is drawn with another run of this command, FILE.h5, or with FILE.npy: [level, point, component]
+    /// from the surface downwards, [x, y, component] of a plane, with the components of displacement, of stress, or of
+    /// both
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     compare: Option<String>,
@@ -388,8 +390,8 @@ impl Args {
             (None, []) => {
                 // Waves say what they are.
                 if self.surface.is_some() && interior.body().level_compliance().contains(&0.0) {
-                    let text = "the displacement of this body does not say the mean traction on it, which is taken as 0 \
-                                where it does not; --mean-traction gives it";
+                    let text = "the displacement of this body does not say the mean traction on it, which is taken as \
+                                0 where it does not; --mean-traction gives it";
                     session.warn("mean-traction", text);
                 }
                 Ok(interior)
@@ -427,8 +429,8 @@ impl Args {
     }
 }
 
-/// The planes at `depths`. One between two layers is taken twice, on either side; with even `levels` those that lie between
-/// them are added, unless they are those of an image.
+/// The planes at `depths`. One between two layers is taken twice, on either side; with even `levels` those that lie
+/// between them are added, unless they are those of an image.
 fn planes(depths: &[f64], body: &Body, levels: bool, is_image: bool) -> Vec<Plane> {
     let at = |depth: f64| Plane { depth, side: None };
     if is_image {

@@ -82,7 +82,13 @@ pub struct Args {
     statistics: bool,
     /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or
     /// inf
-    #[arg(long, default_value = "inf", value_name = "H|inf", value_parser = parse_height, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        default_value = "inf",
+        value_name = "H|inf",
+        value_parser = parse_height,
+        allow_negative_numbers = true
+    )]
     #[serde(skip_serializing_if = "is_infinite", with = "height")]
     conductor_height: Height,
     /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
@@ -516,8 +522,8 @@ impl Measuring<'_> {
     }
 }
 
-/// The stiffness of a state at rest to a relative error, or the reason why it has none; `warn` takes the remark on one that
-/// is less exact than it should be.
+/// The stiffness of a state at rest to a relative error, or the reason why it has none; `warn` takes the remark on one
+/// that is less exact than it should be.
 ///
 /// # Errors
 /// The reason.

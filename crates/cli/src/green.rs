@@ -140,8 +140,8 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     let report = Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside };
     match report.unrepresentable() {
         Some((what, found)) if q != [0.0; 2] => Err(Failure::Input(format!(
-            "--qx is {:e}, --qy {:e} and --young {:e}; every number of the result must be finite, and the {what} has an \
-             entry {found}: choose other units",
+            "--qx is {:e}, --qy {:e} and --young {:e}; every number of the result must be finite, and the {what} has \
+             an entry {found}: choose other units",
             args.qx, args.qy, args.young
         ))),
         _ => Ok(report),

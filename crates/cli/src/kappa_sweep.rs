@@ -48,7 +48,12 @@ use shards::Gathered;
   gfmd kappa-sweep --config sweep.toml --out sweep.h5 --merge")]
 pub struct Args {
     /// Sweep to compute, by name
-    #[arg(long, default_value = Preset::Default.name(), value_parser = parse_choice::<Preset>(), conflicts_with = "config")]
+    #[arg(
+        long,
+        default_value = Preset::Default.name(),
+        value_parser = parse_choice::<Preset>(),
+        conflicts_with = "config"
+    )]
     #[serde(with = "named")]
     pub preset: Preset,
     /// Configuration of a sweep in TOML (docs/interface.md); missing fields are those of the preset "default"
@@ -63,17 +68,22 @@ pub struct Args {
     /// Take the contacts from this result, whose configuration may differ in the fit only, and analyse them anew
     #[arg(long, value_name = "FILE.h5", conflicts_with = "resume")]
     pub runs_of: Option<PathBuf>,
-    /// Compute the K-th (from 0) of M shards of the runs, of about equal work, into a journal beside --out, and no result:
-    /// any scheduler can start them (docs/cluster.md)
+    /// Compute the K-th (from 0) of M shards of the runs, of about equal work, into a journal beside --out, and no
+    /// result: any scheduler can start them (docs/cluster.md)
     #[arg(long, value_name = "K/M", conflicts_with_all = ["runs_of", "merge", "show_config"])]
     #[serde(deserialize_with = "parsed")]
     pub shard: Option<Shard>,
     /// Take the runs from all journals of this sweep beside --out, compute those that are missing, and write the result
     #[arg(long, conflicts_with_all = ["runs_of", "show_config"])]
     pub merge: bool,
-    /// Add surfaces, where they pay most, until the statistical error of kappa_TFC (half of its 95 % interval over its value) is
-    /// at most this: 0.005 for half a percent
-    #[arg(long, value_name = "ERROR", conflicts_with_all = ["runs_of", "shard", "merge"], allow_negative_numbers = true)]
+    /// Add surfaces, where they pay most, until the statistical error of kappa_TFC (half of its 95 % interval over its
+    /// value) is at most this: 0.005 for half a percent
+    #[arg(
+        long,
+        value_name = "ERROR",
+        conflicts_with_all = ["runs_of", "shard", "merge"],
+        allow_negative_numbers = true
+    )]
     pub target: Option<f64>,
     /// Print every point, its memory and the expected time, and compute nothing
     #[arg(long)]
@@ -109,8 +119,8 @@ pub enum Outcome {
 /// Runs the command.
 ///
 /// # Errors
-/// An unusable configuration; a contact that did not converge; a file that could not be written; an interruption. Finished
-/// runs are kept in the journal beside the output, which the message names.
+/// An unusable configuration; a contact that did not converge; a file that could not be written; an interruption.
+/// Finished runs are kept in the journal beside the output, which the message names.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     let mut config = match &args.config {
         Some(configured) => configured.read()?,

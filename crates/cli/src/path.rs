@@ -71,7 +71,12 @@ pub struct Args {
     around: AroundArgs,
     /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that
     /// of each point; the plastic depth stays
-    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, conflicts_with_all = ["friction", "shear_strength"])]
+    #[arg(
+        long,
+        value_name = "P|FILE",
+        allow_negative_numbers = true,
+        conflicts_with_all = ["friction", "shear_strength"]
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     hardness: Option<GivenHardness>,
     #[command(flatten)]

@@ -11,7 +11,8 @@ use gfmd_run::failure::Failure;
 use gfmd_run::processes::texts;
 use gfmd_vector::Ranks as _;
 
-/// The command that several processes run together. Others run as often as they are started, such as the shards of a sweep.
+/// The command that several processes run together. Others run as often as they are started, such as the shards of a
+/// sweep.
 const TOGETHER: &str = "contact";
 
 /// Joins the other processes that a launcher has started for these `words`, if there are any.
@@ -34,8 +35,8 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
     let world = Arc::new(world);
     if let Some(other) = all.iter().position(|other| *other != all[0]) {
         let found = format!(
-            "process 0 was started with \"{}\", process {other} with \"{}\"; all must have the same arguments, or GFMD_MPI=none to \
-             run alone",
+            "process 0 was started with \"{}\", process {other} with \"{}\"; all must have the same arguments, or \
+             GFMD_MPI=none to run alone",
             all[0], all[other]
         );
         let failure = Failure::Input(found);
@@ -61,8 +62,8 @@ fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: im
     result
 }
 
-/// Says on stderr that this process waits for others, of which one may never come: one that runs another command, or has ended.
-/// The first process says so, and the second, if it is the first one that does not come.
+/// Says on stderr that this process waits for others, of which one may never come: one that runs another command, or
+/// has ended. The first process says so, and the second, if it is the first one that does not come.
 fn tell_of_waiting() {
     if let Some(launcher) = Launcher::found().filter(|launcher| launcher.rank < 2) {
         let _ = writeln!(io::stderr(), "{}", waiting(&launcher));
@@ -71,8 +72,8 @@ fn tell_of_waiting() {
 
 fn waiting(Launcher { name, rank, size, .. }: &Launcher) -> String {
     format!(
-        "process {rank} of {size} that {name} has started waits for the others to join; all {size} must run this program with the \
-         same arguments, or GFMD_MPI=none lets each run alone"
+        "process {rank} of {size} that {name} has started waits for the others to join; all {size} must run this \
+         program with the same arguments, or GFMD_MPI=none lets each run alone"
     )
 }
 
@@ -86,11 +87,11 @@ pub(crate) fn on_this_machine() -> usize {
     Launcher::found().map_or(1, |launcher| launcher.local)
 }
 
-/// Ends the part of this process in a command with this exit status, after the first one has printed the reason of a failure.
-/// Returns the status.
+/// Ends the part of this process in a command with this exit status, after the first one has printed the reason of a
+/// failure. Returns the status.
 ///
-/// All processes fail alike, or [agree](gfmd_run::processes::agree) on it, but for the first one, which writes: if the others go on, as when a disk is full, it
-/// ends them. They wait for it.
+/// All processes fail alike, or [agree](gfmd_run::processes::agree) on it, but for the first one, which writes: if the
+/// others go on, as when a disk is full, it ends them. They wait for it.
 pub(crate) fn end(world: Option<&Arc<World>>, status: u8, failure: Option<&Failure>) -> u8 {
     if world.is_none_or(|world| world.rank() == 0)
         && let Some(failure) = failure

@@ -138,9 +138,10 @@ fn together<C: Subcommand + Sync>(
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
 }
 
-/// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields of equal
-/// size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on two; an arena for each
-/// thread takes half a field more. Memory is asked for in large parts, so that most of it has [huge pages](crate::allocator).
+/// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields
+/// of equal size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on
+/// two; an arena for each thread takes half a field more. Memory is asked for in large parts, so that most of it has
+/// [huge pages](crate::allocator).
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]

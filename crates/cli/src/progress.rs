@@ -12,8 +12,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two plain lines.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// Progress through work of known total size. The size of a piece is its expected cost, so that the estimate of the time
-/// left is right when pieces differ.
+/// Progress through work of known total size. The size of a piece is its expected cost, so that the estimate of the
+/// time left is right when pieces differ.
 pub struct Progress {
     bar: Option<ProgressBar>,
     plain: Option<Mutex<Plain>>,

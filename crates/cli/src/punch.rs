@@ -41,7 +41,8 @@ pub use comparison::Comparison;
 pub use refinement::Refinement;
 pub use report::Report;
 
-/// Flags of `punch`. The defaults are the case of the thesis (theory.md, section 0): lengths in micrometres, stress in GPa.
+/// Flags of `punch`. The defaults are the case of the thesis (theory.md, section 0): lengths in micrometres, stress in
+/// GPa.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(
@@ -99,8 +100,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["punch_fraction", "nodes", "refine"])]
     #[serde(skip_serializing_if = "Option::is_none")]
     mask: Option<ArrayOption>,
-    /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim 2), or
-    /// FILE.h5:/dataset
+    /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim
+    /// 2), or FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with = "refine")]
     #[serde(skip_serializing_if = "Option::is_none")]
     traction: Option<ArrayOption>,

@@ -36,8 +36,8 @@ const MOST_THREADS: usize = 256;
 /// The stack of each in bytes, as large as that of a process: commands run on one of them.
 const STACK: usize = 8 << 20;
 
-/// Sets up threads, log and the handler of Ctrl-C, once for the process, which is one of a `world` of several or alone. Only
-/// the first one prints.
+/// Sets up threads, log and the handler of Ctrl-C, once for the process, which is one of a `world` of several or alone.
+/// Only the first one prints.
 ///
 /// # Errors
 /// More threads than the system can start.

@@ -44,7 +44,8 @@ pub use self::report::{Report, State};
 #[command(mut_arg("max_iter", |arg| arg.help("Largest number of iterations for one state")))]
 #[command(after_help = "Examples:
   gfmd slide --n 256 --prony 1e-3:0.3,1e-1:0.3,10:0.3 --p-star 0.05 --velocity 1e-3:1e4:15 --plots rubber
-  gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 --direction 30 --json
+  gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 \
+    --direction 30 --json
   gfmd slide --n 256 --p-star 0.02 --heat 1,0.01,0.2,0.1 --friction 0.3 --velocity 0.01:100:9 --plots warm")]
 pub struct Args {
     #[command(flatten)]
@@ -80,8 +81,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the friction against the velocity, with Persson's theory, PREFIX-friction.svg, .png, of heat PREFIX-rise and
-    /// PREFIX-temperature; of the last state PREFIX-map (pressure), PREFIX-gap, PREFIX-section
+    /// Draw the friction against the velocity, with Persson's theory, PREFIX-friction.svg, .png, of heat PREFIX-rise
+    /// and PREFIX-temperature; of the last state PREFIX-map (pressure), PREFIX-gap, PREFIX-section
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,

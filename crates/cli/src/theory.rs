@@ -294,7 +294,8 @@ impl fmt::Display for Report {
         if self.loads.iter().any(|load| load.self_affine.is_some()) {
             writeln!(
                 f,
-                "formula: fitted to computed contacts in the limit of endless spectra; counted: on this band and grid (docs/results.md)"
+                "formula: fitted to computed contacts in the limit of endless spectra; counted: on this band and grid \
+                 (docs/results.md)"
             )?;
         }
         list_files(f, None, &self.plots)

@@ -1,5 +1,6 @@
-//! Benchmark of the equilibration of rough surfaces of 2048² points by each solver, to a tolerance of 1e-8: on a half-space
-//! (H = 0.8, p* = 0.05), and the case of the thesis, a slab as high as the cell is wide (ν = 0.33, H = 0, p* = 0.01).
+//! Benchmark of the equilibration of rough surfaces of 2048² points by each solver, to a tolerance of 1e-8: on a
+//! half-space (H = 0.8, p* = 0.05), and the case of the thesis, a slab as high as the cell is wide (ν = 0.33, H = 0,
+//! p* = 0.01).
 //!
 //! `cargo bench -p gfmd-contact` runs the conjugate gradients. The dynamics take minutes per sample and run only if
 //! named, `cargo bench -p gfmd-contact -- Verlet`. For a smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p

@@ -1,5 +1,5 @@
-//! Number of iterations to a tolerance of 1e-8 with free and with periodic boundaries, without a start, for rough surfaces on
-//! a half-space: the table of docs/solvers.md. `cargo run -p gfmd-contact --example free_pairs -- 128`
+//! Number of iterations to a tolerance of 1e-8 with free and with periodic boundaries, without a start, for rough
+//! surfaces on a half-space: the table of docs/solvers.md. `cargo run -p gfmd-contact --example free_pairs -- 128`
 #![allow(clippy::print_stdout, reason = "the example prints a table")]
 
 use gfmd_contact::{Boundary, Contact, Equilibrium, Load, Solver};
@@ -8,7 +8,8 @@ use gfmd_green::{Body, Material};
 use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::{Array2, s};
 
-/// A surface: its Hurst exponent, whether it is cut out of one of four times the area, and cells per longest wavelength.
+/// A surface: its Hurst exponent, whether it is cut out of one of four times the area, and cells per longest
+/// wavelength.
 const SURFACES: [(f64, bool, f64); 5] =
     [(0.0, false, 2.0), (0.8, false, 2.0), (0.0, true, 1.0), (0.8, true, 1.0), (0.8, true, 2.0)];
 

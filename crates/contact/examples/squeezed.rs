@@ -1,4 +1,5 @@
-//! Iterations of slabs between two rough surfaces, for thicknesses and reduced pressures: `squeezed [POINTS] [HEIGHT,..]`.
+//! Iterations of slabs between two rough surfaces, for thicknesses and reduced pressures:
+//! `squeezed [POINTS] [HEIGHT,..]`.
 
 use std::error::Error;
 

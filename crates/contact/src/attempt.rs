@@ -48,8 +48,8 @@ impl Attempt<'_> {
         Budget { max_iterations, ..self.budget }
     }
 
-    /// The watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables of the solve
-    /// outside of that part; `hides_layer` if those of the part are not the displacement.
+    /// The watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables of the
+    /// solve outside of that part; `hides_layer` if those of the part are not the displacement.
     pub(crate) fn part_watch<F: FnMut(&mut dyn Visit)>(
         &mut self,
         hides_layer: bool,

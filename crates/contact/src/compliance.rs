@@ -114,8 +114,8 @@ impl Rounded {
         }
     }
 
-    /// `out` ← K u times the unit, of the field u whose rows `source(i, row)` fills. With free boundaries a `floating` surface
-    /// may move as a whole.
+    /// `out` ← K u times the unit, of the field u whose rows `source(i, row)` fills. With free boundaries a `floating`
+    /// surface may move as a whole.
     pub(crate) fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         match self {
             Self::Periodic(transforms) => transforms.stiffness(source, out),

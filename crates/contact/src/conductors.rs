@@ -1,4 +1,5 @@
-//! The conductance of the points in contact between two conductors of heat or of electric current (theory.md, section 7.6).
+//! The conductance of the points in contact between two conductors of heat or of electric current (theory.md, section
+//! 7.6).
 
 use gfmd_field::Grid;
 use gfmd_green::{Conductor, Height};
@@ -8,12 +9,12 @@ use ndarray::ArrayRef2;
 
 use crate::{Boundary, Contact, Effort, Refusal, Stiffness};
 
-/// Two conductors that touch at some of the points of a grid and are insulated from each other at the others. One has unit
-/// conductivity, and the other none of the resistance: of conductors with the resistivities ρ₁ and ρ₂ the conductance is that
-/// found here over ρ₁ + ρ₂, half of it if both conductivities are 1.
+/// Two conductors that touch at some of the points of a grid and are insulated from each other at the others. One has
+/// unit conductivity, and the other none of the resistance: of conductors with the resistivities ρ₁ and ρ₂ the
+/// conductance is that found here over ρ₁ + ρ₂, half of it if both conductivities are 1.
 ///
-/// The conductors are half-spaces, or slabs on electrodes at one depth; the elastic body, its interaction with the rigid surface
-/// and its hardness matter only in that they decide which points touch. Clones share the data.
+/// The conductors are half-spaces, or slabs on electrodes at one depth; the elastic body, its interaction with the
+/// rigid surface and its hardness matter only in that they decide which points touch. Clones share the data.
 ///
 /// ```
 /// use gfmd_contact::{Boundary, Conductors};
@@ -40,10 +41,11 @@ pub struct Conductors {
 /// The conductance of points in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductance {
-    /// Per area, over the sum of the two conductivities' inverses, in 1/length: of a periodic surface, mean current density over
-    /// the potential difference less that of the same mean current through the bulk alone; with free boundaries, current over the
-    /// area of the patch and over the whole potential difference. Infinite if all points of a periodic surface touch; NaN of a
-    /// profile with free boundaries on half-spaces, whose potential is known up to a constant.
+    /// Per area, over the sum of the two conductivities' inverses, in 1/length: of a periodic surface, mean current
+    /// density over the potential difference less that of the same mean current through the bulk alone; with free
+    /// boundaries, current over the area of the patch and over the whole potential difference. Infinite if all points
+    /// of a periodic surface touch; NaN of a profile with free boundaries on half-spaces, whose potential is known up
+    /// to a constant.
     pub value: f64,
     /// The relative error of `value`, as [`Stiffness::error`].
     pub error: f64,
@@ -85,15 +87,15 @@ impl Conductors {
     /// Conductors on a `grid`, each with its electrode at the depth `height` below the surface, or infinitely deep.
     ///
     /// # Errors
-    /// A height that is not positive and finite; with free boundaries a height below 1/200 of the diagonal of the patch (of the
-    /// length of a profile) or 1/4 of the grid spacing.
+    /// A height that is not positive and finite; with free boundaries a height below 1/200 of the diagonal of the patch
+    /// (of the length of a profile) or 1/4 of the grid spacing.
     pub fn new(boundary: Boundary, grid: &Grid, height: Height) -> Result<Self, Refusal> {
         let conductor = Conductor::new(height)?;
         Ok(Self { contact: Contact::of_conductor(boundary, &conductor, grid)? })
     }
 
-    /// The conductance of the points `[x, y]` with a positive `pressure`, such as the [repulsion](crate::Fields::repulsion) of a
-    /// state: zero if there are none.
+    /// The conductance of the points `[x, y]` with a positive `pressure`, such as the
+    /// [repulsion](crate::Fields::repulsion) of a state: zero if there are none.
     ///
     /// # Errors
     /// A pressure of another shape than the grid; the conductance reached, if its error exceeds 1e-9.

@@ -40,9 +40,10 @@ pub struct Contact {
     units: Units,
 }
 
-/// Stiffness of the uniform mode in preconditioners, relative to the softest wave, where the approach is prescribed and the body has no
-/// stiffness of its own for it: on a half-space with a fixed mean level and on an incompressible slab between two surfaces. There the
-/// effective stiffness depends on the contact area. Chosen; the sensitivity was not measured.
+/// Stiffness of the uniform mode in preconditioners, relative to the softest wave, where the approach is prescribed and
+/// the body has no stiffness of its own for it: on a half-space with a fixed mean level and on an incompressible slab
+/// between two surfaces. There the effective stiffness depends on the contact area. Chosen; the sensitivity was not
+/// measured.
 pub(crate) const LEVEL: f64 = 4.0;
 
 impl Contact {
@@ -72,10 +73,10 @@ impl Contact {
         Ok(Share::among(ranks, grid.rows(), PullPush::shared_levels(grid.rows()))?)
     }
 
-    /// As [`new`](Self::new), solved by the processes of a [`share`](Self::share). Each holds its rows only, of all fields that it
-    /// gives (heights, hardness, start) and gets; all make the same calls. Fields and numbers have the bits of one process. The methods
-    /// are [`FREE_SOLVERS`](Self::FREE_SOLVERS). [`Watch`](gfmd_relax::Watch)ers of any process may stop the search; its checkpoints
-    /// have the rows of one.
+    /// As [`new`](Self::new), solved by the processes of a [`share`](Self::share). Each holds its rows only, of all
+    /// fields that it gives (heights, hardness, start) and gets; all make the same calls. Fields and numbers have the
+    /// bits of one process. The methods are [`FREE_SOLVERS`](Self::FREE_SOLVERS). [`Watch`](gfmd_relax::Watch)ers of
+    /// any process may stop the search; its checkpoints have the rows of one.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
@@ -125,7 +126,8 @@ impl Contact {
     /// points far away, and a mean pressure is the force over Lx Ly.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and with free boundaries a body without a level far away, or with layers that are too thin.
+    /// As [`new`](Self::new); and with free boundaries a body without a level far away, or with layers that are too
+    /// thin.
     pub fn bounded(boundary: Boundary, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let mut contact = Self::new(body, grid, heights)?;
         if boundary == Boundary::Free {
@@ -137,8 +139,8 @@ impl Contact {
         Ok(contact)
     }
 
-    /// The problem of two conductors on a `grid`, of which one has unit conductivity and the other no resistance: potential for
-    /// displacement, current density for pressure. The surface is flat, which only loads would see.
+    /// The problem of two conductors on a `grid`, of which one has unit conductivity and the other no resistance:
+    /// potential for displacement, current density for pressure. The surface is flat, which only loads would see.
     ///
     /// # Errors
     /// With free boundaries an electrode that is not deep enough.
@@ -193,15 +195,16 @@ impl Contact {
         })
     }
 
-    /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the start of
-    /// a solve.
+    /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the
+    /// start of a solve.
     #[must_use]
     pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
         Self { dynamics, ..self }
     }
 
     /// This contact with a `hardness`, the largest pressure that the surfaces can carry, in stress: a number or a field
-    /// `[x, y]`. Where the pressure reaches it, they are pressed into each other by the [plastic depth](crate::Plastic).
+    /// `[x, y]`. Where the pressure reaches it, they are pressed into each other by the
+    /// [plastic depth](crate::Plastic).
     ///
     /// # Errors
     /// A hardness that is not positive and finite, or has another shape than the heights.
@@ -210,9 +213,9 @@ impl Contact {
         Ok(Self { hardness, ..self })
     }
 
-    /// This contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length: it is added to
-    /// the clearance. The approach still counts from first touch of the undeformed surfaces, and the rms height and gradient
-    /// are theirs.
+    /// This contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length: it is
+    /// added to the clearance. The approach still counts from first touch of the undeformed surfaces, and the rms
+    /// height and gradient are theirs.
     ///
     /// # Errors
     /// A depth of another shape than the heights, or not finite.
@@ -285,8 +288,8 @@ impl Contact {
         if self.free.is_some() { Boundary::Free } else { Boundary::Periodic }
     }
 
-    /// Smallest and largest stiffness of the waves of the surface, in stress/length, in [`units`](Self::units). With free
-    /// boundaries they are those of the periodic cell of the same size, about.
+    /// Smallest and largest stiffness of the waves of the surface, in stress/length, in [`units`](Self::units). With
+    /// free boundaries they are those of the periodic cell of the same size, about.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.response.stiffness_range()
     }
@@ -321,8 +324,8 @@ impl Contact {
         self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load)
     }
 
-    /// As [`certified`](Self::certified), by the transforms of a solver, which continue their count. The displacement takes the place of
-    /// what is in the second vector.
+    /// As [`certified`](Self::certified), by the transforms of a solver, which continue their count. The displacement
+    /// takes the place of what is in the second vector.
     pub(crate) fn certified_by(
         &self,
         compliance: &mut Compliance,
@@ -361,8 +364,8 @@ impl Contact {
         if self.worn > 0.0 { scale.max(RigidSurface::finer_scale(self.scaled.rms_height(), self.worn)) } else { scale }
     }
 
-    /// Compliance of the uniform mode, and its stiffness in preconditioners, if it takes part in the search: if the approach of a periodic
-    /// surface is prescribed.
+    /// Compliance of the uniform mode, and its stiffness in preconditioners, if it takes part in the search: if the
+    /// approach of a periodic surface is prescribed.
     pub(crate) fn level_under(&self, load: Load) -> Option<[f64; 2]> {
         let takes_part = self.free.is_none() && matches!(load, Load::Approach(_));
         takes_part.then(|| {

@@ -1,5 +1,6 @@
-//! The contact of few points: the pressure is sought on blocks of points where contact is possible, with compliance and stiffness
-//! between these points only (`gfmd_response::Scattered`); all others are checked by transforms of the whole surface (theory.md, section 7.5).
+//! The contact of few points: the pressure is sought on blocks of points where contact is possible, with compliance and
+//! stiffness between these points only (`gfmd_response::Scattered`); all others are checked by transforms of the whole
+//! surface (theory.md, section 7.5).
 
 mod candidates;
 mod constants;
@@ -67,8 +68,8 @@ impl Checkpoint {
     }
 }
 
-/// Finds the pressure if little touches. Without success the start of `attempt` is the pressure reached. `outer` visits what the
-/// caller changes during the search; `continued` if a checkpoint of this search is to be recalled.
+/// Finds the pressure if little touches. Without success the start of `attempt` is the pressure reached. `outer` visits
+/// what the caller changes during the search; `continued` if a checkpoint of this search is to be recalled.
 pub(crate) fn solve(
     attempt: &mut Attempt,
     mut outer: impl FnMut(&mut dyn Visit),

@@ -47,12 +47,13 @@ pub(crate) struct Dual<'a> {
     is_flat: bool,
 }
 
-/// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually sufficient (commit
-/// ff5ee0e); where the preconditioner is poor, as on incompressible layers thinner than the cell is wide, the method without it is faster.
+/// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
+/// sufficient (commit ff5ee0e); where the preconditioner is poor, as on incompressible layers thinner than the cell is
+/// wide, the method without it is faster.
 const PATIENCE: u64 = 100;
 
-/// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. Chosen: on cells a thousand times longer
-/// than wide the method without it may not converge at all.
+/// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. Chosen: on cells a
+/// thousand times longer than wide the method without it may not converge at all.
 const LONGER_PATIENCE: u64 = 5000;
 
 /// The number that a checkpoint has in place of that of a part, of a search on few points.
@@ -78,8 +79,8 @@ impl<'a> Dual<'a> {
         Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension, is_flat: false }
     }
 
-    /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the displacement
-    /// with those of `output`, and its results are put into `sums`.
+    /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the
+    /// displacement with those of `output`, and its results are put into `sums`.
     pub(crate) fn displace<I: Split, O: Split, R: Send>(
         &mut self,
         (input, source): (I, impl Fn(I, &mut [f64]) + Sync),
@@ -216,8 +217,8 @@ impl Preconditioned for Dual<'_> {
 
 pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
     let contact = attempt.contact;
-    // The parts of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned again; before
-    // them that on few points.
+    // The parts of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned
+    // again; before them that on few points.
     let mut part = 0;
     // Only one method heeds the hardness.
     let in_parts = matches!(gradients, Gradients::Auto) && contact.hardness.is_none();
@@ -238,7 +239,8 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     let mut dual = Dual::new(contact, attempt.load);
     let mean = attempt.load.mean_pressure();
     let own = contact.share.own().len();
-    // The uniform mode of a periodic cell has no displacement, or the approach is prescribed and the pressure begins at zero.
+    // The uniform mode of a periodic cell has no displacement, or the approach is prescribed and the pressure begins at
+    // zero.
     let is_uniform = contact.free.is_none() && matches!(dual.upper, Upper::All(_));
     dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
     let mut pressure = attempt.start.take().unwrap_or_else(|| repeat_n(mean.unwrap_or(0.0), own).collect());

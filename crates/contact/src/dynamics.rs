@@ -19,8 +19,8 @@ use crate::attempt::{Attempt, Ended, Reached};
 use crate::layer::{Layer, Pressed, Sprung};
 use crate::load_search::LoadSearch;
 
-/// Time step of [`Motion::VerletCritical`], relative to its stability limit 2/√k_max. The thesis gives Δt = 0.25 without a unit
-/// (docs/solvers.md).
+/// Time step of [`Motion::VerletCritical`], relative to its stability limit 2/√k_max. The thesis gives Δt = 0.25
+/// without a unit (docs/solvers.md).
 const SOURCE_TIME_STEP: f64 = 0.25;
 
 /// Time step and damping of the damped dynamics.

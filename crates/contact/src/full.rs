@@ -1,5 +1,5 @@
-//! Contact with all components of the surface displacement, as in the thesis (theory.md, section 0): the lateral traction is
-//! zero, and u_x and u_y are unknown (theory.md, section 3, frictionless).
+//! Contact with all components of the surface displacement, as in the thesis (theory.md, section 0): the lateral
+//! traction is zero, and u_x and u_y are unknown (theory.md, section 3, frictionless).
 
 use std::sync::Arc;
 
@@ -64,15 +64,15 @@ impl FullContact {
         Ok(Self { response, surface: surface.into(), dynamics: Dynamics::default() })
     }
 
-    /// The same contact with time step and damping of the dynamics. Values out of their range are refused at the start of a
-    /// solve.
+    /// The same contact with time step and damping of the dynamics. Values out of their range are refused at the start
+    /// of a solve.
     #[must_use]
     pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
         Self { dynamics, ..self }
     }
 
-    /// The state of `pressure` under a mean pressure `load`, from fresh transforms. The lateral traction of the dynamics, which
-    /// the pressure does not tell, is zero.
+    /// The state of `pressure` under a mean pressure `load`, from fresh transforms. The lateral traction of the
+    /// dynamics, which the pressure does not tell, is zero.
     ///
     /// # Errors
     /// A pressure of another shape than the grid; a load other than a mean pressure.
@@ -201,7 +201,8 @@ impl Equilibrium for FullContact {
                 let beta = |k: f64| Damping::critical(k, dt).beta;
                 let retained = self.response.stiffness().map(|mode, matrix| {
                     if mode.is_uniform() {
-                        // The push moves the body as a whole against the contact; along x and y a half-space has no stiffness.
+                        // The push moves the body as a whole against the contact; along x and y a half-space has no
+                        // stiffness.
                         Hermitian::diagonal([matrix.xx.max(softest), matrix.yy.max(softest), rigid].map(beta))
                     } else {
                         matrix.function(beta)

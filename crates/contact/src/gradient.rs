@@ -1,5 +1,5 @@
-//! The derivative of a number of a contact with respect to heights, load and modulus, by one linear problem on the points in contact
-//! (theory.md, section 7.9).
+//! The derivative of a number of a contact with respect to heights, load and modulus, by one linear problem on the
+//! points in contact (theory.md, section 7.9).
 
 use gfmd_response::NormalTransforms;
 use gfmd_vector::{dot, for_each, total};
@@ -8,8 +8,8 @@ use ndarray::{Array2, ArrayRef2};
 use crate::compliance::Compliance;
 use crate::{Contact, Effort, Load, Solution};
 
-/// The derivatives of a number L with respect to the fields and numbers of a contact: ∂L/∂p and ∂L/∂g of each point `[x, y]`, and those
-/// with respect to the numbers. Fields that are left out have none.
+/// The derivatives of a number L with respect to the fields and numbers of a contact: ∂L/∂p and ∂L/∂g of each point
+/// `[x, y]`, and those with respect to the numbers. Fields that are left out have none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cotangents {
     /// With respect to the pressure of each point.
@@ -117,16 +117,18 @@ const ERROR: f64 = 1e-8;
 /// Largest number of iterations. Some 20 to 40 are usual.
 const ITERATIONS: u64 = 2000;
 
-/// The part of the largest stiffness, per point in contact, below which that of a uniform displacement is a rounding error.
+/// The part of the largest stiffness, per point in contact, below which that of a uniform displacement is a rounding
+/// error.
 const ROUNDING: f64 = 1e-8;
 
 impl Contact {
-    /// The derivatives of a number, whose own derivatives are `of`, in the state `solution` under a `load`, whose kind is that which is
-    /// prescribed. The points in contact are kept, which they are for almost all heights and loads.
+    /// The derivatives of a number, whose own derivatives are `of`, in the state `solution` under a `load`, whose kind
+    /// is that which is prescribed. The points in contact are kept, which they are for almost all heights and loads.
     ///
     /// # Errors
-    /// A contact with a hardness, of several processes, without contact under a mean pressure, or in full contact under an approach that does
-    /// not determine its pressure; derivatives of another shape, or that are not finite; a linear problem that was not solved.
+    /// A contact with a hardness, of several processes, without contact under a mean pressure, or in full contact under
+    /// an approach that does not determine its pressure; derivatives of another shape, or that are not finite; a linear
+    /// problem that was not solved.
     pub fn gradient(&self, solution: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
         let grid = *self.response.grid();
         let (shape, n) = (grid.points(), grid.len());
@@ -153,7 +155,8 @@ impl Contact {
             ));
         }
         if count == n as f64 && is_driven && self.free.is_none() && self.uniform_compliance() == 0.0 {
-            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not determine the pressure";
+            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not \
+                          determine the pressure";
             return Err(GradientError::Undetermined(reason));
         }
         // ∂L/∂g out of contact, where gaps change.
@@ -240,7 +243,8 @@ struct Adjoint {
     error: f64,
 }
 
-/// The linear problem of the points in contact, in double precision, preconditioned by the stiffness of the whole surface.
+/// The linear problem of the points in contact, in double precision, preconditioned by the stiffness of the whole
+/// surface.
 struct Problem<'a> {
     contact: &'a Contact,
     compliance: Compliance,

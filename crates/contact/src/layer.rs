@@ -97,7 +97,8 @@ impl<'a> Layer<'a> {
         [softest.min(rigid), stiffest.max(rigid)]
     }
 
-    /// The function d ← B d of a motion, with every mode critically damped at the time step `dt`. A call takes a pair of transforms.
+    /// The function d ← B d of a motion, with every mode critically damped at the time step `dt`. A call takes a pair
+    /// of transforms.
     pub(crate) fn critically_damped(&self, dt: f64) -> impl Fn(&mut [f64]) + use<> {
         let mut retained: Vec<f64> = self.stiffness.iter().map(|k| Damping::critical(*k, dt).beta).collect();
         retained[0] = Damping::critical(self.rigid(), dt).beta;

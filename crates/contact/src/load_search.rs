@@ -1,8 +1,8 @@
 use gfmd_relax::{Variables, Visit};
 
 /// Search for the load at which a monotonic excess vanishes, by false position: every load is either too small or too
-/// large, and as soon as both are known the next one lies between them. If two tries in a row are on one side, the excess
-/// of the other side is halved (Illinois variant), so that no side is kept indefinitely.
+/// large, and as soon as both are known the next one lies between them. If two tries in a row are on one side, the
+/// excess of the other side is halved (Illinois variant), so that no side is kept indefinitely.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoadSearch {
     load: f64,

@@ -38,16 +38,16 @@ pub(crate) struct PullPush {
     above: Vec<AtomicBool>,
 }
 
-/// The known values: `gradient − level` where 0 < `x` < `upper`. A point with x = 0 also keeps its own value if it is negative
-/// and lower than the extended one, because the point is about to enter the contact; but this value is not extended to
-/// its neighbours.
+/// The known values: `gradient − level` where 0 < `x` < `upper`. A point with x = 0 also keeps its own value if it is
+/// negative and lower than the extended one, because the point is about to enter the contact; but this value is not
+/// extended to its neighbours.
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) x: &'a [f64],
     pub(crate) gradient: &'a [f32],
     pub(crate) level: f32,
-    /// Points with this x, the largest, are as those with x = 0: their values are not known, and they keep theirs if it is
-    /// positive and higher than the extended one.
+    /// Points with this x, the largest, are as those with x = 0: their values are not known, and they keep theirs if it
+    /// is positive and higher than the extended one.
     pub(crate) upper: Ceiling<'a>,
 }
 
@@ -142,8 +142,8 @@ impl PullPush {
         Self { points, share, shared: 0, edges, levels, kept: words_of(points), above: words_of(points) }
     }
 
-    /// The map from values of [`cells`](Self::cells) of 4×4 points, of which the known weight is the number of known points, to all of
-    /// these cells.
+    /// The map from values of [`cells`](Self::cells) of 4×4 points, of which the known weight is the number of known
+    /// points, to all of these cells.
     pub(crate) fn on_cells(cells: [usize; 2], floating: bool, stiffness: impl Fn(usize) -> f64) -> Self {
         let mut all = Self::new(cells.map(|n| 2 * n), floating, Edges::Joined, stiffness);
         all.levels[0].full = FULL_OF_POINTS;
@@ -172,8 +172,8 @@ impl PullPush {
         self
     }
 
-    /// The map for displacements that resist bending: a value extends to a neighbourhood as large as there is room, since that
-    /// costs the less energy the larger it is.
+    /// The map for displacements that resist bending: a value extends to a neighbourhood as large as there is room,
+    /// since that costs the less energy the larger it is.
     pub(crate) fn bending(mut self) -> Self {
         self.levels.iter_mut().for_each(|level| level.full = level.full.min(1.0));
         self
@@ -223,7 +223,8 @@ impl PullPush {
         });
     }
 
-    /// Marks the words in which a point was not zero or kept its own value; false, and marks none, if rows end within words.
+    /// Marks the words in which a point was not zero or kept its own value; false, and marks none, if rows end within
+    /// words.
     pub(crate) fn mark(&self, words: &mut [bool]) -> bool {
         let are_whole = self.points[1].is_multiple_of(BITS);
         if are_whole {

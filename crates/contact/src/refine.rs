@@ -30,8 +30,8 @@ impl Variables for Stage {
     }
 }
 
-/// Calls `search(scale, budget, start, watch)` with the `coarsest` scale of lengths, and again with that of the state found as
-/// long as this is finer and its residuals over it exceed the tolerance. The displacement is not known before.
+/// Calls `search(scale, budget, start, watch)` with the `coarsest` scale of lengths, and again with that of the state
+/// found as long as this is finer and its residuals over it exceed the tolerance. The displacement is not known before.
 pub(crate) fn refine<S: Refined>(
     coarsest: f64,
     budget: &Budget,

@@ -84,11 +84,11 @@ pub enum Refusal {
         /// The smallest possible value.
         least: f64,
     },
-    /// The load or approach is so small that the displacement is below the rounding errors of the heights, where several
-    /// points are as high as the highest but for these.
+    /// The load or approach is so small that the displacement is below the rounding errors of the heights, where
+    /// several points are as high as the highest but for these.
     #[error(
-        "the {what} is {found:e}; it must be at least {least:e} on this surface, since rounding errors of the heights decide \
-         where smaller ones make contact"
+        "the {what} is {found:e}; it must be at least {least:e} on this surface, since rounding errors of the heights \
+         decide where smaller ones make contact"
     )]
     Shallow {
         /// Mean pressure or approach.
@@ -100,8 +100,8 @@ pub enum Refusal {
     },
     /// The tractions of a law are so large that a mean pressure of this size makes no difference at the tolerance.
     #[error(
-        "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to {traction:e} \
-         hide smaller ones at this tolerance"
+        "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to \
+         {traction:e} hide smaller ones at this tolerance"
     )]
     Hidden {
         /// The mean pressure.
@@ -186,8 +186,8 @@ pub enum Refusal {
     },
     /// The approach to a profile with free boundaries on a half-space is prescribed.
     #[error(
-        "the approach is prescribed; for a profile with free boundaries on a half-space the mean pressure must be prescribed, \
-         since the displacement is known up to a constant"
+        "the approach is prescribed; for a profile with free boundaries on a half-space the mean pressure must be \
+         prescribed, since the displacement is known up to a constant"
     )]
     LineApproach,
     /// The body cannot have the boundary.
@@ -276,7 +276,8 @@ pub enum Refusal {
     NoEnergy,
     /// Dynamics with a prescribed approach, a wall, and a fixed mean of the surface.
     #[error(
-        "the approach to a half-space with a wall is prescribed; dynamics needs the mean pressure, Newton's method does not"
+        "the approach to a half-space with a wall is prescribed; dynamics needs the mean pressure, Newton's method \
+         does not"
     )]
     NoDynamics,
     /// The parameters of the law are invalid.
@@ -287,8 +288,8 @@ pub enum Refusal {
     Search(#[from] RelaxError),
     /// The law overflows, as an exponential one does deep inside of its surface.
     #[error(
-        "the traction of the law is not finite in this search; it must be, and a start from a smaller load, or a longer \
-         range of the law, may make it so"
+        "the traction of the law is not finite in this search; it must be, and a start from a smaller load, or a \
+         longer range of the law, may make it so"
     )]
     Overflow,
 }

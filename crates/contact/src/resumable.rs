@@ -3,8 +3,8 @@ use gfmd_vector::with_contiguous;
 
 use crate::{Contact, Drive, Equilibrium, Refusal, Solution};
 
-/// A contact whose states can be kept outside of the process and restored bit for bit, so that a series of loads continues
-/// where it ended.
+/// A contact whose states can be kept outside of the process and restored bit for bit, so that a series of loads
+/// continues where it ended.
 pub trait Resumable: Equilibrium {
     /// Visits everything from which [`restore`](Self::restore) makes a state.
     fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit);

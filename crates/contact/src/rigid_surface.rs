@@ -10,8 +10,8 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
 
-/// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect. Of several processes
-/// each has its rows; the numbers are those of the whole surface.
+/// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect. Of
+/// several processes each has its rows; the numbers are those of the whole surface.
 #[derive(Clone, Debug)]
 pub struct RigidSurface {
     grid: Grid,
@@ -28,9 +28,9 @@ pub struct RigidSurface {
 /// The scale of lengths in residuals over the prescribed approach, if that is very small.
 const OF_THE_APPROACH: f64 = 1e6;
 
-/// The scale of lengths in residuals over the extent of the displacement, if that is very small. A tolerance of 1e-8 then
-/// leaves errors of 1e-5 of the displacement. On rough surfaces the displacement has a larger part of h_rms at all but the
-/// smallest loads.
+/// The scale of lengths in residuals over the extent of the displacement, if that is very small. A tolerance of 1e-8
+/// then leaves errors of 1e-5 of the displacement. On rough surfaces the displacement has a larger part of h_rms at all
+/// but the smallest loads.
 const OF_THE_DISPLACEMENT: f64 = 1e3;
 
 /// The least load over the softest stiffness times h_rms, and the least approach over h_rms.
@@ -168,7 +168,8 @@ impl RigidSurface {
         &self.grid
     }
 
-    /// The clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row of this process.
+    /// The clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row of this
+    /// process.
     pub fn clearance(&self) -> &[f64] {
         &self.clearance
     }
@@ -183,9 +184,9 @@ impl RigidSurface {
         self.rms_height
     }
 
-    /// The scale of lengths in the residuals of a contact without attraction, before its displacement is known: h_rms, or a
-    /// million times the prescribed approach if that is less. Errors that are small compared with h_rms may exceed a very
-    /// small approach.
+    /// The scale of lengths in the residuals of a contact without attraction, before its displacement is known: h_rms,
+    /// or a million times the prescribed approach if that is less. Errors that are small compared with h_rms may exceed
+    /// a very small approach.
     pub fn length_scale(&self, load: Load) -> f64 {
         Self::scale_of(self.rms_height, load)
     }
@@ -198,16 +199,16 @@ impl RigidSurface {
         }
     }
 
-    /// The scale of lengths in the residuals of a contact whose surface displacement has this `extent`, the largest less the
-    /// smallest: `scale`, or a thousand times the extent if that is less. On a surface with flat tops errors that are small
-    /// compared with h_rms may exceed the displacement. Without displacement it is `scale`.
+    /// The scale of lengths in the residuals of a contact whose surface displacement has this `extent`, the largest
+    /// less the smallest: `scale`, or a thousand times the extent if that is less. On a surface with flat tops errors
+    /// that are small compared with h_rms may exceed the displacement. Without displacement it is `scale`.
     pub fn finer_scale(scale: f64, extent: f64) -> f64 {
         if extent > 0.0 { scale.min(OF_THE_DISPLACEMENT * extent) } else { scale }
     }
 
-    /// Checks that the rounding errors of the heights do not decide a contact with residuals over `scale`, which is less than
-    /// h_rms because the displacement is very small: that they are below the tolerance, or that no point is within them of
-    /// the highest. Points as high as the highest, to the last digit, are a flat top and do no harm.
+    /// Checks that the rounding errors of the heights do not decide a contact with residuals over `scale`, which is
+    /// less than h_rms because the displacement is very small: that they are below the tolerance, or that no point is
+    /// within them of the highest. Points as high as the highest, to the last digit, are a flat top and do no harm.
     ///
     /// # Errors
     /// The load, with the least possible one.
@@ -222,8 +223,8 @@ impl RigidSurface {
     }
 
     /// Checks that the numbers of a contact without attraction under `load` can be resolved: squares of much smaller
-    /// loads and approaches vanish, and the rounding errors of much larger ones exceed the `tolerance`. `softest` is the
-    /// smallest stiffness of a wave, in stress/length.
+    /// loads and approaches vanish, and the rounding errors of much larger ones exceed the `tolerance`. `softest` is
+    /// the smallest stiffness of a wave, in stress/length.
     ///
     /// # Errors
     /// The load, with the largest or smallest possible one.
@@ -240,8 +241,8 @@ impl RigidSurface {
     }
 
     /// Checks that the displacement by a traction of size `found` can be resolved: its rounding errors are those of the
-    /// softest wave, even if most of the traction deforms the body less. `softest` is the smallest stiffness of a wave, in
-    /// stress/length, and `what` the name of the traction.
+    /// softest wave, even if most of the traction deforms the body less. `softest` is the smallest stiffness of a wave,
+    /// in stress/length, and `what` the name of the traction.
     ///
     /// # Errors
     /// The traction, with the largest possible one.
@@ -254,8 +255,8 @@ impl RigidSurface {
         if found > most { Err(Refusal::Rounding { what, found, most, tolerance }) } else { Ok(()) }
     }
 
-    /// Root mean square of the gradient |∇h| over the whole surface, dimensionless: the spectral one, or, if the surface
-    /// does not repeat, that of the differences between neighbours. Computed at the first call.
+    /// Root mean square of the gradient |∇h| over the whole surface, dimensionless: the spectral one, or, if the
+    /// surface does not repeat, that of the differences between neighbours. Computed at the first call.
     pub fn rms_gradient(&self) -> f64 {
         *once(&self.rms_gradient, || {
             let units = Units::of_surface(self);

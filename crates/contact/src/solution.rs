@@ -9,8 +9,8 @@ use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 use crate::refine::Refined;
 use crate::{Effort, Fields, Load, RigidSurface, Units};
 
-/// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards. Of several processes each has
-/// its rows of the fields; the numbers are those of the whole contact.
+/// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards. Of several
+/// processes each has its rows of the fields; the numbers are those of the whole contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Contact pressure, ≥ 0, in stress; exactly 0 out of contact.
@@ -38,15 +38,15 @@ pub struct Solution {
 /// The plastic part of a contact with a hardness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plastic {
-    /// The depth by which the surfaces are pressed into each other beyond touching, −(clearance − u_z − approach) ≥ 0 where
-    /// the pressure is the hardness, and zero elsewhere, in length.
+    /// The depth by which the surfaces are pressed into each other beyond touching, −(clearance − u_z − approach) ≥ 0
+    /// where the pressure is the hardness, and zero elsewhere, in length.
     pub depth: Array2<f64>,
     /// Points whose pressure is the hardness, over all points.
     pub fraction: f64,
     /// Mean of the depth over the whole surface, in length.
     pub volume: f64,
-    /// The largest gap over the scale of lengths where the pressure is the hardness, or the excess of a pressure over the
-    /// hardness, over the hardness, if that is larger; zero for the exact solution.
+    /// The largest gap over the scale of lengths where the pressure is the hardness, or the excess of a pressure over
+    /// the hardness, over the hardness, if that is larger; zero for the exact solution.
     pub saturation: f64,
 }
 
@@ -197,8 +197,8 @@ impl Solution {
         }
     }
 
-    /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the rows of this
-    /// process.
+    /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the rows of
+    /// this process.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
         contact_modulus: f64,
@@ -210,8 +210,8 @@ impl Solution {
         let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
         let (clearance, share) = (surface.clearance(), surface.share());
         let n = share.total();
-        // The pressure, the points in contact, and what is free between the surfaces there without an approach; the lowest
-        // displacement, and the lowest one and the lowest pressure upside down.
+        // The pressure, the points in contact, and what is free between the surfaces there without an approach; the
+        // lowest displacement, and the lowest one and the lowest pressure upside down.
         let room = |i: usize| clearance[i] - displacement[i];
         let ends = [f64::INFINITY; 3];
         let ([sum, touching, free], [lowest, highest, strongest]) = share.reduce(
@@ -309,8 +309,8 @@ impl Solution {
 }
 
 impl Plastic {
-    /// Moves the negative gap of the points at the `hardness` to the plastic depth. Returns also Σ p g over the other points,
-    /// and their lowest gap.
+    /// Moves the negative gap of the points at the `hardness` to the plastic depth. Returns also Σ p g over the other
+    /// points, and their lowest gap.
     fn of(
         surface: &RigidSurface,
         pressure: &[f64],

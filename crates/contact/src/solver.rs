@@ -34,8 +34,9 @@ macro_rules! solvers {
 
 solvers! {
     /// The fastest robust method: for a hard wall [`PreconditionedCg`](Self::PreconditionedCg), followed by
-    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations and again by the former after 5000 more; if little touches, the former on few
-    /// points first (theory.md, section 7.5); for a law with a potential [`Newton`](Self::Newton).
+    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations and again by the former after 5000 more; if little
+    /// touches, the former on few points first (theory.md, section 7.5); for a law with a potential
+    /// [`Newton`](Self::Newton).
     #[default]
     Auto "auto" "the fastest robust method"
     /// Constrained conjugate gradients on the pressure, restarted when the contact grows (Polonsky and Keer 1999).
@@ -58,7 +59,8 @@ solvers! {
     /// The fast inertial relaxation engine, version 2.0 (Guénolé et al. 2020).
     Fire2 "fire2" "FIRE 2.0 (Guénolé et al. 2020)"
     /// Dynamics with inertia K + ϱ, close to the stiffness, under the reaction of the wall in place of clipping.
-    AugmentedLagrangian "augmented-lagrangian" "dynamics with inertia close to the stiffness, under the reaction of the wall"
+    AugmentedLagrangian "augmented-lagrangian" "dynamics with inertia close to the stiffness, under the reaction of \
+        the wall"
     /// Newton steps that decrease the energy, for laws with a potential.
     Newton "newton" "Newton steps that decrease the energy, for laws with a potential"
 }

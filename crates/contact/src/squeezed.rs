@@ -19,8 +19,8 @@ use crate::{
     Units, judge,
 };
 
-/// A slab, or a stack of layers, between two rigid surfaces, without friction or adhesion (hard walls). Nothing else holds
-/// the slab: the mean pressures on its two faces are equal. Clones share the data.
+/// A slab, or a stack of layers, between two rigid surfaces, without friction or adhesion (hard walls). Nothing else
+/// holds the slab: the mean pressures on its two faces are equal. Clones share the data.
 #[derive(Clone, Debug)]
 pub struct SqueezedContact {
     /// In `units`.
@@ -34,8 +34,8 @@ pub struct SqueezedContact {
     units: Units,
 }
 
-/// An equilibrated [`SqueezedContact`]. Displacements are measured from the level at which the mean displacements of the two
-/// faces are opposite.
+/// An equilibrated [`SqueezedContact`]. Displacements are measured from the level at which the mean displacements of
+/// the two faces are opposite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SqueezedSolution {
     /// The contact with the upper surface, with its part of the approach.
@@ -49,13 +49,13 @@ pub struct SqueezedSolution {
 }
 
 impl SqueezedContact {
-    /// The contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above the slab and
-    /// `lower` below it, each with its peaks pointing at the slab, in length. Points with the same indices lie above
-    /// each other. A constant in the heights has no effect; one of the surfaces may be flat.
+    /// The contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above the slab
+    /// and `lower` below it, each with its peaks pointing at the slab, in length. Points with the same indices lie
+    /// above each other. A constant in the heights has no effect; one of the surfaces may be flat.
     ///
     /// # Errors
-    /// A body that is no slab and no stack of layers; heights of another shape than the grid, not finite, or both flat; E*
-    /// h_rms / L too large or small for a number.
+    /// A body that is no slab and no stack of layers; heights of another shape than the grid, not finite, or both flat;
+    /// E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let plate = Plate::of(body)?;
         let surfaces = [RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()];
@@ -80,7 +80,8 @@ impl SqueezedContact {
         self.response.stiffness_range().map(|stiffness| stiffness * self.units.stiffness())
     }
 
-    /// The state of the pressures on the upper and the lower face under `load` with its residuals, from fresh transforms.
+    /// The state of the pressures on the upper and the lower face under `load` with its residuals, from fresh
+    /// transforms.
     ///
     /// # Errors
     /// A pressure of another shape than the grid.
@@ -152,8 +153,8 @@ impl SqueezedContact {
         }
     }
 
-    /// The scale of lengths in the residuals, in `units`: the root of the sum of the squares of the two rms heights, unless
-    /// the approach or the displacement is very small.
+    /// The scale of lengths in the residuals, in `units`: the root of the sum of the squares of the two rms heights,
+    /// unless the approach or the displacement is very small.
     fn length_scale(&self, load: Load) -> f64 {
         let [upper, lower] = self.scaled.each_ref().map(|surface| surface.rms_height());
         RigidSurface::scale_of(upper.hypot(lower), load)
@@ -351,8 +352,8 @@ impl Refined for SqueezedSolution {
 }
 
 impl SqueezedSolution {
-    /// The larger residuals of the two faces. If the approach is prescribed, the load's is the difference of the two mean
-    /// pressures over their mean.
+    /// The larger residuals of the two faces. If the approach is prescribed, the load's is the difference of the two
+    /// mean pressures over their mean.
     pub fn residual(&self) -> Residual {
         let [upper, lower] = [&self.upper, &self.lower].map(|face| face.residual);
         let larger = |of: fn(&Residual) -> f64| worst([of(&upper), of(&lower)]);

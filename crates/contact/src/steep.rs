@@ -1,4 +1,5 @@
-//! Contact with finite slopes: the kinematics of the surfaces is exact, and the body linearly elastic (theory.md, section 7.4).
+//! Contact with finite slopes: the kinematics of the surfaces is exact, and the body linearly elastic (theory.md,
+//! section 7.4).
 
 use std::sync::Arc;
 
@@ -16,12 +17,13 @@ use crate::{
     Solved, Solver, judge,
 };
 
-/// A rigid rough surface above an elastic one, without friction or adhesion, where slopes are not small: a point x of the
-/// body meets the height at x + u_x, and the traction −p n acts along the normal (−∇h, 1) of the rigid surface, whose lateral
-/// position is fixed. p is the normal force per area of the undeformed surface. Between the points the heights are those of a
-/// [`Spline`].
+/// A rigid rough surface above an elastic one, without friction or adhesion, where slopes are not small: a point x of
+/// the body meets the height at x + u_x, and the traction −p n acts along the normal (−∇h, 1) of the rigid surface,
+/// whose lateral position is fixed. p is the normal force per area of the undeformed surface. Between the points the
+/// heights are those of a [`Spline`].
 ///
-/// The body stays linearly elastic: terms of the size of the strain, over one, are neglected, which depend on its material.
+/// The body stays linearly elastic: terms of the size of the strain, over one, are neglected, which depend on its
+/// material.
 #[derive(Clone, Debug)]
 pub struct SteepContact {
     normal: Arc<NormalResponse>,
@@ -37,21 +39,23 @@ pub struct SteepSolution {
     pub normal: Solution,
     /// u_x and u_y, or u_x on a line, in length.
     pub lateral: Vec<Array2<f64>>,
-    /// Mean traction of the rigid surface on the body along x and y, in stress, which holds the rigid surface in its place.
+    /// Mean traction of the rigid surface on the body along x and y, in stress, which holds the rigid surface in its
+    /// place.
     pub mean_shear: [f64; 2],
-    /// The last change of u_x and u_y over the scale of lengths of the other residuals as they are made consistent with the pressure.
+    /// The last change of u_x and u_y over the scale of lengths of the other residuals as they are made consistent with
+    /// the pressure.
     pub lateral_residual: f64,
     scales: Scales,
     elastic_energy: f64,
 }
 
-/// The largest number of steps that make the lateral displacement consistent with a pressure, and of solves of the contact
-/// with small slopes.
+/// The largest number of steps that make the lateral displacement consistent with a pressure, and of solves of the
+/// contact with small slopes.
 const STEPS: usize = 200;
 
 impl SteepSolution {
-    /// The area of contact, projected onto the plane of the rigid surface, over that of the cell. Points in contact have moved, and
-    /// the area between them has changed.
+    /// The area of contact, projected onto the plane of the rigid surface, over that of the cell. Points in contact
+    /// have moved, and the area between them has changed.
     ///
     /// # Errors
     /// A lateral displacement of another size than the grid.
@@ -75,8 +79,8 @@ const DEPTH: usize = 4;
 /// The precision of the lateral displacement, over h_rms, over the residual so far.
 const PRECISION: f64 = 0.01;
 
-/// Changes of the lateral displacement over h_rms: below the first rounding errors may keep it from settling, above the second it
-/// does not settle.
+/// Changes of the lateral displacement over h_rms: below the first rounding errors may keep it from settling, above the
+/// second it does not settle.
 const ROUNDING: f64 = 1e-12;
 const FAR: f64 = 1e3;
 
@@ -127,8 +131,8 @@ impl SteepContact {
         Ok(self.state(pressure.iter().copied().collect(), load, 0.0)?.0)
     }
 
-    /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes. That is found to
-    /// `precision` times the scale of lengths, at most `length_scale`, or as exactly as rounding allows.
+    /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes. That is found
+    /// to `precision` times the scale of lengths, at most `length_scale`, or as exactly as rounding allows.
     fn settle(
         &self,
         pressure: &[f64],
@@ -173,8 +177,8 @@ impl SteepContact {
         Settled { traction, displacement, clearance: met.into_iter().map(|(clearance, _)| clearance).collect(), change }
     }
 
-    /// The state of `pressure`, with the heights of the contact with small slopes that has the same gap where the pressure
-    /// is the same.
+    /// The state of `pressure`, with the heights of the contact with small slopes that has the same gap where the
+    /// pressure is the same.
     ///
     /// # Errors
     /// A displacement that is not finite.
@@ -253,8 +257,8 @@ impl Search<'_> {
         Ok(ending)
     }
 
-    /// The state of the pressure so far, and the heights of the next contact, whose gap is that of the state where the pressure
-    /// is the same; `None` without a pressure.
+    /// The state of the pressure so far, and the heights of the next contact, whose gap is that of the state where the
+    /// pressure is the same; `None` without a pressure.
     ///
     /// # Errors
     /// A displacement that is not finite.
@@ -303,8 +307,8 @@ impl Equilibrium for SteepContact {
         self.surface.check_resolution(drive.load, softest, tolerance)
     }
 
-    /// Contacts with small slopes, one after the other, until one agrees with its own displacement. It converges for moderate
-    /// slopes, by about a factor of the slope from one to the next.
+    /// Contacts with small slopes, one after the other, until one agrees with its own displacement. It converges for
+    /// moderate slopes, by about a factor of the slope from one to the next.
     fn equilibrate(
         &self,
         drive: Drive,

@@ -1,5 +1,5 @@
-//! The stiffness of a contact whose points of contact stay: conjugate gradients for the pressure of a uniform displacement
-//! of these points (theory.md, section 7.3).
+//! The stiffness of a contact whose points of contact stay: conjugate gradients for the pressure of a uniform
+//! displacement of these points (theory.md, section 7.3).
 
 mod few;
 
@@ -11,16 +11,17 @@ use crate::dual::Dual;
 use crate::pull_push::Known;
 use crate::{Contact, Effort, Load, Solution};
 
-/// The stiffness of a contact, d(mean pressure)/d(approach) with the points in contact kept. Points at the hardness keep their
-/// pressure.
+/// The stiffness of a contact, d(mean pressure)/d(approach) with the points in contact kept. Points at the hardness
+/// keep their pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
-    /// In stress/length. Infinite in full contact with a body whose mean level is fixed (periodic half-space, incompressible
-    /// slab); NaN for a profile with free boundaries on a half-space, whose displacement is known up to a constant.
+    /// In stress/length. Infinite in full contact with a body whose mean level is fixed (periodic half-space,
+    /// incompressible slab); NaN for a profile with free boundaries on a half-space, whose displacement is known up to
+    /// a constant.
     pub value: f64,
-    /// The largest relative error of `value`, from the residual r of the linear problem with fresh transforms: the compliance of
-    /// the pressure found exceeds the exact one by a part of ⟨r, M r⟩ that the preconditioner M bounds on both sides, and
-    /// `value` takes the middle (theory.md, section 7.3).
+    /// The largest relative error of `value`, from the residual r of the linear problem with fresh transforms: the
+    /// compliance of the pressure found exceeds the exact one by a part of ⟨r, M r⟩ that the preconditioner M bounds on
+    /// both sides, and `value` takes the middle (theory.md, section 7.3).
     pub error: f64,
     /// Effort of the solve.
     pub effort: Effort,
@@ -31,12 +32,12 @@ impl Stiffness {
     pub const TOLERANCE: f64 = 5e-6;
 }
 
-/// The least and the largest excess of the compliance over ⟨r, M r⟩ of few points, whose M may be smaller than the inverse of G,
-/// by some 15 %. Measured: 0.9 to 1.2 (256² and 1024², H = 0 and 0.8, half-space and slab, p* to 0.05).
+/// The least and the largest excess of the compliance over ⟨r, M r⟩ of few points, whose M may be smaller than the
+/// inverse of G, by some 15 %. Measured: 0.9 to 1.2 (256² and 1024², H = 0 and 0.8, half-space and slab, p* to 0.05).
 const OF_FEW: [f64; 2] = [0.5, 1.5];
 
-/// The least excess of the compliance over ⟨r, M r⟩, over the shortest step of the conjugate gradients so far, which is a quotient of
-/// the inverse of G and M itself. Chosen; measured: 0.95 to 1.1 (the same surfaces, p* to 0.6).
+/// The least excess of the compliance over ⟨r, M r⟩, over the shortest step of the conjugate gradients so far, which is
+/// a quotient of the inverse of G and M itself. Chosen; measured: 0.95 to 1.1 (the same surfaces, p* to 0.6).
 const OF_STEPS: f64 = 0.75;
 
 /// The largest number of corrections on few points.
@@ -49,8 +50,8 @@ const ITERATIONS: u64 = 2000;
 /// rounding error of single precision.
 const ROUNDING: f64 = 1e-4;
 
-/// The residual of points that are not in contact, so large that the preconditioner does not take them for points about to
-/// enter it.
+/// The residual of points that are not in contact, so large that the preconditioner does not take them for points about
+/// to enter it.
 const APART: f32 = 1e30;
 
 impl Contact {
@@ -112,8 +113,9 @@ fn middle_of([least, most]: [f64; 2]) -> [f64; 2] {
     [0.5 * (most + least), 0.5 * (most - least)]
 }
 
-/// The pressure with mean 1 that displaces all points in contact by the same amount. It has single precision: the error of
-/// the stiffness is quadratic in that of the pressure. Displacements are in the [unit](Preconditioned::unit) of the compliance.
+/// The pressure with mean 1 that displaces all points in contact by the same amount. It has single precision: the error
+/// of the stiffness is quadratic in that of the pressure. Displacements are in the [unit](Preconditioned::unit) of the
+/// compliance.
 struct Unit<'a> {
     dual: Dual<'a>,
     /// The rows of this process, which all fields have.
@@ -154,11 +156,11 @@ impl<'a> Unit<'a> {
         }
     }
 
-    /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). Of a half-space M has this
-    /// property; of layers displacements are not continued to distant points, not even constant ones. If few points or
-    /// none are apart, constants are continued to all of them as they are: M 1 vanishes but for rounding errors of the
-    /// `stiffest` wave, and would be no direction. Then means are taken away in place of multiples of M 1, which bounds
-    /// the error no less.
+    /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). Of a half-space M
+    /// has this property; of layers displacements are not continued to distant points, not even constant ones. If few
+    /// points or none are apart, constants are continued to all of them as they are: M 1 vanishes but for rounding
+    /// errors of the `stiffest` wave, and would be no direction. Then means are taken away in place of multiples of M
+    /// 1, which bounds the error no less.
     fn keep_sums(&mut self, stiffest: f64) {
         self.residual.fill(1.0);
         self.press(0.0);
@@ -171,8 +173,8 @@ impl<'a> Unit<'a> {
         Effort { iterations: self.iterations, transform_pairs: self.dual.pairs() }
     }
 
-    /// Corrects the pressure on few points, each time to some 4e-4 of its error. Returns ⟨q, G q⟩ from fresh transforms in double
-    /// precision, and ⟨r, M r⟩ with the preconditioner of the few points, if that is sufficient.
+    /// Corrects the pressure on few points, each time to some 4e-4 of its error. Returns ⟨q, G q⟩ from fresh transforms
+    /// in double precision, and ⟨r, M r⟩ with the preconditioner of the few points, if that is sufficient.
     fn correct(&mut self, few: &mut Few, tolerance: f64) -> Option<[f64; 2]> {
         few.start(self.share.total() as f64 / self.count);
         for _ in 0..CORRECTIONS {
@@ -186,8 +188,8 @@ impl<'a> Unit<'a> {
         None
     }
 
-    /// Conjugate gradients until the error is at most `tolerance`. Returns also ⟨q, G q⟩ and ⟨r, M r⟩ from fresh transforms in
-    /// double precision, and the range of the excess over the latter.
+    /// Conjugate gradients until the error is at most `tolerance`. Returns also ⟨q, G q⟩ and ⟨r, M r⟩ from fresh
+    /// transforms in double precision, and the range of the excess over the latter.
     fn solve(&mut self, tolerance: f64) -> (Result<(), Why>, [f64; 2], [f64; 2]) {
         let mut direction = vec![0.0; self.contact.len()];
         let [mut work, mut slope] = self.begin(&mut direction);
@@ -230,8 +232,8 @@ impl<'a> Unit<'a> {
         [work, self.precondition()].map(|sum| sum * self.dual.unit())
     }
 
-    /// A step of conjugate gradients along the `direction` that follows from the preconditioned residual in `image`; the last
-    /// slope and this one are ⟨r, M r⟩.
+    /// A step of conjugate gradients along the `direction` that follows from the preconditioned residual in `image`;
+    /// the last slope and this one are ⟨r, M r⟩.
     fn step(&mut self, direction: &mut [f32], [last, slope]: [f64; 2]) {
         let beta = (slope / last) as f32;
         // Rounding errors must not change the sum of the pressure.

@@ -1,9 +1,11 @@
-//! Indentation of aluminium by flat punches of three widths: smaller is harder. Writes indentation.csv, the curves and a picture of the dislocations.
+//! Indentation of aluminium by flat punches of three widths: smaller is harder. Writes indentation.csv, the curves and
+//! a picture of the dislocations.
 //!
 //!     cargo run --release -p gfmd-dislocation --example indentation -- [FOLDER] [SURFACES]
 //!
-//! Lengths in µm, stresses in GPa, times in ns. Everything scales with the width of the punch but the dislocations: Burgers vector, density and
-//! strength of sources and obstacles, and the speed of the punch. Each curve is the mean over some random placings (3, or the second argument).
+//! Lengths in µm, stresses in GPa, times in ns. Everything scales with the width of the punch but the dislocations:
+//! Burgers vector, density and strength of sources and obstacles, and the speed of the punch. Each curve is the mean
+//! over some random placings (3, or the second argument).
 
 #![allow(clippy::print_stdout, reason = "the result of the example")]
 

@@ -136,7 +136,8 @@ mod tests {
 
     #[test]
     fn the_field_near_one_dislocation_is_that_in_an_infinite_body() {
-        // Hirth and Lothe: D = μ b/(2π (1 − ν)); σ_xz = D x (x² − z²)/r⁴, σ_xx = −D z (3x² + z²)/r⁴, σ_zz = D z (x² − z²)/r⁴.
+        // Hirth and Lothe: D = μ b/(2π (1 − ν)); σ_xz = D x (x² − z²)/r⁴, σ_xx = −D z (3x² + z²)/r⁴, σ_zz = D z (x² −
+        // z²)/r⁴.
         let d = 1.0 / (2.0 * PI * 0.7);
         let edge = Edge { place: [0.3, -0.2], burgers: [1.0, 0.0] };
         let (x, z) = (0.013, 0.021);

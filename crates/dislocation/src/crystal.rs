@@ -439,7 +439,8 @@ fn equilibrium(
         .filter(|(jump, _)| **jump != 0.0)
         .map(|(jump, x)| Step { x: *x, jump: [jump * c, jump * s] })
         .collect();
-    // Slip raises the mean level by b_z times its length along x; the strain along x that it frees narrows the slab by Poisson's effect.
+    // Slip raises the mean level by b_z times its length along x; the strain along x that it frees narrows the slab by
+    // Poisson's effect.
     let rise = moment * s * c * (1.0 - 2.0 * poisson) / ((1.0 - poisson) * domain.grid().lengths()[0]);
     domain.state(&edges, &steps, rise, depth)
 }

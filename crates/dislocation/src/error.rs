@@ -29,7 +29,8 @@ pub enum DislocationError {
     },
     /// A dislocation, source or obstacle that is not inside the body.
     #[error(
-        "the place {found} along slip plane {plane} is outside the body; it must be between {lowest} and 0, both excluded"
+        "the place {found} along slip plane {plane} is outside the body; it must be between {lowest} and 0, both \
+         excluded"
     )]
     Place {
         /// The index of the slip plane.

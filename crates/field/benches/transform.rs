@@ -1,9 +1,9 @@
-//! Pairs of a forward and an inverse transform: this crate with a kernel in between, `ndrustfft` axis by axis, and FFTW if it
-//! is installed.
+//! Pairs of a forward and an inverse transform: this crate with a kernel in between, `ndrustfft` axis by axis, and FFTW
+//! if it is installed.
 //!
-//! `cargo bench -p gfmd-field` prints times and points per second, then ratios of times measured in turn, which are reliable
-//! on a busy machine, too; below 1 this crate is faster. With `--no-default-features` the transform runs without its hints
-//! to the cache.
+//! `cargo bench -p gfmd-field` prints times and points per second, then ratios of times measured in turn, which are
+//! reliable on a busy machine, too; below 1 this crate is faster. With `--no-default-features` the transform runs
+//! without its hints to the cache.
 #![expect(clippy::print_stdout, reason = "the ratios are what it is for")]
 
 #[path = "transform/fftw.rs"]

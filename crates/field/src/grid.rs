@@ -37,7 +37,8 @@ impl Mode {
         self.number == [0, 0]
     }
 
-    /// The wave vectors of the waves that the grid does not tell apart from this one: of a component at Nyquist both signs.
+    /// The wave vectors of the waves that the grid does not tell apart from this one: of a component at Nyquist both
+    /// signs.
     pub fn aliases(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let ([x, y], [nyquist_x, nyquist_y]) = (self.wavevector, self.nyquist);
         let signs = |nyquist: bool| if nyquist { &[1.0, -1.0][..] } else { &[1.0][..] };

@@ -4,7 +4,8 @@
 //! rounds, each with some of the columns of every rank, so that messages are small compared with a field:
 //!
 //! ```text
-//!   rows ahead │ pack k+1 ─▶ post │ wait k │ columns of k: transform, multiply, transform back ─▶ post │ unpack k−1 │ rows back
+//!   rows ahead │ pack k+1 ─▶ post │ wait k │ columns of k: transform, multiply, transform back ─▶ post │
+//!   unpack k−1 │ rows back
 //! ```
 //!
 //! Every row and every column is transformed on one rank, with the same bits as in a single process.

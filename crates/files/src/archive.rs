@@ -8,8 +8,8 @@
 //!   variables that use them, so that each group can be opened as a dataset with its coordinates:
 //!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
 //!   `h5dump`.
-//! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file; a [`Draft`] of it writes
-//!   the file later.
+//! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file; a [`Draft`] of it
+//!   writes the file later.
 //! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
 //! - [`Reader`] reads values, for resuming and for input. It is written in Rust, and the HDF5 library only writes,
 //!   since a damaged file can crash the library.

@@ -39,7 +39,10 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// A journal of other work.
-    #[error("{}: the journal belongs to a run of another configuration, input or version; finish that run, or delete it", path.display())]
+    #[error(
+        "{}: the journal belongs to a run of another configuration, input or version; finish that run, or delete it",
+        path.display()
+    )]
     Other {
         /// The journal.
         path: PathBuf,

@@ -103,8 +103,8 @@ impl Output {
         let Some(suffix) = suffixes.iter().find(too_long) else { return Ok(()) };
         let found = self.path.file_name().unwrap_or_default().len();
         let reason = format!(
-            "the name has {found} bytes, and {} with {suffix}, the name of a file beside it, which is too long here; it must be \
-             shorter",
+            "the name has {found} bytes, and {} with {suffix}, the name of a file beside it, which is too long here; \
+             it must be shorter",
             found + suffix.len()
         );
         Err(FileError::Target { path: self.path.clone(), reason })

@@ -72,7 +72,8 @@ impl Header {
         self.add(&match unit.is_empty() {
             true => "/>".into(),
             false => format!(
-                ">\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>\n</DataArray>"
+                ">\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>\n\
+                 </DataArray>"
             ),
         });
         self.bytes.push((count * width * VALUE) as u64);

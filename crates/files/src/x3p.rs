@@ -108,7 +108,9 @@ impl X3p<'_> {
         let [date, creator, comment] = [self.date, self.creator, &comment].map(escaped);
         format!(
             r#"<?xml version="1.0" encoding="UTF-8" standalone="no" ?>
-<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="http://www.opengps.eu/2008/ISO5436_2 http://www.opengps.eu/2008/ISO5436_2/ISO5436_2.xsd">
+<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"
+  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+  xsi:schemaLocation="http://www.opengps.eu/2008/ISO5436_2 http://www.opengps.eu/2008/ISO5436_2/ISO5436_2.xsd">
   <Record1>
     <Revision>ISO5436 - 2000</Revision>
     <FeatureType>{kind}</FeatureType>
@@ -119,7 +121,10 @@ impl X3p<'_> {
   <Record2>
     <Date>{date}</Date>
     <Creator>{creator}</Creator>
-    <Instrument><Manufacturer>not available</Manufacturer><Model>{creator}</Model><Serial>not available</Serial><Version>not available</Version></Instrument>
+    <Instrument>
+      <Manufacturer>not available</Manufacturer><Model>{creator}</Model>
+      <Serial>not available</Serial><Version>not available</Version>
+    </Instrument>
     <CalibrationDate>{date}</CalibrationDate>
     <ProbingSystem><Type>Software</Type><Identification>{creator}</Identification></ProbingSystem>
     <Comment>{comment}</Comment>

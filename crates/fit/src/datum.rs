@@ -42,8 +42,8 @@ pub struct Datum {
     /// kappa by seed. Two data with a common seed were computed on the same random modes; independent data must not
     /// have seeds in common.
     pub kappa: BTreeMap<u64, f64>,
-    /// The measured edge of the contact by seed, in units of kappa: an estimate of the part of kappa that whole points along
-    /// the perimeter add. Empty, or of the seeds of `kappa`; needed by [`crate::Model::edge`].
+    /// The measured edge of the contact by seed, in units of kappa: an estimate of the part of kappa that whole points
+    /// along the perimeter add. Empty, or of the seeds of `kappa`; needed by [`crate::Model::edge`].
     pub edge: BTreeMap<u64, f64>,
 }
 

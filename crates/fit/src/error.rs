@@ -62,10 +62,11 @@ pub enum FitError {
         /// Index of the datum.
         datum: usize,
     },
-    /// The expected factor of the edge is not finite, its standard error not above zero, or that of f' negative or infinite.
+    /// The expected factor of the edge is not finite, its standard error not above zero, or that of f' negative or
+    /// infinite.
     #[error(
-        "the expected factor of the edge is {factor} ± {standard_error}, and on coarse grids ± {coarse} more; it must be \
-         finite, its standard error above zero, the other one finite and not negative"
+        "the expected factor of the edge is {factor} ± {standard_error}, and on coarse grids ± {coarse} more; it must \
+         be finite, its standard error above zero, the other one finite and not negative"
     )]
     BadEdge {
         /// The factor.

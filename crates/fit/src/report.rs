@@ -324,7 +324,8 @@ impl fmt::Display for Warning {
             Self::RefitsAtBound { axis, stuck, resamples } => {
                 write!(
                     f,
-                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: the intervals depend on the bounds"
+                    "alpha_{axis} stopped at a bound in {stuck} of {resamples} resamples: the intervals depend on the \
+                     bounds"
                 )
             }
             Self::NotSignificant { axis, ci95: [low, high] } => {
@@ -346,8 +347,8 @@ impl fmt::Display for Warning {
             }
             Self::PowerOfEpsF => write!(
                 f,
-                "the limit of eps_f is extrapolated by a power: loads up to p* = 1 would allow to compose the long waves \
-                 (fit.long_waves)"
+                "the limit of eps_f is extrapolated by a power: loads up to p* = 1 would allow to compose the long \
+                 waves (fit.long_waves)"
             ),
             Self::FailedRefits { failed, resamples } => write!(f, "{failed} of {resamples} resamples gave no fit"),
         }

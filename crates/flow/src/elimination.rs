@@ -1,7 +1,8 @@
-//! Approximate elimination of the nodes of a weighted graph, a preconditioner for its Laplacian: where an exact elimination connects
-//! all neighbours of a node with each other, a few edges are sampled that have the same weights on average (Kyng and Sachdeva, FOCS 2016,
-//! 573; ordering, merging and sampling as Gao, Kyng and Spielman, arXiv 2303.00709). Weights may differ by any number of decades.
-//! The nodes inside of blocks come first, block by block, each by one thread and in its cache; the borders between them come last.
+//! Approximate elimination of the nodes of a weighted graph, a preconditioner for its Laplacian: where an exact
+//! elimination connects all neighbours of a node with each other, a few edges are sampled that have the same weights on
+//! average (Kyng and Sachdeva, FOCS 2016, 573; ordering, merging and sampling as Gao, Kyng and Spielman, arXiv
+//! 2303.00709). Weights may differ by any number of decades. The nodes inside of blocks come first, block by block,
+//! each by one thread and in its cache; the borders between them come last.
 
 use std::ops::Range;
 
@@ -11,7 +12,8 @@ use crate::graph::{Graph, total};
 use crate::numbering::Numbering;
 use crate::remaining::{KeptEdge, Remaining};
 
-/// The factors of the elimination of some nodes, which have the numbers from 0 on; further numbers are those of other nodes.
+/// The factors of the elimination of some nodes, which have the numbers from 0 on; further numbers are those of other
+/// nodes.
 #[derive(Default)]
 struct Factors {
     /// The nodes in the order in which they are eliminated.
@@ -165,7 +167,8 @@ impl Factors {
         factors
     }
 
-    /// Passes what flows into each node to its neighbours, those of other nodes to `further`, and divides it by the weights.
+    /// Passes what flows into each node to its neighbours, those of other nodes to `further`, and divides it by the
+    /// weights.
     fn forward<const N: usize>(&self, own: &mut [[f64; N]], further: &mut [[f64; N]]) {
         for (place, node) in self.order.iter().enumerate() {
             let node = *node as usize;

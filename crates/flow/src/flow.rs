@@ -25,9 +25,9 @@ pub struct Flow {
     pub conductivity: [[f64; 2]; 2],
     /// True along x (y) if something flows.
     pub percolates: [bool; 2],
-    /// The largest of three relative deviations, computed from the potential face by face: what is missing in the balance of a cell,
-    /// over the mean flow through a face of a section; the flow through a section x = const (of a gradient along y: y = const)
-    /// from the mean flow; the dissipated power from the flow.
+    /// The largest of three relative deviations, computed from the potential face by face: what is missing in the
+    /// balance of a cell, over the mean flow through a face of a section; the flow through a section x = const (of a
+    /// gradient along y: y = const) from the mean flow; the dissipated power from the flow.
     pub residual: f64,
     /// The flow along x and along y; none without percolation.
     pub paths: [Option<Path>; 2],
@@ -57,7 +57,10 @@ pub enum FlowError {
         value: f64,
     },
     /// The balance is not good enough.
-    #[error("the flow did not converge to {TOLERANCE:e} in {iterations} iterations: its residual is {:.1e}", state.residual)]
+    #[error(
+        "the flow did not converge to {TOLERANCE:e} in {iterations} iterations: its residual is {:.1e}",
+        state.residual
+    )]
     NotConverged {
         /// The flow reached.
         state: Box<Flow>,
@@ -66,8 +69,8 @@ pub enum FlowError {
     },
 }
 
-/// The flow through `conductivity` `[x, y]`, any unit, zero where nothing passes. A field that ends has reservoirs at two
-/// opposite edges and walls at the two others.
+/// The flow through `conductivity` `[x, y]`, any unit, zero where nothing passes. A field that ends has reservoirs at
+/// two opposite edges and walls at the two others.
 ///
 /// # Errors
 /// Unusable conductivities; a balance that is not met to [`TOLERANCE`].

@@ -23,7 +23,8 @@ struct Part {
 }
 
 impl Graph {
-    /// The graph of nodes that `edges` gives one by one, for each node its neighbours with weights, and its weight to the reservoir.
+    /// The graph of nodes that `edges` gives one by one, for each node its neighbours with weights, and its weight to
+    /// the reservoir.
     pub(crate) fn new(nodes: usize, edges: impl Fn(usize, &mut Vec<(u32, f64)>) -> f64 + Sync) -> Self {
         let made = |part: usize| {
             let mut made = Part { starts: vec![0], ..Part::default() };
@@ -54,8 +55,8 @@ impl Graph {
         self.parts[node / PART].outside[node % PART]
     }
 
-    /// `out` ← A x, which is what flows out of each node: of differences, which are exact where x varies little. Returns the products
-    /// of the columns of x and A x.
+    /// `out` ← A x, which is what flows out of each node: of differences, which are exact where x varies little.
+    /// Returns the products of the columns of x and A x.
     pub(crate) fn apply<const N: usize>(&self, x: &[[f64; N]], out: &mut [[f64; N]]) -> [f64; N] {
         let of_part = |(place, (part, rows)): (usize, (&Part, &mut [[f64; N]]))| {
             let mut products = [0.0; N];

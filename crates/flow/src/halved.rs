@@ -1,4 +1,5 @@
-//! The equations without the cells of one colour of a chequerboard, which are eliminated exactly: none is beside another one.
+//! The equations without the cells of one colour of a chequerboard, which are eliminated exactly: none is beside
+//! another one.
 
 use std::ops::Range;
 
@@ -9,7 +10,8 @@ use crate::cells::{Cells, Links};
 use crate::graph::Graph;
 
 impl Cells<'_> {
-    /// The graph of the other cells. A cell that is gone leaves an edge between any two of its neighbours, as conductances in a star.
+    /// The graph of the other cells. A cell that is gone leaves an edge between any two of its neighbours, as
+    /// conductances in a star.
     pub(crate) fn graph(&self) -> Graph {
         let kept = self.numbering().kept();
         Graph::new(kept, |number, row| {

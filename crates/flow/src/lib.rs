@@ -1,4 +1,5 @@
-//! Flow through a thin gap, or current through a thin layer: div(k ∇p) = 0 with a unit mean gradient along x and along y.
+//! Flow through a thin gap, or current through a thin layer: div(k ∇p) = 0 with a unit mean gradient along x and along
+//! y.
 //!
 //! For a fluid between two surfaces k is the cube of the gap (Reynolds' equation); it is zero where they touch. The
 //! equation is balanced cell by cell (finite volumes): a cell surrounds each point, and the conductance of the face
@@ -32,8 +33,8 @@ mod queue;
 mod remaining;
 mod search;
 
-/// The number of cells, and of nodes of a graph, in a part. Sums are formed for each part first, so that they do not depend on the
-/// number of threads.
+/// The number of cells, and of nodes of a graph, in a part. Sums are formed for each part first, so that they do not
+/// depend on the number of threads.
 const PART: usize = 1 << 12;
 
 pub use flow::{Flow, FlowError, Path, flow};

@@ -11,8 +11,8 @@ pub(crate) const CLOSED: u32 = u32::MAX;
 /// Cells along a side of a block, about. What is worked on of a block fits the second-level cache.
 const BLOCK: usize = 96;
 
-/// The open cells in three groups: those inside of blocks, block by block, those on borders, by which blocks are separated, and
-/// the cells of one colour of a chequerboard, none of which has another one beside it.
+/// The open cells in three groups: those inside of blocks, block by block, those on borders, by which blocks are
+/// separated, and the cells of one colour of a chequerboard, none of which has another one beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Numbering {
     /// The number of each cell, or [`CLOSED`].
@@ -121,7 +121,8 @@ impl Axis {
         index * self.blocks / self.points
     }
 
-    /// True if another block begins within two cells: without the cells of one colour, others are neighbours at that distance.
+    /// True if another block begins within two cells: without the cells of one colour, others are neighbours at that
+    /// distance.
     fn is_border(&self, index: usize) -> bool {
         let block = self.block(index);
         (1..=2).any(|step| match index + step {

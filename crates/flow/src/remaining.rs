@@ -27,7 +27,8 @@ pub(crate) struct Neighbour {
 /// An edge between two nodes that are not eliminated.
 pub(crate) type KeptEdge = (u32, u32, f64);
 
-/// The graph that is left. The two directions of an edge have the numbers 2k and 2k + 1. The nodes from `own` on are not eliminated.
+/// The graph that is left. The two directions of an edge have the numbers 2k and 2k + 1. The nodes from `own` on are
+/// not eliminated.
 pub(crate) struct Remaining {
     edges: Vec<Edge>,
     firsts: Vec<u32>,

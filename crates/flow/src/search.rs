@@ -18,7 +18,8 @@ const ROUNDS: usize = 12;
 /// The largest reduction of the error in a round, beyond which rounding counts.
 const REDUCTION: f64 = 1e-12;
 
-/// The part of the tolerance that the iterations of the first round leave; those of each further one leave this part of it.
+/// The part of the tolerance that the iterations of the first round leave; those of each further one leave this part of
+/// it.
 const MARGIN: f64 = 0.3;
 
 /// The findings of a search.
@@ -27,8 +28,8 @@ pub(crate) struct Found {
     pub(crate) balance: Balance,
 }
 
-/// The potentials of cells with the same equations under different gradients, and the number of iterations: conjugate gradients,
-/// started again from balances that are computed anew.
+/// The potentials of cells with the same equations under different gradients, and the number of iterations: conjugate
+/// gradients, started again from balances that are computed anew.
 pub(crate) fn search<const N: usize>(cells: [&Cells; N]) -> ([Found; N], usize) {
     let mut round = Round::new(cells);
     let mut found = cells.map(|cells| {
@@ -92,7 +93,8 @@ impl<'a, const N: usize> Round<'a, N> {
     ) -> Vec<[f64; N]> {
         let area = self.cells[0].area();
         let taken = self.cells[0].fold(missing, &mut self.residual);
-        // Each iteration lowers the power by a known amount; what remains gives the flow, and so what may be missing in a cell.
+        // Each iteration lowers the power by a known amount; what remains gives the flow, and so what may be missing in
+        // a cell.
         (0..N).for_each(|k| power[k] -= taken[k] / area);
         self.correction.fill([0.0; N]);
         let (mut first, mut last) = ([0.0; N], [0.0; N]);

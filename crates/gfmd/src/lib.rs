@@ -1,10 +1,10 @@
-//! Contact mechanics of rough surfaces by Green's function molecular dynamics: how much two rough solids really touch, at
-//! which pressure, and how far apart they are elsewhere.
+//! Contact mechanics of rough surfaces by Green's function molecular dynamics: how much two rough solids really touch,
+//! at which pressure, and how far apart they are elsewhere.
 //!
-//! The elastic response of a body is condensed onto its surface, one matrix for each wave vector. The surface is pressed
-//! against a rigid rough one and brought to rest, by damped dynamics or by faster solvers of the same problem. Every result
-//! is certified: its residuals are recomputed from the final fields, and a state that does not meet the tolerance is an
-//! error that carries the state.
+//! The elastic response of a body is condensed onto its surface, one matrix for each wave vector. The surface is
+//! pressed against a rigid rough one and brought to rest, by damped dynamics or by faster solvers of the same problem.
+//! Every result is certified: its residuals are recomputed from the final fields, and a state that does not meet the
+//! tolerance is an error that carries the state.
 //!
 //! # A first contact
 //!
@@ -30,7 +30,8 @@
 //!         let load = Load::MeanPressure(p_star * unit);
 //!         let solution = contact.press(load).tolerance(1e-8).starting_from(last.as_ref()).solve()?;
 //!         let summary = solution.summary();
-//!         println!("{p_star:6.3}  a = {:.5}  kappa = {:.4}  {}", summary.area_fraction, summary.kappa, solution.effort);
+//!         let (area, kappa) = (summary.area_fraction, summary.kappa);
+//!         println!("{p_star:6.3}  a = {area:.5}  kappa = {kappa:.4}  {}", solution.effort);
 //!         # assert!((1.5..3.0).contains(&summary.kappa), "{}", summary.kappa);
 //!         last = Some(solution);
 //!     }
@@ -53,14 +54,16 @@
 //! let pressed = contact.press(Load::Approach(0.004)).solve()?;
 //! let pulled = contact.press(Load::Approach(-0.001)).starting_from(Some(&pressed)).solve()?;
 //! println!("{:.1e} after {:.1e}", pulled.mean_pressure, pressed.mean_pressure);
-//! # assert!(pulled.mean_pressure < 0.0 && pressed.mean_pressure > 0.0, "{} {}", pulled.mean_pressure, pressed.mean_pressure);
+//! # let [pull, push] = [pulled.mean_pressure, pressed.mean_pressure];
+//! # assert!(pull < 0.0 && push > 0.0, "{pull} {push}");
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! # Conventions
 //!
-//! - Any consistent units. A modulus and the pressures have one unit of stress, heights and displacements one of length.
+//! - Any consistent units. A modulus and the pressures have one unit of stress, heights and displacements one of
+//!   length.
 //! - Arrays are `[x, y]`. A line contact in plane strain has one point along y ([`Grid::line`](field::Grid::line)).
 //! - Heights `h` are those of the rigid surface, with peaks that point at the body: the highest touches first.
 //! - Pressure is positive in compression. `u_z < 0` presses the body down. The cell is periodic.
@@ -76,28 +79,56 @@
 //!
 //! Each can be used alone; this one re-exports them.
 //!
-//! | to ...                                                        | module        | start at |
-//! |---------------------------------------------------------------|---------------|----------|
-//! | make a rough surface, or prepare a measured one               | [`surface`]   | [`SelfAffine`](surface::SelfAffine), [`Statistics`](surface::Statistics) |
-//! | describe an elastic body                                      | [`green`]     | [`Body`](green::Body), [`Material`](green::Material) |
-//! | press the surface on the body                                 | [`contact`]   | [`Contact`](contact::Contact), [`Equilibrium`](contact::Equilibrium) |
-//! | add adhesion, cohesion or friction; follow a path of loads    | [`interface`] | [`Interface`](interface::Interface), [`FrictionalContact`](interface::FrictionalContact), [`Path`](interface::Path) |
-//! | choose or evaluate the law of an interface                    | [`law`]       | [`Law`](law::Law), [`Kind`](law::Kind) |
-//! | follow a viscoelastic body in time, or slide over it           | [`viscoelastic`] | [`ViscoelasticContact`](viscoelastic::ViscoelasticContact), [`SlidingContact`](viscoelastic::SlidingContact) |
-//! | wear the surface while it slides                             | [`wear`]      | [`WearContact`](wear::WearContact) |
-//! | prescribe displacements on some points, tractions on others   | [`mixed`]     | [`MixedProblem`](mixed::MixedProblem) |
-//! | measure area, kappa and pressures; compare with theories      | [`measure`]   | [`Summary`](measure::Summary), [`theory`](measure::theory) |
-//! | find the temperature of a surface under friction            | [`heat`]      | [`Flash`](heat::Flash), [`Thermal`](heat::Thermal) |
-//! | let a fluid flow through the gap                             | [`flow`]      | [`flow`](flow::flow), [`Flow`](flow::Flow) |
-//! | see displacement, strain and stress below the surface         | [`body`]      | [`Interior`](body::Interior) |
-//! | move dislocations below a punch                               | [`dislocation`] | [`Domain`](dislocation::Domain), [`Crystal`](dislocation::Crystal) |
-//! | apply stiffness and compliance of a body to whole fields      | [`response`]  | [`NormalResponse`](response::NormalResponse) |
-//! | minimise something else                                       | [`relax`]     | [`Landscape`](relax::Landscape), [`Quadratic`](relax::Quadratic) |
-//! | transform periodic fields                                     | [`field`]     | [`Grid`](field::Grid), [`Transform`](field::Transform) |
-//! | look a formula up                                             | [`theory`]    | |
+//! | to ... | module | start at |
+//! |---|---|---|
+//! | make a rough surface, or prepare a measured one | [`surface`] | [`SelfAffine`], [`Statistics`] |
+//! | describe an elastic body | [`green`] | [`Body`], [`Material`] |
+//! | press the surface on the body | [`contact`] | [`Contact`], [`Equilibrium`] |
+//! | add adhesion, friction; follow a path of loads | [`interface`] | [`Interface`], [`FrictionalContact`], [`Path`] |
+//! | choose or evaluate the law of an interface | [`law`] | [`Law`], [`Kind`] |
+//! | let a viscoelastic body relax, or slide over it | [`viscoelastic`] | [`ViscoelasticContact`], [`SlidingContact`] |
+//! | wear the surface while it slides | [`wear`] | [`WearContact`] |
+//! | prescribe displacements on some points, tractions on others | [`mixed`] | [`MixedProblem`] |
+//! | measure area, kappa and pressures; compare with theories | [`measure`] | [`Summary`], [`measure::theory`] |
+//! | find the temperature of a surface under friction | [`heat`] | [`Flash`], [`Thermal`] |
+//! | let a fluid flow through the gap | [`flow`] | [`flow::flow`], [`Flow`] |
+//! | see displacement, strain and stress below the surface | [`body`] | [`Interior`] |
+//! | move dislocations below a punch | [`dislocation`] | [`Domain`], [`Crystal`] |
+//! | apply stiffness and compliance of a body to whole fields | [`response`] | [`NormalResponse`] |
+//! | minimise something else | [`relax`] | [`Landscape`], [`Quadratic`] |
+//! | transform periodic fields | [`field`] | [`Grid`], [`Transform`] |
+//! | look a formula up | [`theory`] | |
 //!
-//! Studies of many contacts (`gfmd-sweep`), extrapolation (`gfmd-fit`), pictures (`gfmd-plot`) and files (`gfmd-files`) are
-//! crates beside this one, and `gfmd-cli` is the program.
+//! Studies of many contacts (`gfmd-sweep`), extrapolation (`gfmd-fit`), pictures (`gfmd-plot`) and files (`gfmd-files`)
+//! are crates beside this one, and `gfmd-cli` is the program.
+//!
+//! [`SelfAffine`]: surface::SelfAffine
+//! [`Statistics`]: surface::Statistics
+//! [`Body`]: green::Body
+//! [`Material`]: green::Material
+//! [`Contact`]: contact::Contact
+//! [`Equilibrium`]: contact::Equilibrium
+//! [`Interface`]: interface::Interface
+//! [`FrictionalContact`]: interface::FrictionalContact
+//! [`Path`]: interface::Path
+//! [`Law`]: law::Law
+//! [`Kind`]: law::Kind
+//! [`ViscoelasticContact`]: viscoelastic::ViscoelasticContact
+//! [`SlidingContact`]: viscoelastic::SlidingContact
+//! [`WearContact`]: wear::WearContact
+//! [`MixedProblem`]: mixed::MixedProblem
+//! [`Summary`]: measure::Summary
+//! [`Flash`]: heat::Flash
+//! [`Thermal`]: heat::Thermal
+//! [`Flow`]: flow::Flow
+//! [`Interior`]: body::Interior
+//! [`Domain`]: dislocation::Domain
+//! [`Crystal`]: dislocation::Crystal
+//! [`NormalResponse`]: response::NormalResponse
+//! [`Landscape`]: relax::Landscape
+//! [`Quadratic`]: relax::Quadratic
+//! [`Grid`]: field::Grid
+//! [`Transform`]: field::Transform
 
 #[doc(inline)]
 pub use gfmd_body as body;

@@ -77,8 +77,8 @@ impl Body {
 
     /// A body whose normal compliance depends on the direction of the wave vector, as that of a crystal or a composite:
     /// a table with the rows [q_x, q_y (rad/length), compliance (length/stress)], in any order. Every wavenumber has
-    /// the same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q. Between
-    /// them ln G is the trigonometric polynomial of the angle, with coefficients that are cubics of ln q as in
+    /// the same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q.
+    /// Between them ln G is the trigonometric polynomial of the angle, with coefficients that are cubics of ln q as in
     /// [`tabulated`](Self::tabulated) (theory.md, section 4.4).
     ///
     /// # Errors
@@ -334,8 +334,8 @@ impl Body {
 
     /// The frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress, without
     /// shear traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0 it is height/C11
-    /// for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate. NaN where it depends on
-    /// the direction: [`normal_compliance_along`](Self::normal_compliance_along).
+    /// for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate. NaN where it depends
+    /// on the direction: [`normal_compliance_along`](Self::normal_compliance_along).
     #[inline]
     pub fn normal_compliance(&self, q: f64) -> f64 {
         let q = q.abs();

@@ -105,13 +105,14 @@ pub enum GreenError {
     Grid(#[from] GridError),
     /// Shear of a profile with free boundaries.
     #[error(
-        "the grid is a profile; shear with free boundaries needs a surface, since the lateral displacement of a profile is known up to a constant"
+        "the grid is a profile; shear with free boundaries needs a surface, since the lateral displacement of a \
+         profile is known up to a constant"
     )]
     LineShear,
     /// The compliance of a patch whose table has entries that are rounding errors.
     #[error(
-        "the compliance of the patch is between {least:e} and {largest:e}; the least must be above 1e-12 of the largest (a body \
-         that is incompressible and thin cannot be had with free boundaries and a law)"
+        "the compliance of the patch is between {least:e} and {largest:e}; the least must be above 1e-12 of the \
+         largest (a body that is incompressible and thin cannot be had with free boundaries and a law)"
     )]
     PatchStiffness {
         /// The least compliance of a wave.

@@ -7,8 +7,8 @@ pub enum Condition {
     Free,
 }
 
-/// Rigid ground below a slab: a condition for each component (theory.md, section 4). All else about a slab on it follows
-/// from these two.
+/// Rigid ground below a slab: a condition for each component (theory.md, section 4). All else about a slab on it
+/// follows from these two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Ground {
     /// The condition for u_x and u_y, or σ_xz and σ_yz.

@@ -36,7 +36,8 @@
 //! let ratio = slab.normal_stiffness(200.0) / half_space.normal_stiffness(200.0);
 //! assert!((ratio - 1.0).abs() < 1e-12);
 //!
-//! // A table has one number per mode of a grid, to be multiplied with a spectrum; the caller chooses the entry at q = 0.
+//! // A table has one number per mode of a grid, to be multiplied with a spectrum; the caller chooses the entry at
+//! // q = 0.
 //! let grid = Grid::square(64, 1.0).unwrap();
 //! let table = normal_stiffness_table(&slab, &grid, slab.normal_stiffness(0.0));
 //! assert_eq!(table.len(), grid.spectrum_len());

@@ -246,7 +246,8 @@ impl<'a> Section<'a> {
             let ratio = self.surface.lateral_ratio(q);
             direction.map(|component| -ratio * component)
         });
-        // A row is even or odd in a component of q as its entry of u_z is: the lateral displacement of u_z is odd in its own.
+        // A row is even or odd in a component of q as its entry of u_z is: the lateral displacement of u_z is odd in
+        // its own.
         let mut products = transfer.map(|[x, y, z]| {
             let sum = if lateral == [0.0; 2] { z } else { i_times(lateral[0], x) + i_times(lateral[1], y) + z };
             [Complex64::ZERO, Complex64::ZERO, sum]

@@ -171,8 +171,8 @@ impl<'a> LayerMode<'a> {
         m.s() * t.sinh * t.sinh + m.one_minus_s() * t.h * t.h
     }
 
-    /// The stiffness of a plate, whose base bears no traction: the inverse of [`Self::free_compliance`], with the determinant
-    /// N over sinh² h − h² (theory.md, section 4).
+    /// The stiffness of a plate, whose base bears no traction: the inverse of [`Self::free_compliance`], with the
+    /// determinant N over sinh² h − h² (theory.md, section 4).
     fn free_stiffness(&self) -> Blocks {
         let t = &self.t;
         let factor = self.contact_unit() / self.full_determinant();
@@ -184,8 +184,8 @@ impl<'a> LayerMode<'a> {
         )
     }
 
-    /// The compliance of a plate: half the sum of the compliances of its mirror-symmetric and its antisymmetric mode. The
-    /// diagonal has positive terms only, so that nothing cancels in a thin plate.
+    /// The compliance of a plate: half the sum of the compliances of its mirror-symmetric and its antisymmetric mode.
+    /// The diagonal has positive terms only, so that nothing cancels in a thin plate.
     fn free_compliance(&self) -> Blocks {
         let t = &self.t;
         let determinant = self.free_determinant();

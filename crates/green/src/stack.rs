@@ -24,8 +24,8 @@ impl State {
 
 /// A basis of the states at the top of a body that fulfil all conditions below it.
 ///
-/// The stiffness is traction · displacement⁻¹, the compliance displacement · traction⁻¹. Dividing only at the end keeps the
-/// digits of both if one is nearly singular, as for a thin sliding layer that is nearly incompressible.
+/// The stiffness is traction · displacement⁻¹, the compliance displacement · traction⁻¹. Dividing only at the end keeps
+/// the digits of both if one is nearly singular, as for a thin sliding layer that is nearly incompressible.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Basis {
     state: State,
@@ -122,8 +122,8 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The state at the bottom of a thick layer on ground that fixes one of u_long and u_z there. The traction of the other is
-    /// zero, which gives its displacement, and that the traction of the fixed one.
+    /// The state at the bottom of a thick layer on ground that fixes one of u_long and u_z there. The traction of the
+    /// other is zero, which gives its displacement, and that the traction of the fixed one.
     fn thick_state(&self, ground: Ground) -> State {
         let cross = self.cross_stiffness();
         let bottom = real(&self.bonded_stiffness().mirrored());
@@ -182,8 +182,8 @@ impl LayerMode<'_> {
         blocks(sagittal, -cross.transverse / (face.transverse + support.transverse))
     }
 
-    /// The matrix from (u, σ/(C44 q)) at the bottom of a thin layer to (u, σ/(C44 q)) at its top, sagittal part in the real
-    /// form: the blocks uu, us, su, ss.
+    /// The matrix from (u, σ/(C44 q)) at the bottom of a thin layer to (u, σ/(C44 q)) at its top, sagittal part in the
+    /// real form: the blocks uu, us, su, ss.
     ///
     /// The equations of elasticity read d/d(qz) (a, w, σ, τ) = A (a, w, σ, τ), and B = A² − 1 has B² = 0, so that
     /// exp(h A) = cosh h + A sinh h + B (h/2) sinh h + A B (h cosh h − sinh h)/2.

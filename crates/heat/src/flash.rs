@@ -14,8 +14,8 @@ use crate::{HeatError, Thermal};
 
 /// A heat source that slides steadily over a body (theory.md, section 7.11).
 ///
-/// With a second body, the indenter, in which the source rests, the heat is shared: the surfaces have one temperature at
-/// every point that is heated, and one mean temperature.
+/// With a second body, the indenter, in which the source rests, the heat is shared: the surfaces have one temperature
+/// at every point that is heated, and one mean temperature.
 #[derive(Clone)]
 pub struct Flash {
     transform: Arc<Transform>,
@@ -30,21 +30,21 @@ pub struct Flash {
 pub struct Heated {
     /// Temperature of the surface of the body.
     pub temperature: Array2<f64>,
-    /// Heat flux into the body. Where heat flows from the indenter into the body, it may exceed the flux that is made, and
-    /// it may be negative.
+    /// Heat flux into the body. Where heat flows from the indenter into the body, it may exceed the flux that is made,
+    /// and it may be negative.
     pub into_body: Array2<f64>,
     /// Mean of the heat flux that is made, over the whole surface.
     pub mean_flux: f64,
-    /// The part of the heat that flows into the body. NaN if two bodies touch at all points: nothing then determines the
-    /// mean of the flux, and that of `into_body` is zero.
+    /// The part of the heat that flows into the body. NaN if two bodies touch at all points: nothing then determines
+    /// the mean of the flux, and that of `into_body` is zero.
     pub fraction: f64,
     /// Largest temperature of the points that are heated; NaN if there are none.
     pub max_rise: f64,
     /// Mean temperature of these points; NaN if there are none.
     pub mean_rise: f64,
     /// The largest difference between the temperatures of the two bodies at these points over the largest rise, or the
-    /// largest flux into the body elsewhere over the largest flux, whichever is larger; recomputed from the final fields.
-    /// Zero with one body.
+    /// largest flux into the body elsewhere over the largest flux, whichever is larger; recomputed from the final
+    /// fields. Zero with one body.
     pub residual: f64,
     /// Iterations of the search.
     pub iterations: u64,
@@ -98,8 +98,8 @@ impl Flash {
     /// The temperature under a heat `flux`, per area and time, which is zero where the surfaces do not touch.
     ///
     /// # Errors
-    /// A flux of another size than the grid, or that is negative somewhere; a tolerance out of range; else an error that
-    /// contains the state reached.
+    /// A flux of another size than the grid, or that is negative somewhere; a tolerance out of range; else an error
+    /// that contains the state reached.
     pub fn heat(&self, flux: &Array2<f64>, budget: &Budget, watch: &mut dyn Watch) -> Result<Heated, HeatError> {
         budget.check()?;
         let flux = self.checked(flux)?;

@@ -1,8 +1,8 @@
 //! Flash temperature: the temperature of a surface over which a heat source slides steadily.
 //!
 //! - [`Thermal`]: conductivity and diffusivity of a body.
-//! - [`Flash`]: a source that moves over a body; with a second body, in which it rests, the heat is shared such that both
-//!   have one temperature at every point that is heated.
+//! - [`Flash`]: a source that moves over a body; with a second body, in which it rests, the heat is shared such that
+//!   both have one temperature at every point that is heated.
 //! - [`Heated`]: the heat that flows into the body, the temperature, and numbers of them.
 //!
 //! In the frame of the source a wave q of the heat flux Q, per area and time, makes the temperature

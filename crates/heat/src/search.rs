@@ -7,8 +7,8 @@ use num_complex::Complex64;
 
 use crate::memory::{Memory, higher};
 
-/// A search for the flux into the body at the points that are heated: (K₁ + K₂) Q₁ = K₂ Q there, with the kernels of the
-/// body and of the indenter.
+/// A search for the flux into the body at the points that are heated: (K₁ + K₂) Q₁ = K₂ Q there, with the kernels of
+/// the body and of the indenter.
 ///
 /// The matrix is positive definite, but not symmetric. The search is that of generalised conjugate residuals: each
 /// direction is conjugate to the last ones, and the step along it makes the residual least, in the norm of a symmetric

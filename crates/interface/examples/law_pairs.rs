@@ -1,8 +1,8 @@
-//! Iterations and transform pairs of contacts with a law, to a tolerance of 1e-8, with numbers by which two versions can be
-//! compared: the table of docs/solvers.md. `cargo run --release -p gfmd-interface --example law_pairs -- 256`
+//! Iterations and transform pairs of contacts with a law, to a tolerance of 1e-8, with numbers by which two versions
+//! can be compared: the table of docs/solvers.md. `cargo run --release -p gfmd-interface --example law_pairs -- 256`
 //!
-//! Arguments: the number of points along an axis, then parts of names of cases (all without), and `states` for the line of
-//! every load.
+//! Arguments: the number of points along an axis, then parts of names of cases (all without), and `states` for the line
+//! of every load.
 #![allow(clippy::print_stdout, reason = "the example prints a table")]
 
 use gfmd_contact::{Boundary, Equilibrium, Fields, Load, SolveError};
@@ -133,8 +133,8 @@ fn print_state(load: Load, state: &State) {
     let energy = state.elastic_energy + state.interface_energy;
     let gap = state.gap().mean().unwrap_or(f64::NAN);
     println!(
-        "  {load:?}: {} iterations {} pairs; area {:.6} pressure {:.8e} approach {:.8e} energy {energy:.8e} gap {gap:.8e}; \
-         curvature {:.3}{}",
+        "  {load:?}: {} iterations {} pairs; area {:.6} pressure {:.8e} approach {:.8e} energy {energy:.8e} gap \
+         {gap:.8e}; curvature {:.3}{}",
         state.effort.iterations,
         state.effort.transform_pairs,
         state.contact_fraction,

@@ -71,9 +71,9 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
 }
 
 impl Interface {
-    /// The state that follows from a gap under `drive`, with its residuals, from new transforms. It applies to an interface
-    /// in u_z alone, whose displacement the gap determines; with free boundaries that outside of the patch follows from the
-    /// `pressure`, which is not used otherwise.
+    /// The state that follows from a gap under `drive`, with its residuals, from new transforms. It applies to an
+    /// interface in u_z alone, whose displacement the gap determines; with free boundaries that outside of the patch
+    /// follows from the `pressure`, which is not used otherwise.
     ///
     /// # Errors
     /// An invalid drive; fields of another shape than the grid, or an interface in all components.
@@ -134,9 +134,9 @@ impl Certificate<'_> {
         )
     }
 
-    /// Compares the elastic traction of a component with that of the law. At points that touch the wall, the wall balances
-    /// the difference, by pressure only. The mean traction of a component whose mean is held is unknown; it is chosen so
-    /// that the mean force on the free points vanishes.
+    /// Compares the elastic traction of a component with that of the law. At points that touch the wall, the wall
+    /// balances the difference, by pressure only. The mean traction of a component whose mean is held is unknown; it is
+    /// chosen so that the mean force on the free points vanishes.
     fn balance(&mut self, component: usize) -> Balance {
         let Self { interface, frame, position, traction, gap, wall_pressure } = self;
         let points = frame.points();
@@ -203,8 +203,8 @@ impl Certificate<'_> {
         sum(frame.inside(), &|range| range.map(|i| f64::from(in_contact(i))).sum()) / frame.inside() as f64
     }
 
-    /// The displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the elastic surface
-    /// moves in place of the rigid one.
+    /// The displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the elastic
+    /// surface moves in place of the rigid one.
     fn displacement_and_approach(&self, mean_pressure: f64) -> (Vec<f64>, f64) {
         let Self { interface, frame, position, .. } = self;
         let mut displacement = position.to_vec();

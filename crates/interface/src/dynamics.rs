@@ -1,5 +1,5 @@
-//! Damped dynamics: slow, but it needs no energy, only the force. The time step follows from the stiffest mode of the body
-//! and the stiffness of the law (theory.md, section 8).
+//! Damped dynamics: slow, but it needs no energy, only the force. The time step follows from the stiffest mode of the
+//! body and the stiffness of the law (theory.md, section 8).
 
 use gfmd_relax::{
     Bounds, Budget, Ending, Fire, InnerWatch, Landscape, Method as _, RelaxError, Visit, Watch, Why, relax_until,

@@ -5,8 +5,8 @@ use gfmd_vector::total;
 use crate::patch::Patch;
 use crate::{Interface, State};
 
-/// The coordinates in which a drive is solved. Under a prescribed load the rigid surface stays at first touch and the body
-/// is pushed up with `push`; the stiffness of its uniform motion is then 0 (theory.md, section 6.5).
+/// The coordinates in which a drive is solved. Under a prescribed load the rigid surface stays at first touch and the
+/// body is pushed up with `push`; the stiffness of its uniform motion is then 0 (theory.md, section 6.5).
 #[derive(Clone, Debug)]
 pub(crate) struct Frame<'a> {
     pub(crate) drive: Drive,
@@ -133,8 +133,8 @@ impl Frame<'_> {
         position
     }
 
-    /// The position from which a search begins: `start`, with the points under pressure of the wall placed on it; without
-    /// one, the undeformed surface, clipped at the wall.
+    /// The position from which a search begins: `start`, with the points under pressure of the wall placed on it;
+    /// without one, the undeformed surface, clipped at the wall.
     pub(crate) fn starting_position(&self, elastic: &Elastic, start: Option<&State>) -> Vec<f64> {
         let z = self.z() * self.points();
         let Some(state) = start else {

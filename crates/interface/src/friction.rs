@@ -1,5 +1,5 @@
-//! Friction at a hard wall, solved for the tractions. The normal contact with the shear of the last round, and the shear
-//! with the limits that the pressure sets, are solved in turn until both agree (Panagiotopoulos 1975).
+//! Friction at a hard wall, solved for the tractions. The normal contact with the shear of the last round, and the
+//! shear with the limits that the pressure sets, are solved in turn until both agree (Panagiotopoulos 1975).
 
 mod certify;
 mod division;
@@ -26,9 +26,9 @@ pub use state::{FrictionResidual, FrictionState};
 
 /// A rigid rough surface pressed on an elastic one and moved sideways, with a hard wall and friction.
 ///
-/// Friction depends on history: a drive is one increment from the state before. At points where |shear| is below its limit
-/// the surfaces stick, that is, move together during the increment; at the limit they may slip against the shear. The slip
-/// of a point that comes into contact is counted from its position at the start of the increment.
+/// Friction depends on history: a drive is one increment from the state before. At points where |shear| is below its
+/// limit the surfaces stick, that is, move together during the increment; at the limit they may slip against the shear.
+/// The slip of a point that comes into contact is counted from its position at the start of the increment.
 ///
 /// With [`Limit::Tresca`] the limit is discontinuous at the edge of the contact. If shear moves the surface up and down
 /// (for all bodies but those with ν = ½), a point at the edge may have no solution, because its shear lifts it out of
@@ -51,8 +51,8 @@ const FITS: &str = "every field of a contact has the size of its grid";
 
 /// The largest number of rounds of normal and tangential problem.
 const ROUNDS: usize = 150;
-/// The number of rounds after which the alternation may be cyclic. Only the fraction [`PART`] of the change of the shear is
-/// then passed to the normal problem.
+/// The number of rounds after which the alternation may be cyclic. Only the fraction [`PART`] of the change of the
+/// shear is then passed to the normal problem.
 const WHOLE_ROUNDS: usize = 20;
 const PART: f64 = 0.3;
 /// The tolerance of either problem over that of the contact.
@@ -62,8 +62,8 @@ const SHARE: f64 = 0.1;
 const SOLVERS: [Solver; 1] = [Solver::Auto];
 
 impl FrictionalContact {
-    /// Makes a contact. `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only differences
-    /// matter.
+    /// Makes a contact. `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only
+    /// differences matter.
     ///
     /// # Errors
     /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
@@ -71,11 +71,12 @@ impl FrictionalContact {
         Self::bounded(Boundary::Periodic, body, grid, heights, limit)
     }
 
-    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] displacements are against points far
-    /// away, and a mean pressure is the force over Lx Ly.
+    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] displacements are against
+    /// points far away, and a mean pressure is the force over Lx Ly.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and with free boundaries a profile, or a body that nothing holds sideways, or whose layers are too thin.
+    /// As [`new`](Self::new); and with free boundaries a profile, or a body that nothing holds sideways, or whose
+    /// layers are too thin.
     pub fn bounded(
         boundary: Boundary,
         body: &Body,
@@ -251,7 +252,8 @@ impl FrictionalContact {
         judge(state, ending, budget.tolerance)
     }
 
-    /// Checks that the displacement by the shear can be resolved. On a thin plate it may be much larger than the roughness.
+    /// Checks that the displacement by the shear can be resolved. On a thin plate it may be much larger than the
+    /// roughness.
     fn check_shear(&self, state: &FrictionState, tolerance: f64) -> Result<(), Refusal> {
         let lateral = state.traction.outer_iter().take(self.lateral_components());
         let largest = lateral.flatten().fold(0.0, |most: f64, shear| most.max(shear.abs()));

@@ -57,7 +57,8 @@ impl Interface {
             ));
         }
         if frame.held[0] && total(problem.free()) == 0.0 {
-            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not determine the pressure";
+            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not \
+                          determine the pressure";
             return Err(GradientError::Undetermined(reason));
         }
         let pressure = in_cell(scaled(&state.pressure(), stress));

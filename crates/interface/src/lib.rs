@@ -1,8 +1,8 @@
 //! An elastic body and a rigid rough surface joined by an interface law: adhesive and cohesive contact, friction.
 //!
 //! - [`Interface`]: a law that acts across the gap, with or without a hard wall, in u_z alone or in all components. At
-//!   rest the elastic traction balances that of law and wall. If there are several such states, the solver finds a stable
-//!   one by lowering the energy from the state of the start.
+//!   rest the elastic traction balances that of law and wall. If there are several such states, the solver finds a
+//!   stable one by lowering the energy from the state of the start.
 //! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, solved increment by increment.
 //! - [`PlasticContact`]: a hard wall with a hardness, whose plastic depth stays.
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.
@@ -32,7 +32,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: the laws themselves (`gfmd-law`), hard-wall contact without friction (`gfmd-contact`, whose solvers are faster).
+//! Not here: the laws themselves (`gfmd-law`), hard-wall contact without friction (`gfmd-contact`, whose solvers are
+//! faster).
 
 mod certify;
 mod dynamics;

@@ -2,10 +2,10 @@
 //!
 //! The energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z is minimised over w_z ≤ bound. A step solves (K + J) d = f on the free
 //! points by conjugate gradients that stop at the edge of the region or at a negative curvature (Steihaug 1983). The
-//! preconditioner is the compliance, with a smaller weight at points where the law is stiff. The step is then projected on
-//! the wall and shortened until the energy falls. No step raises the energy, so a jump ends in a stable state of lower
-//! energy. The search for a step of u_z alone has single precision ([`one_component`]); positions, forces and energies have
-//! double precision.
+//! preconditioner is the compliance, with a smaller weight at points where the law is stiff. The step is then projected
+//! on the wall and shortened until the energy falls. No step raises the energy, so a jump ends in a stable state of
+//! lower energy. The search for a step of u_z alone has single precision ([`one_component`]); positions, forces and
+//! energies have double precision.
 
 mod adjoint;
 mod all_components;
@@ -67,7 +67,8 @@ fn uniform_compliance(interface: &Interface, frame: &Frame) -> Vec<f64> {
     frame.uniform_stiffness.iter().map(resists).collect()
 }
 
-/// The weight of a free point in a preconditioner, where the law has this slope; `reference` is the stiffness of a wave.
+/// The weight of a free point in a preconditioner, where the law has this slope; `reference` is the stiffness of a
+/// wave.
 fn weight_of(slope: f64, reference: f64) -> f64 {
     (1.0 + slope.max(0.0) / reference).sqrt().recip()
 }

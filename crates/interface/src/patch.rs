@@ -4,8 +4,8 @@ use gfmd_contact::RigidSurface;
 use gfmd_field::Grid;
 
 /// The periodic cell in which the problem of a patch with free boundaries is solved: the patch and, around it, an empty
-/// surface twice as large, where the rigid surface is so [far](FAR) away that no law and no wall acts (theory.md, section 8.1).
-/// Values of the patch are the first of the first rows.
+/// surface twice as large, where the rigid surface is so [far](FAR) away that no law and no wall acts (theory.md,
+/// section 8.1). Values of the patch are the first of the first rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
     points: [usize; 2],
@@ -15,8 +15,8 @@ pub(crate) struct Patch {
     clearance: Arc<[f64]>,
 }
 
-/// The clearance outside of the patch, in the units of the solve, in which heights are of the order of 1: every law has faded
-/// away there, and a ninth power is still a number.
+/// The clearance outside of the patch, in the units of the solve, in which heights are of the order of 1: every law has
+/// faded away there, and a ninth power is still a number.
 const FAR: f64 = 1e30;
 
 impl Patch {

@@ -10,8 +10,9 @@ pub trait Quasistatic: Equilibrium {
     /// The numbers of a state that the energy balance of a path needs.
     fn reading(&self, state: &Self::State) -> Reading;
 
-    /// Returns true if the state `end` may depend, by more than a [`change`](Self::change) of `tolerance`, on the number of
-    /// increments in which it was reached from `start`, or from the undeformed surface. The answer takes no solve.
+    /// Returns true if the state `end` may depend, by more than a [`change`](Self::change) of `tolerance`, on the
+    /// number of increments in which it was reached from `start`, or from the undeformed surface. The answer takes no
+    /// solve.
     fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
         false
     }
@@ -89,8 +90,8 @@ pub struct Refinement {
     /// halved; its square root is the largest change of the [sticking fraction](Quasistatic::change_of_stick) when the
     /// last increment is halved.
     pub tolerance: f64,
-    /// Largest number of further solves per step, on average; the solves for eight steps may be used in advance. With 0 no
-    /// step is divided.
+    /// Largest number of further solves per step, on average; the solves for eight steps may be used in advance. With 0
+    /// no step is divided.
     pub solves_per_step: u64,
 }
 
@@ -106,21 +107,22 @@ impl Default for Refinement {
 pub struct Step {
     /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Estimate of the error of `dissipated`; `None` if `dissipated` is unknown, or does not depend on the division of the
-    /// step, or if extra solves did not suffice to halve the step.
+    /// Estimate of the error of `dissipated`; `None` if `dissipated` is unknown, or does not depend on the division of
+    /// the step, or if extra solves did not suffice to halve the step.
     pub dissipated_error: Option<f64>,
     /// The number of equal increments in which the state was reached, where the loss is [known](Loss::Known); else 0.
     /// The last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
     pub increments: u64,
-    /// The [change](Quasistatic::change) of the state from half as many increments; `None` if its division changes nothing,
-    /// NaN if it may do so and extra solves did not suffice to halve the step.
+    /// The [change](Quasistatic::change) of the state from half as many increments; `None` if its division changes
+    /// nothing, NaN if it may do so and extra solves did not suffice to halve the step.
     pub change: Option<f64>,
     /// True if more increments may change the state, its loss or its sticking fraction by more than the tolerance: the
     /// extra solves did not suffice.
     pub is_unsettled: bool,
     /// True if a jump was enclosed in the step: two states so close that the forces between them, if they change
-    /// monotonically, explain less than the energy that is missing. False if no piece of the step loses more energy than
-    /// the error allowed for it. `None` if the extra solves did not suffice to tell, or if the tractions have no energy.
+    /// monotonically, explain less than the energy that is missing. False if no piece of the step loses more energy
+    /// than the error allowed for it. `None` if the extra solves did not suffice to tell, or if the tractions have no
+    /// energy.
     pub jumped: Option<bool>,
     /// Number of solves beyond the one that every step needs.
     pub extra_solves: u64,
@@ -130,10 +132,10 @@ pub struct Step {
 
 /// A path of a contact, each state found from the last one.
 ///
-/// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in jumps.
-/// A step is therefore divided until the balance of work and energy closes to fourth order, which shows that no energy was
-/// lost, or until a jump is enclosed between two states so close that the work between them is negligible: the energy that
-/// is missing is then the loss.
+/// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in
+/// jumps. A step is therefore divided until the balance of work and energy closes to fourth order, which shows that no
+/// energy was lost, or until a jump is enclosed between two states so close that the work between them is negligible:
+/// the energy that is missing is then the loss.
 ///
 /// With friction the state itself depends on the number of increments in which it is reached, as long as they are few:
 /// slip counts from the start of an increment, and where the contact grows this is too early. A step, also the first
@@ -190,7 +192,8 @@ pub struct Path<'a, P: Quasistatic> {
 }
 
 impl<'a, P: Quasistatic> Path<'a, P> {
-    /// Makes a path without a state. With `None` in place of a refinement each step is one solve, and its loss is not sought.
+    /// Makes a path without a state. With `None` in place of a refinement each step is one solve, and its loss is not
+    /// sought.
     pub fn new(problem: &'a P, budget: Budget, refinement: impl Into<Option<Refinement>>) -> Self {
         let refinement = refinement.into();
         let allowance = refinement.map_or(0, |refinement| refinement.solves_per_step.saturating_mul(IN_ADVANCE));
@@ -231,7 +234,8 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         solves_per_step.saturating_add((needed.max(1.0) / (IN_ADVANCE + 1) as f64).ceil() as u64)
     }
 
-    /// Visits everything from which [`resume`](Self::resume) continues the path bit for bit; nothing before the first step.
+    /// Visits everything from which [`resume`](Self::resume) continues the path bit for bit; nothing before the first
+    /// step.
     pub fn keep(&mut self, visitor: &mut dyn Visit)
     where
         P: Resumable,
@@ -339,15 +343,15 @@ const IN_ADVANCE: u64 = 8;
 const SHORTEST: f64 = 1e-9;
 /// The error that a piece with a jump may have, over the error allowed for its step.
 const OF_A_JUMP: f64 = 0.25;
-/// The change from half as many increments that a step may have, over the tolerance. The next change would be a little more
-/// than half of it in the tractions, since their order in the length of an increment is a little below one.
+/// The change from half as many increments that a step may have, over the tolerance. The next change would be a little
+/// more than half of it in the tractions, since their order in the length of an increment is a little below one.
 const OF_A_CHANGE: f64 = 0.5;
 /// The number of divisions of a step expected if nothing is known of its change, that of the first load of a sphere,
 /// and the largest number.
 const DIVISIONS: f64 = 4.0;
 const MOST_DIVISIONS: f64 = 30.0;
-/// The number of solves that must be left before a piece is divided: both halves and the remaining part of the step then get
-/// a state in their middle, without which their error is hardly known.
+/// The number of solves that must be left before a piece is divided: both halves and the remaining part of the step
+/// then get a state in their middle, without which their error is hardly known.
 const RESERVE: u64 = 5;
 
 /// A step that is being computed.
@@ -371,8 +375,8 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok((state, reading))
     }
 
-    /// Finds the state at the end of a step from `start`, in twice as many equal increments each time, until it does not change.
-    /// `end` was found in one increment.
+    /// Finds the state at the end of a step from `start`, in twice as many equal increments each time, until it does
+    /// not change. `end` was found in one increment.
     fn divide(
         &mut self,
         start: Option<&Reached<P::State>>,
@@ -495,7 +499,8 @@ impl<P: Quasistatic> Search<'_, P> {
         self.rest(drive, start)
     }
 
-    /// Moves `here` to `end` piece by piece, and sums the losses of the pieces, to the tolerance times a reference work.
+    /// Moves `here` to `end` piece by piece, and sums the losses of the pieces, to the tolerance times a reference
+    /// work.
     fn account(
         &mut self,
         here: &mut Rest<P::State>,
@@ -619,8 +624,9 @@ impl Halves {
         self.missing + self.change / 3.0
     }
 
-    /// An estimate of the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half. No energy
-    /// is gained, so that one that is missing less than nothing shows that the forces are not monotonic.
+    /// An estimate of the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one
+    /// half. No energy is gained, so that one that is missing less than nothing shows that the forces are not
+    /// monotonic.
     fn doubt(&self) -> f64 {
         match self.missing < 0.0 {
             true => self.spread - self.missing,

@@ -10,13 +10,13 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::path::{Loss, Quasistatic, Reading};
 
-/// A contact with a hard wall whose surfaces keep the shape that their hardness gives them: each state begins at the plastic
-/// depth of the state before (theory.md, section 7.2).
+/// A contact with a hard wall whose surfaces keep the shape that their hardness gives them: each state begins at the
+/// plastic depth of the state before (theory.md, section 7.2).
 ///
-/// The depth so far is added to the clearance. Where the pressure is the hardness, the depth grows until the gap is closed;
-/// elsewhere it stays. A step thus is implicit: all of its growth takes place under the pressure at its end. Its work is
-/// lost, the mean of hardness times growth. Unloading, and loading again up to the load before, are elastic. Without a
-/// hardness nothing is lost.
+/// The depth so far is added to the clearance. Where the pressure is the hardness, the depth grows until the gap is
+/// closed; elsewhere it stays. A step thus is implicit: all of its growth takes place under the pressure at its end.
+/// Its work is lost, the mean of hardness times growth. Unloading, and loading again up to the load before, are
+/// elastic. Without a hardness nothing is lost.
 #[derive(Clone, Debug)]
 pub struct PlasticContact {
     contact: Contact,
@@ -25,7 +25,8 @@ pub struct PlasticContact {
 /// The state of a [`PlasticContact`].
 #[derive(Clone, Debug)]
 pub struct PlasticState {
-    /// Fields and residuals of the contact of the surface at the start of the step; its plastic part is the growth in the step.
+    /// Fields and residuals of the contact of the surface at the start of the step; its plastic part is the growth in
+    /// the step.
     pub solution: Solution,
     /// The plastic depth so far, in length.
     pub depth: Array2<f64>,
@@ -35,9 +36,10 @@ pub struct PlasticState {
     pub elastic_energy: f64,
     /// Energy lost in the step, per area, in stress × length.
     pub dissipated: f64,
-    /// Points whose pressure is the hardness, over all points. A pressure counts as the hardness if it is less by no more than
-    /// ten times the pressure that would close the largest gap left in contact, or by a thousandth of the hardness if that is
-    /// less: loaded again to its largest load, a contact has the hardness at all points that it had flattened, to the residuals of both states.
+    /// Points whose pressure is the hardness, over all points. A pressure counts as the hardness if it is less by no
+    /// more than ten times the pressure that would close the largest gap left in contact, or by a thousandth of the
+    /// hardness if that is less: loaded again to its largest load, a contact has the hardness at all points that it had
+    /// flattened, to the residuals of both states.
     pub fraction: f64,
     /// The depth at the start of the step.
     before: Array2<f64>,
@@ -54,7 +56,8 @@ impl PlasticContact {
         &self.contact
     }
 
-    /// The state of `pressure` under `load` on surfaces with the plastic `depth`, with its residuals from fresh transforms.
+    /// The state of `pressure` under `load` on surfaces with the plastic `depth`, with its residuals from fresh
+    /// transforms.
     ///
     /// # Errors
     /// Fields of another shape than the grid; a depth that is not finite.
@@ -81,7 +84,8 @@ impl PlasticState {
     fn new(contact: &Contact, solution: Solution, before: Array2<f64>) -> Self {
         let (depth, dissipated) = match &solution.plastic {
             Some(plastic) => {
-                // The depth grows where the pressure is the hardness. A field has points, and so a mean, here and below.
+                // The depth grows where the pressure is the hardness. A field has points, and so a mean, here and
+                // below.
                 let works = &solution.pressure * &plastic.depth;
                 (&before + &plastic.depth, works.mean().unwrap_or(0.0))
             }
@@ -97,7 +101,8 @@ impl PlasticState {
     }
 }
 
-/// The error of a pressure over the one that would close the largest gap left in contact: the depth has the gaps of earlier states.
+/// The error of a pressure over the one that would close the largest gap left in contact: the depth has the gaps of
+/// earlier states.
 const OF_A_GAP: f64 = 10.0;
 /// The largest difference between a pressure and the hardness, over the hardness, at a point that has the hardness.
 const NEAR: f64 = 1e-3;

@@ -40,8 +40,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Makes an interface that acts on u_z alone, without lateral traction. `heights` is the rigid profile on `grid`, peaks
-    /// pointing at the body, in length; only differences matter.
+    /// Makes an interface that acts on u_z alone, without lateral traction. `heights` is the rigid profile on `grid`,
+    /// peaks pointing at the body, in length; only differences matter.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -49,9 +49,9 @@ impl Interface {
         Self::in_own_units(body, grid, heights, law, NormalResponse::new)
     }
 
-    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] an approach is that against points far
-    /// away, a mean pressure is the force over Lx Ly, and the problem is solved in a cell of twice the points along each axis
-    /// (theory.md, section 8.1).
+    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] an approach is that against
+    /// points far away, a mean pressure is the force over Lx Ly, and the problem is solved in a cell of twice the
+    /// points along each axis (theory.md, section 8.1).
     ///
     /// # Errors
     /// As [`new`](Self::new); and with free boundaries a body without a level far away.
@@ -87,8 +87,8 @@ impl Interface {
         Self::in_own_units(body, grid, heights, law, FullResponse::new)
     }
 
-    /// As [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing response, such as one that
-    /// many surfaces on one body share. The problem is solved in the units of the response, whatever its size.
+    /// As [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing response, such as one
+    /// that many surfaces on one body share. The problem is solved in the units of the response, whatever its size.
     ///
     /// # Errors
     /// Heights of another shape than the grid, or not finite.
@@ -184,8 +184,8 @@ impl Interface {
         self.elastic.components() == 1 || self.law.energy(0.0, 0.0).is_some()
     }
 
-    /// Returns a warning if the law is too steep for the grid (theory.md, section 8). It is no error, since the states are
-    /// correct for the discrete surface.
+    /// Returns a warning if the law is too steep for the grid (theory.md, section 8). It is no error, since the states
+    /// are correct for the discrete surface.
     pub fn trapping(&self) -> Option<Trapping> {
         let [_, stiffness] = self.elastic.stiffness_range();
         let steepness = self.law.steepness();

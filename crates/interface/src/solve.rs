@@ -51,9 +51,9 @@ impl Equilibrium for Interface {
         if found < least { Err(Refusal::Slight { what, found, least }) } else { Ok(()) }
     }
 
-    /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard wall
-    /// alone if the drive presses, else at the undeformed surface. [`Solver::Auto`] is Newton's method if there is an energy,
-    /// else FIRE 2.0.
+    /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard
+    /// wall alone if the drive presses, else at the undeformed surface. [`Solver::Auto`] is Newton's method if there is
+    /// an energy, else FIRE 2.0.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -92,13 +92,14 @@ impl Equilibrium for Interface {
 /// The least load or approach over the tolerance, relative to the size of the roughness, for a wall alone.
 const RESOLVED: f64 = 10.0;
 
-/// Rounding errors of a mean, over the largest value: a load of this size is zero, such as the middle one from -0.1 to 0.1.
+/// Rounding errors of a mean, over the largest value: a load of this size is zero, such as the middle one from -0.1 to
+/// 0.1.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl Interface {
-    /// Checks that the tractions of the law do not hide a prescribed load, in the units of the input: the residual of the load
-    /// is over the largest traction, and a smaller load than the tolerance of it may be met or not. A load that is zero but for
-    /// rounding is zero.
+    /// Checks that the tractions of the law do not hide a prescribed load, in the units of the input: the residual of
+    /// the load is over the largest traction, and a smaller load than the tolerance of it may be met or not. A load
+    /// that is zero but for rounding is zero.
     fn check_load(&self, state: &State, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         let Load::MeanPressure(found) = drive.load else { return Ok(()) };
         let traction = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
@@ -175,8 +176,9 @@ impl Interface {
         Ok(Method::Dynamics(engine))
     }
 
-    /// The least stress over which residuals are taken, in [`units`](Self::units): the softest stiffness times the rms height, or
-    /// that of the load of a wall alone, if that is less. Errors that are small beside the roughness may exceed a small load.
+    /// The least stress over which residuals are taken, in [`units`](Self::units): the softest stiffness times the rms
+    /// height, or that of the load of a wall alone, if that is less. Errors that are small beside the roughness may
+    /// exceed a small load.
     pub(crate) fn stress_scale(&self, load: Load) -> f64 {
         let [softest, _] = self.elastic.stiffness_range();
         let rough = softest * self.surface.rms_height();
@@ -191,8 +193,8 @@ impl Interface {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
     }
 
-    /// Solves the contact with a hard wall in place of the law, roughly. Returns `None` if a wall does not allow the drive: an
-    /// approach beyond full contact, which a law without a wall allows.
+    /// Solves the contact with a hard wall in place of the law, roughly. Returns `None` if a wall does not allow the
+    /// drive: an approach beyond full contact, which a law without a wall allows.
     fn without_attraction(
         &self,
         drive: Drive,
@@ -212,8 +214,8 @@ impl Interface {
         wall.rest(drive, Solver::Newton, &rough, None, watch).map(Some)
     }
 
-    /// Solves the contact with a hard wall of a periodic surface in u_z alone by the solver of the pressure, which is faster.
-    /// Returns `None` if it does not solve it.
+    /// Solves the contact with a hard wall of a periodic surface in u_z alone by the solver of the pressure, which is
+    /// faster. Returns `None` if it does not solve it.
     fn by_pressure(&self, drive: Drive, budget: &Budget, watch: &mut dyn Watch) -> Option<State> {
         let (Elastic::Normal(response), None) = (&self.elastic, &self.patch) else { return None };
         // A refusal or a search without success is found again, and reported, by the search that follows.

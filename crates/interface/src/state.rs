@@ -114,8 +114,8 @@ impl Fields for State {
         self.normal_traction().mapv(|t| -t).into()
     }
 
-    /// The repulsive pressure: that of the wall, or where no wall presses −t_z at the points where it is larger than what is
-    /// left unbalanced. Where a law vanishes, far from contact, the sign of −t_z is that of rounding errors.
+    /// The repulsive pressure: that of the wall, or where no wall presses −t_z at the points where it is larger than
+    /// what is left unbalanced. Where a law vanishes, far from contact, the sign of −t_z is that of rounding errors.
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
         if self.wall_pressure.iter().any(|p| *p > 0.0) {
             self.wall_pressure.view().into()
@@ -152,8 +152,8 @@ impl Fields for State {
         Scales { contact_modulus: self.contact_modulus, rms_gradient: self.surface.rms_gradient() }
     }
 
-    /// Summarises the repulsive pressure; its points are in contact. κ is NaN if attraction carries the load, since area
-    /// over pressure has no meaning then.
+    /// Summarises the repulsive pressure; its points are in contact. κ is NaN if attraction carries the load, since
+    /// area over pressure has no meaning then.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let repulsion = self.repulsion();
         let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());

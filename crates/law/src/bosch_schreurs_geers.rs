@@ -1,8 +1,8 @@
 use crate::{Law, LawError, MixedMode, Response, Separation};
 
-/// The exponential law of van den Bosch, Schreurs and Geers (2006). The works of opening and sliding are independent, but
-/// there is no potential unless they are equal. The law is meant for tension: at an over-closure above δ_n the shear traction
-/// drives the sliding.
+/// The exponential law of van den Bosch, Schreurs and Geers (2006). The works of opening and sliding are independent,
+/// but there is no potential unless they are equal. The law is meant for tension: at an over-closure above δ_n the
+/// shear traction drives the sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoschSchreursGeers {
     separation: Separation,

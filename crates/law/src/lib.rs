@@ -19,7 +19,8 @@
 //! ```
 //! use gfmd_law::{Kind, Law, Npb, Separation};
 //!
-//! let law = Npb::new(Separation { normal_work: 1.0, tangential_work: 0.8, normal_length: 0.2, tangential_length: 0.3 })?;
+//! let separation = Separation { normal_work: 1.0, tangential_work: 0.8, normal_length: 0.2, tangential_length: 0.3 };
+//! let law = Npb::new(separation)?;
 //! // Slip does not weaken the repulsion of surfaces that are pressed into each other.
 //! assert_eq!(law.response(-0.1, 0.0).traction[0], law.response(-0.1, 0.9).traction[0]);
 //! assert!(law.mixed_mode().is_some_and(|properties| properties.all()));

@@ -85,8 +85,8 @@ impl Law for Exponential {
     }
 }
 
-/// Constant attraction γ/ϱ up to the gap ϱ and none beyond, with a hard wall: the cohesive zone of Dugdale (1960), with which
-/// Maugis (1992) solved the adhesive sphere.
+/// Constant attraction γ/ϱ up to the gap ϱ and none beyond, with a hard wall: the cohesive zone of Dugdale (1960), with
+/// which Maugis (1992) solved the adhesive sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dugdale {
     energy: f64,
@@ -191,8 +191,8 @@ impl Law for Morse {
     }
 }
 
-/// Harmonic repulsion, V = −γ + ½ k g² for g < 0, and half a cosine wave of attraction, V = −γ (1 + cos wg)/2, up to the
-/// finite range g = π/w, with w = √(2k/γ).
+/// Harmonic repulsion, V = −γ + ½ k g² for g < 0, and half a cosine wave of attraction, V = −γ (1 + cos wg)/2, up to
+/// the finite range g = π/w, with w = √(2k/γ).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarmonicCosine {
     energy: f64,

@@ -4,8 +4,8 @@ use crate::{Law, LawError, MixedMode, Response, Separation};
 /// The potential of Xu and Needleman (1993). q = φ_t/φ_n couples the modes; r = Δ_n*/δ_n is the opening after complete
 /// sliding without normal traction.
 ///
-/// With q = 1 the law behaves well in tension. With q ≠ 1 a normal traction remains after complete sliding, and for most
-/// parameters the shear traction changes sign under over-closure ([`Law::mixed_mode`] lists the properties).
+/// With q = 1 the law behaves well in tension. With q ≠ 1 a normal traction remains after complete sliding, and for
+/// most parameters the shear traction changes sign under over-closure ([`Law::mixed_mode`] lists the properties).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XuNeedleman {
     separation: Separation,

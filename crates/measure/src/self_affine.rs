@@ -64,7 +64,8 @@ impl SelfAffineArea {
     /// longest wavelength.
     ///
     /// ```text
-    /// q = 1 + 1/[1/(c₀ (1 − H)^(c₁ + c₅ H) + b₀ w) + c₂ (1 − H) p* + (c₃ + c₄ H) p*² + b₃ (1 + b₅ (1 − H)) w p*^b₄],   w = ε_f^(b₁ + b₂ (1 − H))
+    /// q = 1 + 1/[1/(c₀ (1 − H)^(c₁ + c₅ H) + b₀ w) + c₂ (1 − H) p* + (c₃ + c₄ H) p*² + b₃ (1 + b₅ (1 − H)) w p*^b₄]
+    /// w = ε_f^(b₁ + b₂ (1 − H))
     /// ```
     ///
     /// Fitted to surfaces of 1/ε_f = 16 to 1024 at p* = 0.01 to 1.2, with an error of 0.9 % rms and at most 5 % there;

@@ -1,8 +1,8 @@
-//! Damped dynamics for the free displacement: the surface layer moves under the given traction and its elastic force −K u,
-//! with the held points fixed (theory.md, section 6).
+//! Damped dynamics for the free displacement: the surface layer moves under the given traction and its elastic force −K
+//! u, with the held points fixed (theory.md, section 6).
 //!
-//! If the mean displacement of a component is zero at any load, the mean of its free points is constant. The mean of their
-//! forces is therefore subtracted; it is the mean traction, which the stiffness does not determine.
+//! If the mean displacement of a component is zero at any load, the mean of its free points is constant. The mean of
+//! their forces is therefore subtracted; it is the mean traction, which the stiffness does not determine.
 
 use std::ops::Range;
 
@@ -52,8 +52,8 @@ pub(crate) fn damped(
 
 /// Relaxes with critical damping of every mode of the free surface.
 ///
-/// Held points do not make it unstable: for a motion v the numbers b = ⟨v, B v⟩ and k = τ ⟨v, K v⟩ meet k < 2 (1 + b), since each
-/// mode does.
+/// Held points do not make it unstable: for a motion v the numbers b = ⟨v, B v⟩ and k = τ ⟨v, K v⟩ meet k < 2 (1 + b),
+/// since each mode does.
 pub(crate) fn verlet_modes(
     surface: &mut Surface,
     time_step: Option<f64>,
@@ -84,8 +84,8 @@ pub(crate) fn fire(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch
     run(surface, || Ok(Fire::bitzek(Fire::largest_dt(stiffest))), budget, watch)
 }
 
-/// Runs until the displacement that follows from the force on the held points meets the tolerance; small forces on the free
-/// points alone do not suffice.
+/// Runs until the displacement that follows from the force on the held points meets the tolerance; small forces on the
+/// free points alone do not suffice.
 fn run<M: Method>(
     surface: &mut Surface,
     method: impl FnOnce() -> Result<M, RelaxError>,

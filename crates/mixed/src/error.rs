@@ -46,7 +46,11 @@ pub enum MixedError {
     #[error("the search cannot start: {0}")]
     Search(#[from] RelaxError),
     /// The residual did not fall to the tolerance. The state reached is kept.
-    #[error("not converged after {} iterations ({why}): residual {:.2e}, asked {asked:e}", solution.iterations, solution.residual)]
+    #[error(
+        "not converged after {} iterations ({why}): residual {:.2e}, asked {asked:e}",
+        solution.iterations,
+        solution.residual
+    )]
     NotConverged {
         /// The state reached, with its residual.
         solution: Box<MixedSolution>,

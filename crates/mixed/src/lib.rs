@@ -1,6 +1,6 @@
 //! Mixed boundary-value problems on the surface of an elastic body: the displacement is prescribed at held points, the
-//! traction, zero or given, at free points. A point may be held in all components (a sticking punch) or in some (u_z under
-//! a frictionless punch). The problem is linear; the contact area is given.
+//! traction, zero or given, at free points. A point may be held in all components (a sticking punch) or in some (u_z
+//! under a frictionless punch). The problem is linear; the contact area is given.
 //!
 //! | method                                       | unknown                        | cost of a step |
 //! |----------------------------------------------|--------------------------------|----------------|
@@ -15,8 +15,8 @@
 //!
 //! If the mean displacement of a component does not depend on its mean traction (half-space; u_z of a bonded
 //! incompressible slab; see [`FullResponse::uniform_compliance`](gfmd_response::FullResponse::uniform_compliance)),
-//! displacements are measured from the mean level of the surface: ⟨u⟩ = 0 at any load. For the slab this follows from its
-//! constant volume; for the half-space it is a choice of origin.
+//! displacements are measured from the mean level of the surface: ⟨u⟩ = 0 at any load. For the slab this follows from
+//! its constant volume; for the half-space it is a choice of origin.
 //!
 //! A square punch that sticks to a slab:
 //!
@@ -44,7 +44,8 @@
 //! # }
 //! ```
 //!
-//! Start at [`MixedProblem`]. Not here: unknown contact areas (`gfmd-contact`), fields below the surface (`gfmd-body`), files.
+//! Start at [`MixedProblem`]. Not here: unknown contact areas (`gfmd-contact`), fields below the surface (`gfmd-body`),
+//! files.
 
 mod conjugate_gradients;
 mod dynamics;

@@ -13,8 +13,8 @@ pub struct Prescribed {
 }
 
 impl Prescribed {
-    /// Makes boundary conditions from `values`: the displacement (length) of `held` entries, the traction (stress) of free
-    /// ones; both arrays are `[component, x, y]`.
+    /// Makes boundary conditions from `values`: the displacement (length) of `held` entries, the traction (stress) of
+    /// free ones; both arrays are `[component, x, y]`.
     ///
     /// # Errors
     /// Arrays of different shapes; a value that is not finite.
@@ -25,8 +25,8 @@ impl Prescribed {
         Ok(Self { shape, held: held.iter().copied().collect(), values: values.iter().copied().collect() })
     }
 
-    /// Holds `points` in all components, displaced rigidly by `displacement` (x, y, z; y has no meaning on a line). All other
-    /// points are free of traction.
+    /// Holds `points` in all components, displaced rigidly by `displacement` (x, y, z; y has no meaning on a line). All
+    /// other points are free of traction.
     ///
     /// # Errors
     /// Points on another grid; a displacement that is not finite.

@@ -54,8 +54,8 @@ impl MixedProblem {
         };
         let most = budget.tolerance / f64::EPSILON * self.response.stiffness_range()[0] * surface.scale;
         let solution = self.solution(surface, iterations);
-        // The rounding errors of the displacement are those of the softest wave, even if most of the traction deforms the
-        // body less. The residual does not see them, since its transforms round in the same way.
+        // The rounding errors of the displacement are those of the softest wave, even if most of the traction deforms
+        // the body less. The residual does not see them, since its transforms round in the same way.
         let is_rounded = solution.traction.iter().any(|t| t.abs() > most);
         let ending = if ending == Ending::Converged && is_rounded { Ending::GaveUp(Why::Rounding) } else { ending };
         match ending {

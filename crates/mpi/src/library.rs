@@ -131,7 +131,8 @@ fn open(file: &str) -> Result<ManuallyDrop<Library>, libloading::Error> {
     #[cfg(unix)]
     {
         use libloading::os::unix::{self, RTLD_GLOBAL, RTLD_NOW};
-        // SAFETY: the initialisers of an MPI library have no conditions. Its own modules need its symbols to be global (Open MPI).
+        // SAFETY: the initialisers of an MPI library have no conditions. Its own modules need its symbols to be global
+        // (Open MPI).
         let library = unsafe { unix::Library::open(Some(file), RTLD_NOW | RTLD_GLOBAL) }?;
         Ok(ManuallyDrop::new(library.into()))
     }
@@ -173,8 +174,9 @@ impl<H: Handle> Functions<H> {
             finalize: function!("MPI_Finalize", _),
         };
         let (mut provided, mut own, mut all) = (0, 0, 0);
-        // SAFETY: begun once, by `start`; every pointer is to a living variable of the type that the standard states, and the text
-        // has the greatest length that any library states. Both communicators are duplicated in the same order by all.
+        // SAFETY: begun once, by `start`; every pointer is to a living variable of the type that the standard states,
+        // and the text has the greatest length that any library states. Both communicators are duplicated in the same
+        // order by all.
         unsafe {
             init(null(), null(), serialized, &raw mut provided);
             rank(world, &raw mut own);
@@ -191,7 +193,8 @@ impl<H: Handle> Functions<H> {
         let (counts, places) = counts(lengths);
         let count = int(own.len());
         assert_eq!(all.len(), lengths.iter().sum::<usize>(), "the words of all ranks");
-        // SAFETY: `own` has `count` words, `all` has those of all ranks at their places, and both live until the call returns.
+        // SAFETY: `own` has `count` words, `all` has those of all ranks at their places, and both live until the call
+        // returns.
         unsafe {
             (self.all_gather)(
                 own.as_ptr(),
@@ -215,7 +218,8 @@ impl<H: Handle> Functions<H> {
 
     /// Starts an exchange, which owns the messages until its end.
     pub(crate) fn post(&self, mut messages: Messages) -> Exchange<'_, H> {
-        // Open MPI takes two equal addresses, as empty vectors have, for a call in place, which waits for all the others.
+        // Open MPI takes two equal addresses, as empty vectors have, for a call in place, which waits for all the
+        // others.
         for words in [&mut messages.out, &mut messages.into] {
             if words.is_empty() {
                 words.reserve(1);
@@ -228,8 +232,8 @@ impl<H: Handle> Functions<H> {
         let numbers = [out_counts, out_places, into_counts, into_places];
         let mut exchange = Exchange { functions: self, messages, numbers, request: H::NONE, over: false };
         let Exchange { messages, numbers, request, .. } = &mut exchange;
-        // SAFETY: the vectors have the lengths checked above. They are on the heap and belong to the exchange, which gives them
-        // back only after MPI_Wait, waits when it is dropped, and frees nothing if it is forgotten.
+        // SAFETY: the vectors have the lengths checked above. They are on the heap and belong to the exchange, which
+        // gives them back only after MPI_Wait, waits when it is dropped, and frees nothing if it is forgotten.
         unsafe {
             (self.all_to_all)(
                 messages.out.as_ptr(),
@@ -251,8 +255,8 @@ impl<H: Handle> Functions<H> {
     pub(crate) fn meet(&self, mut goes_on: impl FnMut() -> bool) -> bool {
         let (mut request, mut done) = (H::NONE, 0);
         let mut status = [0_u64; TEXT / 64];
-        // SAFETY: the request is written by the first call and belongs to this function, the status has room for that of any
-        // library, and all ranks meet once. A meeting that is given up is followed by the abortion of all.
+        // SAFETY: the request is written by the first call and belongs to this function, the status has room for that
+        // of any library, and all ranks meet once. A meeting that is given up is followed by the abortion of all.
         unsafe { (self.barrier)(self.last, &raw mut request) };
         while done == 0 && goes_on() {
             // SAFETY: as above.
@@ -269,7 +273,8 @@ impl<H: Handle> Functions<H> {
 
     /// Finalises MPI in this process.
     pub(crate) fn finalize(&self) {
-        // SAFETY: called once, by `World::end`, which consumes the world, when all have met and no exchange is under way.
+        // SAFETY: called once, by `World::end`, which consumes the world, when all have met and no exchange is under
+        // way.
         unsafe { (self.finalize)() };
     }
 }

@@ -30,8 +30,8 @@ pub struct World {
 pub enum MpiError {
     /// No library was found.
     #[error(
-        "{launcher} has started {size} processes, but no MPI library was found ({reason}); GFMD_MPI=FILE names one, and \
-         GFMD_MPI=none lets each process run alone"
+        "{launcher} has started {size} processes, but no MPI library was found ({reason}); GFMD_MPI=FILE names one, \
+         and GFMD_MPI=none lets each process run alone"
     )]
     NoLibrary {
         /// The launcher.
@@ -43,8 +43,8 @@ pub enum MpiError {
     },
     /// A library of another launcher: each process would run alone.
     #[error(
-        "{launcher} has started {size} processes, which the library {version} does not know; it must be the library of the \
-         launcher, which GFMD_MPI=FILE names"
+        "{launcher} has started {size} processes, which the library {version} does not know; it must be the library of \
+         the launcher, which GFMD_MPI=FILE names"
     )]
     OtherLibrary {
         /// The launcher.

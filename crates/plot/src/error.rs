@@ -27,10 +27,11 @@ pub enum PlotError {
         /// Its place in the figure.
         place: String,
     },
-    /// The range of an axis is empty or reversed, not positive on a logarithmic axis, or beyond the numbers that have ticks.
+    /// The range of an axis is empty or reversed, not positive on a logarithmic axis, or beyond the numbers that have
+    /// ticks.
     #[error(
-        "the range of an axis is {:?} to {:?}; it must be increasing, with ends up to 1e307, longer than 1e-304 and than 1e-13 \
-         of its ends, and from 1e-304 on if logarithmic",
+        "the range of an axis is {:?} to {:?}; it must be increasing, with ends up to 1e307, longer than 1e-304 and \
+         than 1e-13 of its ends, and from 1e-304 on if logarithmic",
         range[0],
         range[1]
     )]

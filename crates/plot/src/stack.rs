@@ -13,8 +13,8 @@ const LABEL_HEIGHT: f64 = 20.0;
 /// The distance between two panels.
 const BETWEEN: f64 = 7.0;
 
-/// Draws panels, of which there is at least one, with these ranges from top to bottom, in a figure of this width with axes of this
-/// height.
+/// Draws panels, of which there is at least one, with these ranges from top to bottom, in a figure of this width with
+/// axes of this height.
 pub(super) fn draw(
     panels: &[Panel],
     ranges: &[[[f64; 2]; 2]],

@@ -24,7 +24,8 @@ pub struct Adhesion {
     pub process_zone_points: f64,
     /// Grid steps in the process zone from which on this law finds the pull-off load of a sphere to 2.5 %.
     pub process_zone_needed: f64,
-    /// The criterion of Wang, Zhou and Müser, √(steepness × grid step / E*): below 0.5 the grid resolves the attraction.
+    /// The criterion of Wang, Zhou and Müser, √(steepness × grid step / E*): below 0.5 the grid resolves the
+    /// attraction.
     pub wang_zhou_muser: f64,
     /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -37,12 +38,13 @@ pub struct Adhesion {
 /// The least width of the process zone in grid steps that is solved without `--coarse`.
 pub(crate) const LEAST_POINTS: f64 = 0.1;
 
-/// The criterion of Wang, Zhou and Müser (Lubricants 9, 17 (2021), eq. 9 and fig. 8): below it the grid resolves the attraction.
+/// The criterion of Wang, Zhou and Müser (Lubricants 9, 17 (2021), eq. 9 and fig. 8): below it the grid resolves the
+/// attraction.
 const WANG_ZHOU_MUSER: f64 = 0.5;
 
 impl Adhesion {
-    /// The numbers of a law on a surface with these `moments` on `grid`, on a body of this contact modulus. `None` without an
-    /// attraction, or if a number of it is too large or too small.
+    /// The numbers of a law on a surface with these `moments` on `grid`, on a body of this contact modulus. `None`
+    /// without an attraction, or if a number of it is too large or too small.
     pub fn of(args: &LawArgs, law: &dyn Law, grid: &Grid, moments: &Moments, contact_modulus: f64) -> Option<Self> {
         let work = args.work()?;
         let steepness = law.steepness();
@@ -89,8 +91,8 @@ impl Adhesion {
         let Self { process_zone_points: points, process_zone_needed: needed, .. } = *self;
         (points < needed).then(|| {
             format!(
-                "the process zone at the edge of a contact is {points:.2} grid steps wide; with this law {needed} or more give \
-                 a pull-off load to 2.5 %, fewer a larger error: refine the grid, or take a longer range"
+                "the process zone at the edge of a contact is {points:.2} grid steps wide; with this law {needed} or \
+                 more give a pull-off load to 2.5 %, fewer a larger error: refine the grid, or take a longer range"
             )
         })
     }

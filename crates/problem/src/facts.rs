@@ -76,8 +76,8 @@ pub enum MovedBase {
     Traction,
 }
 
-/// The parts of a problem, which decide what goes together and which of its numbers have a meaning. The default is a hard wall
-/// on a half-space, periodic, under loads.
+/// The parts of a problem, which decide what goes together and which of its numbers have a meaning. The default is a
+/// hard wall on a half-space, periodic, under loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facts {
     /// The way through the loads.
@@ -167,8 +167,8 @@ impl Facts {
         self.law != Kind::HardWall
     }
 
-    /// True if the displacement has a level: that of points far away, or that of its mean. It has none of a profile on a patch
-    /// over a half-space, whose displacement grows with the logarithm of the distance.
+    /// True if the displacement has a level: that of points far away, or that of its mean. It has none of a profile on
+    /// a patch over a half-space, whose displacement grows with the logarithm of the distance.
     pub fn has_level(&self) -> bool {
         let is_open = self.support.is_open() || self.second.is_some_and(Support::is_open);
         self.boundary == Boundary::Periodic || !self.line || !is_open

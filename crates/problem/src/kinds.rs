@@ -20,8 +20,8 @@ fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRe
     fields.try_into().map_err(|_| Refusal::Basis { found: fields.len(), expected: N })
 }
 
-/// The approach of stored fields. Where the displacement has no level it has no value in a file; the fields of the state have
-/// one of their own.
+/// The approach of stored fields. Where the displacement has no level it has no value in a file; the fields of the
+/// state have one of their own.
 fn approach(stored: &StoredFields<'_>, clearance: &[f64]) -> f64 {
     if !stored.approach.is_nan() {
         return stored.approach;

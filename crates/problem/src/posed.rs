@@ -55,7 +55,8 @@ pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static 
         of_fields(state)
     }
 
-    /// True if the state `end` may depend on the division of the step from `start` ([`Quasistatic::depends_on_division`]).
+    /// True if the state `end` may depend on the division of the step from `start`
+    /// ([`Quasistatic::depends_on_division`]).
     fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
         false
     }

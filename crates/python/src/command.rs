@@ -27,7 +27,8 @@ use crate::worker::{self, quick};
 /// Time between two looks at an interruption.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A report as JSON, the kind and the text of a failure, the fields of the result by their names, and the rest of its file.
+/// A report as JSON, the kind and the text of a failure, the fields of the result by their names, and the rest of its
+/// file.
 type Solved<'py> =
     (String, Option<(&'static str, String)>, BTreeMap<String, Bound<'py, PyArrayDyn<f64>>>, Option<FileDraft>);
 

@@ -314,7 +314,8 @@ impl Problem {
     }
 
     /// The derivatives of a number with respect to heights, load, modulus, and their relative error: from its own
-    /// derivatives by the fields and numbers of a state under a mean pressure, or under an approach if that `is_driven`.
+    /// derivatives by the fields and numbers of a state under a mean pressure, or under an approach if that
+    /// `is_driven`.
     fn vjp<'py>(
         &self,
         py: Python<'py>,
@@ -405,14 +406,16 @@ impl Problem {
 
 #[pymethods]
 impl State {
-    /// The points along each side over those of the state that its numbers need for an accuracy; 1 if they are that exact.
+    /// The points along each side over those of the state that its numbers need for an accuracy; 1 if they are that
+    /// exact.
     fn times(&self, py: Python<'_>, accuracy: &str) -> PyResult<u64> {
         let asked: Accuracy = accuracy.parse().map_err(|error| refused(py, &error))?;
         let worst = self.record.as_ref().and_then(|record| accuracy::worst(std::slice::from_ref(record), asked));
         Ok(worst.map_or(1, |worst| worst.times))
     }
 
-    /// The fields with their names, in the order of a file. Those that the state has are without a copy: the arrays keep it alive.
+    /// The fields with their names, in the order of a file. Those that the state has are without a copy: the arrays
+    /// keep it alive.
     #[getter]
     fn fields(this: Bound<'_, Self>) -> Vec<(&'static str, Array<'_>)> {
         let Self { rest, facts, lift, .. } = this.get();

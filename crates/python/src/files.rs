@@ -25,8 +25,8 @@ type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 /// The unit and the description of a surface.
 type Words = (Option<String>, String);
 
-/// Writes contacts of one problem, which [`Problem`](crate::contact::Problem) takes in the same form, with the words of its surface,
-/// and of that below the slab, if there is one.
+/// Writes contacts of one problem, which [`Problem`](crate::contact::Problem) takes in the same form, with the words of
+/// its surface, and of that below the slab, if there is one.
 #[pyfunction]
 pub(crate) fn save(
     py: Python<'_>,

@@ -1,5 +1,5 @@
-//! The native half of the Python package `gfmd`: arrays in, arrays out, checked by the libraries. Names, defaults, results
-//! and documentation of what a user sees are in `python/gfmd`.
+//! The native half of the Python package `gfmd`: arrays in, arrays out, checked by the libraries. Names, defaults,
+//! results and documentation of what a user sees are in `python/gfmd`.
 
 use pyo3::prelude::*;
 

@@ -149,8 +149,8 @@ pub(crate) fn periodise<'py>(
     Ok((heights.into_pyarray(py), grid.lengths()))
 }
 
-/// The composite heights of two surfaces, the second moved by `shift`, and the lengths of their cell; the part in common of
-/// surfaces that do not repeat.
+/// The composite heights of two surfaces, the second moved by `shift`, and the lengths of their cell; the part in
+/// common of surfaces that do not repeat.
 #[pyfunction]
 pub(crate) fn composite<'py>(
     py: Python<'py>,
@@ -228,8 +228,8 @@ pub(crate) fn psd(
     Ok(spectrum.radial().into_iter().map(|bin| (bin.wavenumber, bin.density)).unzip())
 }
 
-/// A function of the heights by its name, as JSON as `gfmd surface --statistics` prints it; of the autocorrelation also the map of
-/// height differences.
+/// A function of the heights by its name, as JSON as `gfmd surface --statistics` prints it; of the autocorrelation also
+/// the map of height differences.
 #[pyfunction]
 pub(crate) fn texture<'py>(
     py: Python<'py>,

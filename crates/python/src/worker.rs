@@ -42,8 +42,8 @@ type Pools = (u32, HashMap<usize, Vec<Arc<ThreadPool>>>);
 /// The pools of this process. A forked process has none of the threads of its parent, so that it makes its own pools.
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
-/// A pool for one piece of work: of several threads the one that all share, of a single thread one of its own, so that work from
-/// several threads of Python goes side by side.
+/// A pool for one piece of work: of several threads the one that all share, of a single thread one of its own, so that
+/// work from several threads of Python goes side by side.
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
     if threads > MOST_THREADS {
         return Err(format!("threads is {threads}; it must be between 0 (all cores) and {MOST_THREADS}"));

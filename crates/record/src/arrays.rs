@@ -146,8 +146,8 @@ pub const ARRAYS: &[Array] = &[
         "repulsion",
         "stress",
         &[(any, "repulsive pressure, without attraction; positive at the points in contact")],
-        // Beside that of a wall the pressure is an attraction, and where a law without a wall vanishes, its sign is that of
-        // rounding errors.
+        // Beside that of a wall the pressure is an attraction, and where a law without a wall vanishes, its sign is
+        // that of rounding errors.
         |rest, _| Some(rest.repulsion()),
     )
     .with("a --law with a wall (exponential, dugdale); elsewhere it is the positive part of the pressure", |facts| {

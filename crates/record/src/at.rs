@@ -34,10 +34,11 @@ pub struct At<'a> {
     pub slopes: [f64; 2],
     /// Height of the surface's top above the highest point of the grid, length; `None` if it is not known.
     pub rise: Option<f64>,
-    /// The process zone of the law at the edge of a contact over the one that this law needs to be resolved; `None` without one.
+    /// The process zone of the law at the edge of a contact over the one that this law needs to be resolved; `None`
+    /// without one.
     pub process_zone: Option<f64>,
-    /// The records of the same load on a grid of twice as many points along each side: one, or one for each of two ways to place
-    /// heights between those that are known; in place of a record, the reason why there is none.
+    /// The records of the same load on a grid of twice as many points along each side: one, or one for each of two ways
+    /// to place heights between those that are known; in place of a record, the reason why there is none.
     pub finer: Vec<Result<OnFinerGrid, String>>,
     /// The peak of the pressure, found when it is first asked for.
     pub peak: OnceCell<Option<Peak>>,

@@ -1,7 +1,7 @@
 //! Numbers with the digits that are certain.
 
-/// A value whose limit on fine grids has this error: the limit with the digits that are certain, as `0.1014(12)`, or two digits
-/// of the value and `~` where the limit is NaN; `-` without a value.
+/// A value whose limit on fine grids has this error: the limit with the digits that are certain, as `0.1014(12)`, or
+/// two digits of the value and `~` where the limit is NaN; `-` without a value.
 pub fn with_limit(value: f64, limit: f64, error: f64) -> String {
     match (value.is_nan(), limit.is_nan()) {
         (true, _) => "-".into(),
@@ -10,8 +10,8 @@ pub fn with_limit(value: f64, limit: f64, error: f64) -> String {
     }
 }
 
-/// A value with its error in units of its last digits, such as `0.1014(12)` or `2.512(4)e-9`: one digit of the error, two if it
-/// begins with 1; `-` without a value.
+/// A value with its error in units of its last digits, such as `0.1014(12)` or `2.512(4)e-9`: one digit of the error,
+/// two if it begins with 1; `-` without a value.
 fn uncertain(value: f64, error: f64) -> String {
     if !(value.is_finite() && error.is_finite() && error > 0.0) {
         return if value.is_finite() && error == 0.0 { format!("{value}") } else { "-".into() };

@@ -100,8 +100,8 @@ impl Record {
     }
 }
 
-/// The reason why a column of several rows has no value: the attribute `undefined` of its dataset. A reason that does not hold
-/// for all rows begins with their indices; `name` is that of a row, in singular and plural.
+/// The reason why a column of several rows has no value: the attribute `undefined` of its dataset. A reason that does
+/// not hold for all rows begins with their indices; `name` is that of a row, in singular and plural.
 pub fn reasons<'a>(rows: impl IntoIterator<Item = &'a Record>, column: &str, name: [&str; 2]) -> Option<String> {
     let mut reasons: Vec<(&str, Vec<usize>)> = Vec::new();
     let mut count_of_rows = 0;
@@ -145,8 +145,9 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
     found.into_iter().find(of_row).map(|(_, reason)| reason)
 }
 
-/// The lines below a table of rows: a reason once, with all columns, of those that are `shown`, which it leaves without a value;
-/// `name` is that of a row, in singular and plural. The columns of the error of a number by the grid are named by the number.
+/// The lines below a table of rows: a reason once, with all columns, of those that are `shown`, which it leaves without
+/// a value; `name` is that of a row, in singular and plural. The columns of the error of a number by the grid are named
+/// by the number.
 pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
     let cells = || rows.iter().flat_map(|row| &row.cells);
     let all_limited: BTreeSet<&str> = cells().filter_map(|(column, _)| column.limit_of()).collect();

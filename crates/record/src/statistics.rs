@@ -73,7 +73,8 @@ pub const STATISTICS: &[Statistic] = &[
         path: "/patches/perimeter",
         along: Along::Patch,
         unit: Some("length"),
-        meaning: "length of the edges between points in contact and points not in contact; the edge of a patch with free boundaries has no part in it",
+        meaning: "length of the edges between points in contact and points not in contact; the edge of a patch with \
+                  free boundaries has no part in it",
         values: |found, _| of_patches(found, 1),
     },
     Statistic {

@@ -3,8 +3,8 @@ use crate::columns::COLUMNS;
 use crate::record::Record;
 use gfmd_unit::{Shown, Units};
 
-/// The columns of a table, in their order, with their places in it. Tables other than that of the state and its energies begin
-/// with the reduced pressure.
+/// The columns of a table, in their order, with their places in it. Tables other than that of the state and its
+/// energies begin with the reduced pressure.
 pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
     let key = (!matches!(table, Table::State | Table::Energy)).then_some("p_star");
     let of = move |column: &'static Column| column.head.filter(|head| head.table == table || key == Some(column.name));
@@ -13,7 +13,8 @@ pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
 
 /// The numbers of states in tables as lines of text, in units that people read if those of the problem are known,
 /// below a line of heads: the columns that have a number in any of the rows.
-/// The last one is the largest residual, of the table of the lower face its own. Empty if the states have nothing of the tables.
+/// The last one is the largest residual, of the table of the lower face its own. Empty if the states have nothing of
+/// the tables.
 pub fn table_of(rows: &[Record], tables: &[Table], units: &Units) -> Vec<String> {
     let has = |column: &Column, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
@@ -50,8 +51,8 @@ pub fn table_of(rows: &[Record], tables: &[Table], units: &Units) -> Vec<String>
     lines
 }
 
-/// A number as a table shows it; `-` without a value. In place of a number that has an error by the grid stands its limit on fine
-/// grids, with the digits that are certain, or two digits and `~` where that is not known.
+/// A number as a table shows it; `-` without a value. In place of a number that has an error by the grid stands its
+/// limit on fine grids, with the digits that are certain, or two digits and `~` where that is not known.
 fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
     let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
     let factor = unit.map_or(1.0, |unit| unit.factor);

@@ -7,12 +7,12 @@
 //! | [`Nesterov`]                      | force, stiffest mode             | convex problems                         |
 //! | [`Fire`]                          | force, stiffest mode             | landscapes that are not convex          |
 //! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
-//! | [`PreconditionedCg`]              | the same, and its near inverse   | [`Preconditioned`]; [`Paired`], two fields |
+//! | [`PreconditionedCg`]              | the same, and its near inverse   | [`Preconditioned`], [`Paired`] fields   |
 //!
 //! For all methods but conjugate gradients a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
 //! residual. A [`Method`] contains parameters, a [`State`] all variables; [`relax`] makes steps until [`Stop`] is
-//! satisfied, and an [`Observer`] may watch. A [`Watch`] may keep checkpoints: every search visits its variables ([`Visit`]),
-//! and continues from them bit by bit. Results are equal bit by bit for any number of threads.
+//! satisfied, and an [`Observer`] may watch. A [`Watch`] may keep checkpoints: every search visits its variables
+//! ([`Visit`]), and continues from them bit by bit. Results are equal bit by bit for any number of threads.
 //!
 //! A chain of springs between two fixed ends with a weight on every node, and in a second run a table below it:
 //!

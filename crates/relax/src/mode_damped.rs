@@ -28,9 +28,9 @@ impl<B: Fn(&mut [f64])> ModeDamped<B> {
     }
 }
 
-/// Damping with a coefficient for each of several equally long parts of the entries: `factors` times the critical η of the
-/// `stiffnesses`, at one time step `dt`, if modes up to `k_max` are stable. Inertia is one number, so that all parts together
-/// are stable if each alone is.
+/// Damping with a coefficient for each of several equally long parts of the entries: `factors` times the critical η of
+/// the `stiffnesses`, at one time step `dt`, if modes up to `k_max` are stable. Inertia is one number, so that all
+/// parts together are stable if each alone is.
 ///
 /// # Errors
 /// A stiffness that is not positive and finite, or a factor that is out of its range ([`Damping::times_critical`]).

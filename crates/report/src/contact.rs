@@ -11,7 +11,8 @@ use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
 
 const CITED: [&str; 3] = [
-    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
+    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, \
+     Physical Review B 74, 075420 (2006).",
     "I. A. Polonsky, L. M. Keer, A numerical method for solving rough contact problems based on the multi-level \
      multi-summation and conjugate gradient techniques, Wear 231, 206–219 (1999).",
     "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical \
@@ -61,14 +62,19 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             p {
                 "Mean pressure " (shown("mean_pressure", 1.0)) ", approach " (shown("displacement", 1.0)) ", mean gap "
                 (shown("mean_gap", 1.0)) ", largest pressure " (shown("max_pressure", 1.0)) ". "
-                @if kappa[last].is_finite() { "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". " }
+                @if kappa[last].is_finite() {
+                    "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". "
+                }
                 @if error.is_finite() {
-                    "Numbers with brackets are those of an infinitely fine grid; the brackets have the error of their last digits (95 %). "
-                    "On this grid " (number(100.0 * area[last])) " % of the points are in contact, with an error of at most "
+                    "Numbers with brackets are those of an infinitely fine grid; the brackets have the error of their \
+                     last digits (95 %). "
+                    "On this grid " (number(100.0 * area[last])) " % of the points are in contact, with an error of at \
+                        most "
                     (format!("{:.1}", 100.0 * error)) " % of the surface. "
                 } @else if !is_line {
                     "These are counted points; corrected for the pixels along the perimeter the area is "
-                    (number(100.0 * corrected[last])) " %, and the distance of the two is a measure of the error of this grid. "
+                    (number(100.0 * corrected[last])) " %, and the distance of the two is a measure of the error of \
+                        this grid. "
                 }
                 @if solved.len() > 1 { "The last of " (solved.len()) " loads." }
             }
@@ -104,7 +110,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let drawn = AREAS.map(column);
     let points: Vec<[f64; 5]> = solved.iter().map(|&load| drawn.each_ref().map(|column| column[load])).collect();
     if points.len() > 1 && word("law") == "hard-wall" {
-        let caption = html! { "Contact area against the reduced pressure " i { "p" } "* = " i { "p" } "/(" i { "E" } "* " i { "g" } ")." };
+        let caption = html! {
+            "Contact area against the reduced pressure " i { "p" } "* = " i { "p" } "/(" i { "E" } "* " i { "g" } ")."
+        };
         page.chart(&areas(&points, is_line), "contact area against pressure", &caption);
     }
     // E* from the load with the largest pressure: with a law a load may be zero.

@@ -17,10 +17,12 @@ use gfmd_run::sweep::{example, runs};
 const CITED: [&str; 5] = [
     "N. Prodanov, W. B. Dapp, M. H. Müser, On the contact area and mean gap of rough, elastic contacts: dimensional \
      analysis, numerical corrections, and reference data, Tribology Letters 53, 433–448 (2014): the three limits.",
-    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
+    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, \
+     Physical Review B 74, 075420 (2006).",
     "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, On the accurate computation of the true contact-area in mechanical \
      contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
-    "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical Physics 115, 3840–3861 (2001).",
+    "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical Physics 115, 3840–3861 \
+     (2001).",
     "A. W. Bush, R. D. Gibson, T. R. Thomas, The elastic contact of a rough surface, Wear 35, 87–111 (1975).",
 ];
 
@@ -92,7 +94,8 @@ fn answer(page: &mut Page, reader: &Reader, fits: &Stored) {
             } @else { "κ = " i { "a" } sub { "r" } " " i { "E" } "* " i { "g" } "/" i { "p" } }
             " in the thermodynamic, fractal and continuum limit. "
             @if low.is_finite() && high.is_finite() {
-                "The interval is that of 95 % with the error of the form of the fit; the statistical one is " (interval(statistical[0]))
+                "The interval is that of 95 % with the error of the form of the fit; the statistical one is "
+                (interval(statistical[0]))
                 ", the error of the form is " (number(systematic[0])) ". "
             } @else { strong { "It has no interval. " } }
             "χ² is " (number(chi[0])) " with " (whole(freedom[0])) " degrees of freedom. "
@@ -143,7 +146,9 @@ fn protocols(page: &mut Page, reader: &Reader) {
         named.map(|name| (column(name), column(&format!("{name}_ci95_low")), column(&format!("{name}_ci95_high"))));
     let symbol = |letter: &str, index: &str| html! { i { (letter) } sub { (index) } };
     page.tables.push(Table {
-        caption: html! { "One axis at a time about reference cells 1/ε = (t, f, c); intervals: 95 %, without the misfit of the form." },
+        caption: html! {
+            "One axis at a time about reference cells 1/ε = (t, f, c); intervals: 95 %, without the misfit of the form."
+        },
         head: vec![
             html! { "cell" },
             kappa("sim"),
@@ -303,7 +308,8 @@ fn drawn(
     }
     let chart = figures::extrapolation(&plan.config, &analysis);
     let caption = html! {
-        "κ against one refinement, less the fitted terms of the other two; line: the fit. Filled: counted points, hollow: perimeter "
+        "κ against one refinement, less the fitted terms of the other two; line: the fit. Filled: counted points, \
+         hollow: perimeter "
         "corrected. Band: " (kappa("TFC")) " with its total interval."
     };
     page.chart(&chart, "κ against a refinement", &caption);
@@ -322,7 +328,9 @@ fn drawn(
     let modulus = plan.config.body()?.contact_modulus();
     let values: Vec<f64> = example.pressure.iter().map(|p| p / modulus).collect();
     let grid = &example.point.grid;
-    let caption = html! { "An example: contact pressure over " i { "E" } "*, seed " (example.seed) ", H = " (example.point.hurst) "." };
+    let caption = html! {
+        "An example: contact pressure over " i { "E" } "*, seed " (example.seed) ", H = " (example.point.hurst) "."
+    };
     page.field(
         &pressure(grid, &values, "pressure *p*/*E*\\*", "cell length"),
         "contact pressure of an example",

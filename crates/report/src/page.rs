@@ -176,7 +176,9 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                     p.dated { (common.dated) }
                 }
                 main {
-                    @if let Some(failed) = &page.failed { aside.failed role="alert" { h2 { "Not converged" } (failed) } }
+                    @if let Some(failed) = &page.failed {
+                        aside.failed role="alert" { h2 { "Not converged" } (failed) }
+                    }
                     section #answer aria-labelledby="answer-h" {
                         h2 id="answer-h" { "Result" }
                         @for said in &page.answer { (said) }
@@ -221,7 +223,8 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
                         section #certificates aria-labelledby="certificates-h" {
                             h2 id="certificates-h" { "Convergence and certificates" }
                             p {
-                                "The residuals of the contact conditions are recomputed from the final fields. The table "
+                                "The residuals of the contact conditions are recomputed from the final fields. The \
+                                 table "
                                 "has the largest of the file. " (checksum)
                             }
                             (certificates(&page.certificates))

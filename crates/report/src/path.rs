@@ -13,8 +13,10 @@ use gfmd_run::hardness;
 use gfmd_unit::Units;
 
 const CITED: [&str; 2] = [
-    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, Physical Review B 74, 075420 (2006).",
-    "R. Pohrt, Q. Li, Complete boundary element formulation for normal and tangential contact problems, Physical Mesomechanics 17, 334–340 (2014).",
+    "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, \
+     Physical Review B 74, 075420 (2006).",
+    "R. Pohrt, Q. Li, Complete boundary element formulation for normal and tangential contact problems, Physical \
+     Mesomechanics 17, 334–340 (2014).",
 ];
 
 /// The page about the path in a file.
@@ -82,7 +84,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             " %, lowest mean pressure " (pull)
             @if sideways { ", largest ratio of shear to pressure " (number(friction.fold(f64::NAN, f64::max))) }
             ". "
-            @if dissipated.is_finite() && !error.is_finite() { "The lost energy is exact for this interface (no error is estimated). " }
+            @if dissipated.is_finite() && !error.is_finite() {
+                "The lost energy is exact for this interface (no error is estimated). "
+            }
         }
     });
     if computed < stored.len() {
@@ -170,7 +174,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.residual(&stored, tolerance);
     page.numbers(&stored, computed, "step");
     if let Some(widest) = widest {
-        page.answer.push(html! { p { "The contact is largest at step " (widest) ", " i { "p" } "* = " (number(p_star[widest])) "." } });
+        page.answer.push(html! {
+            p { "The contact is largest at step " (widest) ", " i { "p" } "* = " (number(p_star[widest])) "." }
+        });
     }
     page.cost.extend([
         Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
@@ -180,8 +186,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// The indices of the steps with fields in a file; of legs that have a `length`, the key of their times or distances, the
-/// last step of each.
+/// The indices of the steps with fields in a file; of legs that have a `length`, the key of their times or distances,
+/// the last step of each.
 pub(crate) fn waypoints(table: &toml::Table, length: &str, computed: usize, steps_of_leg: usize) -> Vec<usize> {
     let list = |name: &str| table.get(name).and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
     let lengths = list(length);

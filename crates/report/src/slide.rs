@@ -12,8 +12,8 @@ use gfmd_run::failure::Failure;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
      Physics 115, 3840–3861 (2001).";
-const OF_HEAT: &str = "J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and Proceedings \
-     of the Royal Society of New South Wales 76, 203–224 (1942).";
+const OF_HEAT: &str = "J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and \
+     Proceedings of the Royal Society of New South Wales 76, 203–224 (1942).";
 
 /// The columns of the table: names in a file, and their heads.
 const COLUMNS: [(&str, &str); 9] = [
@@ -146,7 +146,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     if let (Some(state), true) = (of_largest(&max_rise), has_heat) {
         page.cited.push(OF_HEAT);
         page.answer.push(html! {
-            p.headline { "Largest rise of the temperature " (number(max_rise[state])) " " (unit) " " span { (place(state)) } }
+            p.headline {
+                "Largest rise of the temperature " (number(max_rise[state])) " " (unit) " " span { (place(state)) }
+            }
             p {
                 "Above the mean of the surface; the mean in contact is " (number(mean_rise[state])) " " (unit) ". "
                 @if fraction[state] != 1.0 { "The body takes " (number(100.0 * fraction[state])) " % of the heat. " }

@@ -32,8 +32,8 @@ pub struct Worst {
     pub times: u64,
 }
 
-/// The number that needs the most points for an accuracy. Boundary links are a count of one grid, and do not count; nor do numbers
-/// of which no grid tells the limit, since they have no value, or are near closing or full contact.
+/// The number that needs the most points for an accuracy. Boundary links are a count of one grid, and do not count; nor
+/// do numbers of which no grid tells the limit, since they have no value, or are near closing or full contact.
 pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
     let names = || {
         let names = COLUMNS.iter().filter_map(|column| Some((column.limit_of()?, column.order)));
@@ -59,7 +59,8 @@ pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
 /// Checks that a finer grid makes the numbers of a contact more exact, and that this is known.
 ///
 /// # Errors
-/// A contact of which one solution does not tell the error of the grid, or whose surface is not known between its points.
+/// A contact of which one solution does not tell the error of the grid, or whose surface is not known between its
+/// points.
 pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<(), Failure> {
     let refuse =
         |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.relative()));
@@ -76,14 +77,15 @@ pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<
     }
     if prepared.waves().is_nan() || prepared.waves() < FEWEST_WAVES {
         return Err(refuse(&format!(
-            "the surface has {:.1} waves, and the error of the grid is known of random ones with at least {FEWEST_WAVES}",
+            "the surface has {:.1} waves, and the error of the grid is known of random ones with at least \
+             {FEWEST_WAVES}",
             prepared.waves()
         )));
     }
     if prepared.short_waves() > gfmd_record::UNRESOLVED {
         return Err(refuse(&format!(
-            "waves shorter than four points have {:.0} % of the mean square gradient, and what lies between the points is not \
-             known; --grid-error refine tells what it may be",
+            "waves shorter than four points have {:.0} % of the mean square gradient, and what lies between the points \
+             is not known; --grid-error refine tells what it may be",
             100.0 * prepared.short_waves()
         )));
     }

@@ -21,7 +21,8 @@ use gfmd_problem::options::given::ArrayOption;
 #[serde(default)]
 #[command(next_help_heading = "Base")]
 pub struct BaseArgs {
-    /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a profile n values or [n, 2]
+    /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a
+    /// profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_displacement: Option<ArrayOption>,
@@ -169,8 +170,8 @@ pub(crate) fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
     found.map(|(key, (.., path))| (key, format!("{}:{path}", reader.path().display())))
 }
 
-/// The fields inside a body over the base that the contact in the file `name` has: those of the load with this mean traction, and
-/// those of the base.
+/// The fields inside a body over the base that the contact in the file `name` has: those of the load with this mean
+/// traction, and those of the base.
 ///
 /// # Errors
 /// A traction on a plate, or a stack of layers, whose fields inside are not available; a file that cannot be read.

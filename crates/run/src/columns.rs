@@ -7,8 +7,8 @@ use gfmd_unit::Units;
 
 use crate::failure::Failure;
 
-/// Writes the columns of a problem into a group: `count` rows, without a number beyond those there are, with the reasons of
-/// numbers without a value, in the units of a problem. A row has a name, in singular and plural.
+/// Writes the columns of a problem into a group: `count` rows, without a number beyond those there are, with the
+/// reasons of numbers without a value, in the units of a problem. A row has a name, in singular and plural.
 ///
 /// # Errors
 /// A file that cannot be written.

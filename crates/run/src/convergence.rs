@@ -209,11 +209,13 @@ fn advice(why: &Why, history: &History, tolerance: f64) -> String {
     match why {
         Why::Iterations => match history.forecast(tolerance) {
             Some(needed) => format!(
-                "at its rate over the last half of the search it needs about {needed:.0} iterations; try --max-iter {:.0}",
+                "at its rate over the last half of the search it needs about {needed:.0} iterations; try \
+                 --max-iter {:.0}",
                 1.5 * needed
             ),
             None => format!(
-                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tol above {:.0e}",
+                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tol above \
+                 {:.0e}",
                 history.residual.iter().copied().fold(tolerance, f64::min).max(tolerance)
             ),
         },

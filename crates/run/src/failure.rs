@@ -9,7 +9,8 @@ use gfmd_plot::PlotError;
 use gfmd_problem::{Clash, Unusable};
 use gfmd_sweep::SweepError;
 
-/// Reasons why a command fails. Each message is one line, without characters that steer a terminal, also if it quotes a file.
+/// Reasons why a command fails. Each message is one line, without characters that steer a terminal, also if it quotes a
+/// file.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// Unusable input. The message states the flag, field or file, the value found and the values allowed. Nothing was
@@ -45,7 +46,8 @@ impl Failure {
         Self::input(name, refusal)
     }
 
-    /// Appends a remark, such as the file that keeps the results so far. Unusable input has no results and gets no remark.
+    /// Appends a remark, such as the file that keeps the results so far. Unusable input has no results and gets no
+    /// remark.
     #[must_use]
     pub fn with(self, remark: &str) -> Self {
         match self {

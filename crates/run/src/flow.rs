@@ -6,10 +6,10 @@ use ndarray::{Array2, ArrayView2, Zip};
 use crate::failure::Failure;
 use crate::source::Surface;
 
-/// The flow through the gap, relative to a uniform gap equal to the mean gap; points with a positive `pressure` are closed.
-/// Soft surfaces may overlap so far that their mean gap is not positive: the flow is then relative to a uniform gap
-/// equal to the largest one, and has no meaning but that of the paths that it takes. `warn` takes the words of a flow that
-/// is less exact than it should be.
+/// The flow through the gap, relative to a uniform gap equal to the mean gap; points with a positive `pressure` are
+/// closed. Soft surfaces may overlap so far that their mean gap is not positive: the flow is then relative to a uniform
+/// gap equal to the largest one, and has no meaning but that of the paths that it takes. `warn` takes the words of a
+/// flow that is less exact than it should be.
 ///
 /// # Errors
 /// A flow that cannot be computed.

@@ -1,11 +1,11 @@
 //! A run of a command: what a description of a problem asks for, computed.
 //!
-//! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name; [`series`] makes the states at the loads of
-//! `contact` and at the steps of `path`, keeps them in a file and beside it, and checks those that are stored; [`resume`] continues.
-//! [`units`] puts bare numbers in place of quantities with a unit. [`result`](mod@result) reads what files say of
-//! their problem and compares numbers. A [`Session`](session::Session) tells whether to stop,
-//! collects warnings and knows the processes that compute together. Nothing here prints, knows a flag of the command line or ends
-//! the process.
+//! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name; [`series`] makes the states at
+//! the loads of `contact` and at the steps of `path`, keeps them in a file and beside it, and checks those that are
+//! stored; [`resume`] continues. [`units`] puts bare numbers in place of quantities with a unit. [`result`](mod@result)
+//! reads what files say of their problem and compares numbers. A [`Session`](session::Session) tells whether to stop,
+//! collects warnings and knows the processes that compute together. Nothing here prints, knows a flag of the command
+//! line or ends the process.
 #![warn(missing_docs)]
 
 pub mod accuracy;

@@ -16,8 +16,8 @@ use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
 #[serde(default)]
 #[command(next_help_heading = "Lower surface")]
 pub struct LowerArgs {
-    /// A rigid surface below the slab, in place of a base: heights as with --surface, peaks towards the slab, on the same points; prepared by the
-    /// flags of --surface if that is given
+    /// A rigid surface below the slab, in place of a base: heights as with --surface, peaks towards the slab, on the
+    /// same points; prepared by the flags of --surface if that is given
     #[arg(long, value_name = "FILE", conflicts_with = "lower_seed")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_surface: Option<ArrayOption>,

@@ -199,7 +199,8 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn the_size_of_this_process_is_that_of_its_addresses_whatever_the_size_of_pages() {
-        // Other tests of this binary allocate meanwhile: the table counts if the size is the same before and after it is read.
+        // Other tests of this binary allocate meanwhile: the table counts if the size is the same before and after it
+        // is read.
         let settled = (0..10_000).find_map(|_| {
             let before = own_size(ADDRESSES);
             let maps = std::fs::read_to_string("/proc/self/maps").ok()?;

@@ -1,4 +1,5 @@
-//! Result files as the commands read them again: their kind, their configuration, and the comparison with what is computed anew.
+//! Result files as the commands read them again: their kind, their configuration, and the comparison with what is
+//! computed anew.
 
 mod comparison;
 mod configuration;
@@ -18,8 +19,8 @@ pub use pair::{Against, Pair, layout};
 pub(crate) use surface::stored_unit;
 pub use surface::{compare_heights, regenerated, repeated_problem, stored_problem};
 
-/// The largest residual of a law on a patch that follows from the fields of a file, over the tolerance of the solve: the
-/// displacement outside of the patch, which a file does not contain, is that by its pressure, to the residual.
+/// The largest residual of a law on a patch that follows from the fields of a file, over the tolerance of the solve:
+/// the displacement outside of the patch, which a file does not contain, is that by its pressure, to the residual.
 pub(crate) const RESIDUAL_OF_A_PATCH: f64 = 10.0;
 
 /// The kinds of result files.

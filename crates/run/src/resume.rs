@@ -1,5 +1,5 @@
-//! The finished parts of a command that solves its parts in turn, each from the state of the one before: kept beside the
-//! output, so that `--resume` continues a run that was killed, and ends with the numbers of an uninterrupted one.
+//! The finished parts of a command that solves its parts in turn, each from the state of the one before: kept beside
+//! the output, so that `--resume` continues a run that was killed, and ends with the numbers of an uninterrupted one.
 //!
 //! | file beside `OUT`   | contents                                                                    |
 //! |---------------------|-----------------------------------------------------------------------------|

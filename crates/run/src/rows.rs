@@ -6,7 +6,8 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::failure::Failure;
 
-/// The number of chunks of a file in a block of rows that travels at once, and is compressed by all threads of the first process.
+/// The number of chunks of a file in a block of rows that travels at once, and is compressed by all threads of the
+/// first process.
 const CHUNKS: usize = 16;
 
 /// The number of rows of a block, of so many values each.
@@ -50,8 +51,8 @@ pub fn write_all(
     written
 }
 
-/// Writes a field to the `archive` of the first process, `None` at the others: the variable `path`, or its entry `index`. `see` gets the
-/// values in order. All rows travel, also if they cannot be written.
+/// Writes a field to the `archive` of the first process, `None` at the others: the variable `path`, or its entry
+/// `index`. `see` gets the values in order. All rows travel, also if they cannot be written.
 ///
 /// # Errors
 /// At the first process, a file that cannot be written.

@@ -304,8 +304,8 @@ fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
     }
 }
 
-/// Runs a command that keeps its parts beside its output. What an interruption or a failure leaves is flushed and named in the
-/// message; of a run that has ended nothing stays but its output, which `out` tells.
+/// Runs a command that keeps its parts beside its output. What an interruption or a failure leaves is flushed and named
+/// in the message; of a run that has ended nothing stays but its output, which `out` tells.
 pub fn keeping<R>(
     mut kept: Option<UnfinishedRun>,
     run: impl FnOnce(Option<&mut UnfinishedRun>) -> Result<Outcome<R>, Failure>,

@@ -30,8 +30,14 @@ use scan::{PeriodicScan, Scan};
 #[command(next_help_heading = "Surface")]
 pub struct SourceArgs {
     /// Heights, peaks towards the body: a file of an instrument or program (docs/formats.md), or FILE.h5:/dataset
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
-        "method", "roll_off", "roll_off_shape", "amplitudes"])]
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = [
+            "n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim", "method",
+            "roll_off", "roll_off_shape", "amplitudes"
+        ]
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<ArrayOption>,
     /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only
@@ -58,7 +64,12 @@ pub struct SourceArgs {
     pub length: Vec<f64>,
     /// Points along each side over those of the file: heights between them follow from the waves of the periodic
     /// surface. Of a generated surface --n gives the points
-    #[arg(long, value_name = "TIMES", requires = "surface", value_parser = clap::value_parser!(u64).range(1..=LARGEST_REFINE))]
+    #[arg(
+        long,
+        value_name = "TIMES",
+        requires = "surface",
+        value_parser = clap::value_parser!(u64).range(1..=LARGEST_REFINE)
+    )]
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "times")]
     pub refine: Option<u64>,
     /// The way to the heights between those of the file.
@@ -82,7 +93,14 @@ pub struct SourceArgs {
     pub second_surface: Option<ArrayOption>,
     /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves;
     /// with --boundary free whole steps only, and the part in common stays
-    #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "X[,Y]", requires = "second_surface", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        num_args = 1..=2,
+        value_name = "X[,Y]",
+        requires = "second_surface",
+        allow_negative_numbers = true
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub shift: Vec<f64>,
     /// The generator.
@@ -402,7 +420,8 @@ impl SourceArgs {
             if ratio > ROUGH_SEAM {
                 let text = format!(
                     "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
-                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror helps",
+                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror \
+                     helps",
                     statistics.moments.rms_gradient(),
                     statistics.rms_gradient_inside
                 );

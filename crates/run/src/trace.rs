@@ -1,4 +1,5 @@
-//! The record of every step of a search (`--history`): residual, energy, and chosen modes and points of the displacement.
+//! The record of every step of a search (`--history`): residual, energy, and chosen modes and points of the
+//! displacement.
 
 use std::f64::consts::TAU;
 use std::str::FromStr;
@@ -197,7 +198,8 @@ impl TraceArgs {
 }
 
 impl Tracer {
-    /// Notes an iteration; one that is seen again takes the place of the earlier. A search that begins anew has a new record.
+    /// Notes an iteration; one that is seen again takes the place of the earlier. A search that begins anew has a new
+    /// record.
     pub fn see(&mut self, iteration: u64, residual: f64) {
         let trace = &mut self.trace;
         if trace.iteration.last().is_some_and(|last| iteration < *last) {

@@ -51,7 +51,8 @@ pub enum SurfaceError {
     },
     /// Cut-offs without a mode of the cell between them.
     #[error(
-        "the wavelengths are limited to {shortest} to {longest}; at least one wave vector of the cell must lie in between"
+        "the wavelengths are limited to {shortest} to {longest}; at least one wave vector of the cell must lie in \
+         between"
     )]
     NoModes {
         /// Shortest wavelength λ_s.
@@ -90,7 +91,8 @@ pub enum SurfaceError {
     },
     /// Heights that are NaN or infinite.
     #[error(
-        "{count} of {points} heights are missing or not finite, the first is {value} at [x, y] = {first:?}; all must be finite"
+        "{count} of {points} heights are missing or not finite, the first is {value} at [x, y] = {first:?}; all must \
+         be finite"
     )]
     NotFinite {
         /// The number of heights that are not finite.
@@ -144,8 +146,8 @@ pub enum SurfaceError {
     },
     /// A shift by a fraction of a grid step, of a surface that does not repeat.
     #[error(
-        "the shift is {found:?} grid steps; it must be whole steps for surfaces that do not repeat, since nothing is known \
-         between their points"
+        "the shift is {found:?} grid steps; it must be whole steps for surfaces that do not repeat, since nothing is \
+         known between their points"
     )]
     PartOfStep {
         /// The shift along x and y, in grid steps.

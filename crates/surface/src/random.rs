@@ -9,8 +9,8 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// The stream of every generator here, the default of PCG64.
 const STREAM: u128 = 0x0a02_bdbf_7bb3_c0a7_ac28_fa16_a64a_bf96;
 
-/// The generator that belongs to `seed` and two integers, as documented at [`crate::SelfAffine::spectrum`]. The state is mixed
-/// so that neighbouring modes and seeds share no bits. Integer arithmetic gives one stream on all platforms.
+/// The generator that belongs to `seed` and two integers, as documented at [`crate::SelfAffine::spectrum`]. The state
+/// is mixed so that neighbouring modes and seeds share no bits. Integer arithmetic gives one stream on all platforms.
 pub(crate) fn keyed(seed: u64, [m, n]: [i64; 2]) -> Pcg64 {
     let low = mix(mix(mix(seed) ^ m as u64) ^ n as u64);
     Pcg64::new(u128::from(mix(low)) << 64 | u128::from(low), STREAM)
@@ -48,8 +48,8 @@ impl Normal {
     }
 }
 
-/// The output of SplitMix64 after one step from `state`: a bijection of 64-bit words in which each input bit affects every
-/// output bit.
+/// The output of SplitMix64 after one step from `state`: a bijection of 64-bit words in which each input bit affects
+/// every output bit.
 fn mix(state: u64) -> u64 {
     let z = state.wrapping_add(GOLDEN);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

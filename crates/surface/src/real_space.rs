@@ -13,10 +13,10 @@ const MOST_OVER_THE_PLANE: u32 = 14;
 
 /// Fractional Brownian motion by repeated halving of intervals (theory.md, section 9).
 ///
-/// The method is simple, fast and inexact; use [`crate::SelfAffine`] for quantitative work. The heights are not periodic,
-/// have no sharp cut-offs (the band ends near the spacing), and on a surface they are not isotropic: the lattice of the
-/// subdivision shows as creases. With midpoint displacement, increments off that lattice have the wrong variance: up to
-/// +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
+/// The method is simple, fast and inexact; use [`crate::SelfAffine`] for quantitative work. The heights are not
+/// periodic, have no sharp cut-offs (the band ends near the spacing), and on a surface they are not isotropic: the
+/// lattice of the subdivision shows as creases. With midpoint displacement, increments off that lattice have the wrong
+/// variance: up to +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealSpace {
     /// Hurst exponent H, from 0 to 1.
@@ -33,12 +33,12 @@ pub struct RealSpace {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Displaced {
     /// The new points only: random midpoint displacement, on a surface by diamonds and squares. The variance is
-    /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which is exact for increments between neighbours of the lattice (profiles). Coarse
-    /// points do not change when the number of subdivisions grows.
+    /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which is exact for increments between neighbours of the lattice (profiles).
+    /// Coarse points do not change when the number of subdivisions grows.
     Midpoints,
-    /// All points of the lattice so far: successive random addition, variance Δ_i²/2. Smoother than midpoint displacement;
-    /// all increments on the lattice are too large by one factor, 1 + (1 − 2^{2H−2})/(2^{2H} − 1) after many subdivisions
-    /// (profiles).
+    /// All points of the lattice so far: successive random addition, variance Δ_i²/2. Smoother than midpoint
+    /// displacement; all increments on the lattice are too large by one factor, 1 + (1 − 2^{2H−2})/(2^{2H} − 1) after
+    /// many subdivisions (profiles).
     AllPoints,
 }
 

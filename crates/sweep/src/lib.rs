@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`Config`] | the values that a user chooses; presets by name |
 //! | [`Plan`] | points (discretisations), and runs (realisations) of each point, with their seeds |
-//! | [`run()`] | the loads of every run, [`Pressed`]; [`run_shard`] computes a shard of the runs, [`run_one`] a single one |
+//! | [`run()`] | the loads of every run, [`Pressed`]; [`run_shard`] computes a shard, [`run_one`] a single run |
 //! | [`Analysis`] | kappa of every point and load; extrapolations, also one axis at a time ([`Protocol`]) |
 //! | [`Study`] | all of these steps, in one call |
 //!

@@ -1,5 +1,5 @@
-//! Writes what the readers find in a file, for comparison with other programs: one JSON line for each height map, and its
-//! heights as `FOLDER/NUMBER.npy`.
+//! Writes what the readers find in a file, for comparison with other programs: one JSON line for each height map, and
+//! its heights as `FOLDER/NUMBER.npy`.
 //!
 //! ```text
 //! cargo run --release -p gfmd-topography --example heights -- FILE FOLDER
@@ -44,8 +44,8 @@ fn write(file: &str, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let data_format = inner.map_or(listing.format, |(_, format)| format);
         let text = |text: &Option<String>| text.as_deref().map_or("null".into(), quoted);
         println!(
-            "{{\"format\": {}, \"data_format\": {}, \"number\": {number}, \"name\": {}, \"default\": {}, \"lengths\": {lengths}, \"unit\": {}, \
-             \"undefined\": {}, \"conversion\": {}}}",
+            "{{\"format\": {}, \"data_format\": {}, \"number\": {number}, \"name\": {}, \"default\": {}, \"lengths\": \
+             {lengths}, \"unit\": {}, \"undefined\": {}, \"conversion\": {}}}",
             quoted(listing.format),
             quoted(data_format),
             quoted(&channel.name),

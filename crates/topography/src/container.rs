@@ -101,8 +101,8 @@ impl Measurement {
                 let unit = unit.or_else(|| self.unit.clone());
                 Channel { name, unit, points, read: Box::new(move || whole.read(file, &entry)) }
             }
-            // A measurement in a format that is not read stands in the list, so that the numbers of the others are those
-            // of the container.
+            // A measurement in a format that is not read stands in the list, so that the numbers of the others are
+            // those of the container.
             Err(error) => Channel {
                 name,
                 unit: self.unit.clone(),

@@ -1,8 +1,8 @@
 //! Zygo Mx (`.datx`): interferometers of Zygo. The container is HDF5.
 //!
 //! `/MetaData` is a list of (source, link, destination); the links `Root`, `Measurement`, `Surface`, `Path` lead to the
-//! name of the dataset of heights, whose rows run along x. Its attribute `Unit` is the unit of the heights, `No Data` the
-//! value of undefined points, and the second parameter of `X Converter` and `Y Converter` the spacing in metres.
+//! name of the dataset of heights, whose rows run along x. Its attribute `Unit` is the unit of the heights, `No Data`
+//! the value of undefined points, and the second parameter of `X Converter` and `Y Converter` the spacing in metres.
 
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};

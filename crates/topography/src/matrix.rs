@@ -8,11 +8,11 @@
 //! 1.8823e-008    1.8497e-008    ...
 //! ```
 //!
-//! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y. The
-//! encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a decimal point,
-//! or a decimal comma where commas do not separate; the exponent may be written as Fortran does (`1.0D+00`, `1.0-105`), and
-//! the sign as the minus of typography. Lines end with LF, CR LF, or CR. Lines before the first number are a header; one that
-//! looks like numbers and has as many words as the lines of numbers is refused.
+//! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y.
+//! The encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a
+//! decimal point, or a decimal comma where commas do not separate; the exponent may be written as Fortran does
+//! (`1.0D+00`, `1.0-105`), and the sign as the minus of typography. Lines end with LF, CR LF, or CR. Lines before the
+//! first number are a header; one that looks like numbers and has as many words as the lines of numbers is refused.
 
 mod header;
 mod number;
@@ -61,7 +61,8 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Channel { name: channel, unit, points, read: Box::new(move || Ok(map)) }.into())
 }
 
-/// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its character.
+/// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its
+/// character.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some(bytes) = bytes.strip_prefix(UTF_16) {
         let units = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));

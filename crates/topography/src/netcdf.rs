@@ -1,9 +1,9 @@
 //! NetCDF in its classic format (versions 1, 2 and 5), as SurfaceTopography and contact.engineering write it.
 //!
 //! The variable `heights` is the height map; in files without it, every variable with two dimensions is one. Its first
-//! dimension is x, unless the dimensions are named `y` and `x`. The size is the attribute `length` of the variables `x` and
-//! `y`, or n times the spacing of their values. Points marked in a variable `mask`, and those with the fill value, are
-//! undefined. NetCDF-4 is HDF5 and read as such.
+//! dimension is x, unless the dimensions are named `y` and `x`. The size is the attribute `length` of the variables `x`
+//! and `y`, or n times the spacing of their values. Points marked in a variable `mask`, and those with the fill value,
+//! are undefined. NetCDF-4 is HDF5 and read as such.
 
 use ndarray::Array2;
 

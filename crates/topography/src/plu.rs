@@ -1,7 +1,7 @@
 //! Sensofar PLu (`.plu`, `.apx`): confocal microscopes of Sensofar, before PLUX. Numbers are little-endian.
 //!
-//! A date, a comment, the calibration and the settings in 500 bytes, then each layer: its numbers of points, floats of 32 bits
-//! in µm line by line, two limits, and images of three bytes a point. Undefined points have the height 1000001.
+//! A date, a comment, the calibration and the settings in 500 bytes, then each layer: its numbers of points, floats of
+//! 32 bits in µm line by line, two limits, and images of three bytes a point. Undefined points have the height 1000001.
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;

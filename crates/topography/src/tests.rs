@@ -146,7 +146,9 @@ fn arrays_of_numpy_in_any_precision_and_order() {
     };
     write_npy(path("whole.npy"), &heights.mapv(|h| (4.0 * h) as i64)).unwrap();
     assert_eq!(read("whole.npy").unwrap().heights, heights.mapv(|h| 4.0 * h));
-    let big_endian: &[u8] = b"\x93NUMPY\x01\x00\x40\x00{'descr': '>i2', 'fortran_order': False, 'shape': (2, 2), }    \n\0\x01\xff\xff\x80\0\x01\0";
+    let big_endian: &[u8] = b"\x93NUMPY\x01\x00\x40\x00{'descr': '>i2', 'fortran_order': False, 'shape': (2, 2), }    \
+                              \n\
+                              \0\x01\xff\xff\x80\0\x01\0";
     std::fs::write(path("big.npy"), big_endian).unwrap();
     assert_eq!(read("big.npy").unwrap().heights, ndarray::array![[1.0, -1.0], [-32768.0, 256.0]]);
     for (from, to, words) in [
@@ -218,7 +220,8 @@ fn datasets_bring_the_spacing_of_their_coordinates() {
     assert!(complete("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
 }
 
-/// The checksum is that of the bytes of the heights, whatever the name leads to by then; a file that is rewritten is refused.
+/// The checksum is that of the bytes of the heights, whatever the name leads to by then; a file that is rewritten is
+/// refused.
 #[test]
 fn the_checksum_is_of_the_bytes_that_were_read() {
     let text = |k: usize| format!("{k} 2\n3 4\n");

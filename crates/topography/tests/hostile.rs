@@ -1,5 +1,5 @@
-//! Hostile files: damaged copies of valid ones, many small parts, lying headers, bombs. `cargo run -p gfmd-topography --example
-//! hostile` reads as many damaged files as wanted.
+//! Hostile files: damaged copies of valid ones, many small parts, lying headers, bombs.
+//! `cargo run -p gfmd-topography --example hostile` reads as many damaged files as wanted.
 
 #[path = "harness/mod.rs"]
 mod harness;

@@ -19,8 +19,8 @@ impl Dimension {
     /// Dimensionless.
     pub const NONE: Self = Self { stress: 0, length: 0, time: 0, temperature: 0 };
 
-    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`, in which a
-    /// slash divides by all that follows; `None` for other words.
+    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`, in which
+    /// a slash divides by all that follows; `None` for other words.
     pub fn of(kind: &str) -> Option<Self> {
         let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));
         let mut found = Self::NONE;

@@ -25,8 +25,8 @@ pub(crate) struct Unit {
 /// Error: text that is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, W, K, s, min, h, d, yr, with prefixes, as in GPa, \
-         J/m^2, N/mm^2, Pa*s, W/(m K)"
+    "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, W, K, s, min, h, d, \
+         yr, with prefixes, as in GPa, J/m^2, N/mm^2, Pa*s, W/(m K)"
 )]
 pub struct UnknownUnit(String);
 

@@ -25,8 +25,8 @@ pub enum Unusable {
     },
     /// The problem has no unit of length.
     #[error(
-        "it has a unit, and the lengths have none; --unit gives them one, as in --unit um, or leave the unit out: a number is then in \
-             the units of the other numbers"
+        "it has a unit, and the lengths have none; --unit gives them one, as in --unit um, or leave the unit out: a \
+             number is then in the units of the other numbers"
     )]
     NoLength,
     /// The unit of the lengths is unknown.

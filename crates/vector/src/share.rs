@@ -38,9 +38,9 @@ impl fmt::Display for TooManyRanks {
         let Self { ranks, most, unit } = self;
         write!(
             f,
-            "the grid is shared by {ranks} processes; it must be at most {most}: each has {unit} rows or a multiple of them, which \
-             are whole blocks of {LEAF} values of the sums, so that these have the bits of one process. Powers of two along y \
-             allow the most processes"
+            "the grid is shared by {ranks} processes; it must be at most {most}: each has {unit} rows or a multiple of \
+             them, which are whole blocks of {LEAF} values of the sums, so that these have the bits of one process. \
+             Powers of two along y allow the most processes"
         )
     }
 }
@@ -231,7 +231,8 @@ impl Share {
                 length += words;
             }
             messages.out_lengths.push(length);
-            // From the one after comes its first row, from the one before its last; from both, if they are one, in this order.
+            // From the one after comes its first row, from the one before its last; from both, if they are one, in this
+            // order.
             messages.into_lengths.push(usize::from(other == after) * words + usize::from(other == before) * words);
         }
         messages.into.resize(messages.into_lengths.iter().sum(), 0);

@@ -20,8 +20,8 @@ use crate::{ElasticContact, Prony, Relaxes, StepFrame, Stiffening, ViscoelasticS
 ///
 /// A state follows from the one before, from which the displacement of the surface is linear in time. The step is exact
 /// for such a displacement, whatever its length, and its contact is an ordinary one, with larger moduli and another
-/// clearance. The first step begins at time 0 with a load, or an approach, of zero: with the undeformed surfaces at first
-/// touch, or with the state into which the law draws them there in no time. A step of no time is a jump.
+/// clearance. The first step begins at time 0 with a load, or an approach, of zero: with the undeformed surfaces at
+/// first touch, or with the state into which the law draws them there in no time. A step of no time is a jump.
 #[derive(Clone)]
 pub struct ViscoelasticContact<C = Contact> {
     /// The contact with the long-term moduli.
@@ -77,8 +77,8 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         }
     }
 
-    /// The energy stored in all springs, per area, by the [`memory`](ViscoelasticState::memory) of a state, with the `body`
-    /// of the contact: `None` with free boundaries, where it takes the pressure of each spring.
+    /// The energy stored in all springs, per area, by the [`memory`](ViscoelasticState::memory) of a state, with the
+    /// `body` of the contact: `None` with free boundaries, where it takes the pressure of each spring.
     ///
     /// # Errors
     /// Fields of another size than the grid, or of another number than the branches.

@@ -2,9 +2,9 @@
 //! unloading.
 //!
 //! - [`Prony`]: the relaxation of the modulus, branch by branch; [`Relaxes`] tells which moduli relax.
-//! - [`ViscoelasticContact`]: a hard wall, or a law across the gap, on such a body. A [`Drive`](gfmd_contact::Drive) has the time at which its
-//!   load, or approach, is reached; the state before is the start. Each step is one solve of an elastic contact, exact
-//!   for a displacement that is linear in time.
+//! - [`ViscoelasticContact`]: a hard wall, or a law across the gap, on such a body. A [`Drive`](gfmd_contact::Drive)
+//!   has the time at which its load, or approach, is reached; the state before is the start. Each step is one solve of
+//!   an elastic contact, exact for a displacement that is linear in time.
 //! - [`SlidingContact`]: the steady state of a surface that slides over such a body, with its friction by hysteresis.
 //! - [`ViscoelasticState`]: the fields at one time, the energies, and the memory of the body.
 //!

@@ -17,8 +17,8 @@ pub struct ViscoelasticState<S = Solution> {
     pub dissipated: f64,
     /// The difference between the work of the rigid surface in the step, by the trapezoidal rule, and the energy stored
     /// and lost. It falls with the square of the length of the step; 0 in a step of no time without a jump, and in the
-    /// first one with a law, of which no work is known. In a step with a jump, whose loss is that difference, the largest
-    /// error of the rule for forces that change monotonically.
+    /// first one with a law, of which no work is known. In a step with a jump, whose loss is that difference, the
+    /// largest error of the rule for forces that change monotonically.
     pub dissipated_error: f64,
     pub(crate) history: History,
 }

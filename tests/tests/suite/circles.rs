@@ -1,5 +1,5 @@
-//! No circle of files: within a module, the modules that it consists of use each other in one direction. A module and what
-//! is inside of it count as one; tests within a file do not count.
+//! No circle of files: within a module, the modules that it consists of use each other in one direction. A module and
+//! what is inside of it count as one; tests within a file do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -28,7 +28,8 @@ fn modules(src: &Path) -> BTreeMap<Module, String> {
     found
 }
 
-/// The paths that a text uses, from `crate` or `super`: those of `use`, with their braces opened, and those in the code.
+/// The paths that a text uses, from `crate` or `super`: those of `use`, with their braces opened, and those in the
+/// code.
 fn paths(text: &str) -> Vec<Module> {
     let mut found = Vec::new();
     for start in ["crate::", "super::"].iter().flat_map(|word| text.match_indices(word).map(|(at, _)| at)) {

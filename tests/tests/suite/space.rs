@@ -1,8 +1,8 @@
-//! The whole space of parameters, at random: each problem is solved to its stated accuracy, which is recomputed here from
-//! the returned fields by direct Fourier sums, or it is refused by name. No NaN, no panic, no endless search.
+//! The whole space of parameters, at random: each problem is solved to its stated accuracy, which is recomputed here
+//! from the returned fields by direct Fourier sums, or it is refused by name. No NaN, no panic, no endless search.
 //!
-//! The default run takes some 1500 cases. `GFMD_SPACE=100000 cargo test -p gfmd-tests --test suite space:: -- --nocapture` takes as
-//! many as it says and prints their count; `GFMD_SPACE_SEED` is the number of the first.
+//! The default run takes some 1500 cases. `GFMD_SPACE=100000 cargo test -p gfmd-tests --test suite space:: --
+//! --nocapture` takes as many as it says and prints their count; `GFMD_SPACE_SEED` is the number of the first.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must not pass a comparison")]
 #![expect(clippy::print_stdout, reason = "the count of cases")]
@@ -34,7 +34,8 @@ const LONGEST: Duration = Duration::from_secs(300);
 
 const TOLERANCE: f64 = 1e-7;
 
-/// The ratio of stiffnesses, as of a thin plate that nothing supports, above which a search may end without convergence.
+/// The ratio of stiffnesses, as of a thin plate that nothing supports, above which a search may end without
+/// convergence.
 const ILL_CONDITIONED: f64 = 1e8;
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -69,8 +70,8 @@ fn refused(refusal: &Refusal) -> Verdict {
     })
 }
 
-/// Checks gap, pressure and load of a state at a hard wall from its pressure and the displacement that follows. Parts of
-/// the displacement that cancel leave an error of `cancelled`.
+/// Checks gap, pressure and load of a state at a hard wall from its pressure and the displacement that follows. Parts
+/// of the displacement that cancel leave an error of `cancelled`.
 fn wall(
     case: &Case,
     load: Load,

@@ -1,5 +1,5 @@
-//! Transforms of large grids against `ndrustfft`, axis by axis. Here and not with gfmd-field, where its planners would be compiled
-//! at the highest level once more.
+//! Transforms of large grids against `ndrustfft`, axis by axis. Here and not with gfmd-field, where its planners would
+//! be compiled at the highest level once more.
 
 use std::f64::consts::TAU;
 

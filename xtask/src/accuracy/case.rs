@@ -26,8 +26,8 @@ const LOADS: [f64; 4] = [0.01, 0.05, 0.2, 0.5];
 /// The shortest waves over the length of the cell.
 const WAVES: usize = 16;
 
-/// The mean pressures over E* on rough spheres with free boundaries, whose contacts stay inside of the patch. Reduced pressures would
-/// depend on the grid: the gradient of a patch is one of differences.
+/// The mean pressures over E* on rough spheres with free boundaries, whose contacts stay inside of the patch. Reduced
+/// pressures would depend on the grid: the gradient of a patch is one of differences.
 const LOADS_OF_A_PATCH: [f64; 4] = [0.0007, 0.0015, 0.003, 0.007];
 
 /// The shortest waves over the length of a patch.
@@ -163,21 +163,22 @@ impl Case {
         if self.seed.is_multiple_of(2) { "dugdale" } else { "exponential" }
     }
 
-    /// The law at the summit of a wave: Johnson, Kendall and Roberts' contact has a radius of 4 to 16 points without a load, and
-    /// Tabor's parameter is 0.25 to 2.
+    /// The law at the summit of a wave: Johnson, Kendall and Roberts' contact has a radius of 4 to 16 points without a
+    /// load, and Tabor's parameter is 0.25 to 2.
     fn adhesive(&self) -> Adhesive {
         const AMPLITUDE: f64 = 0.02;
         let curvature = 1.0 / (TAU * TAU * AMPLITUDE);
         let radius = (4.0 + 12.0 * self.random[2]) / self.n as f64;
         let energy = 2.0 * radius.powi(3) / (9.0 * PI * curvature.powi(2));
         let tabor = 0.25 + 1.75 * self.random[3];
-        // μ³ = R γ²/(E*² z₀³), and Dugdale's stress is γ/range with range = 0.97 z₀ where that of Lennard-Jones is the largest.
+        // μ³ = R γ²/(E*² z₀³), and Dugdale's stress is γ/range with range = 0.97 z₀ where that of Lennard-Jones is the
+        // largest.
         let range = 0.97 * (curvature * energy * energy).cbrt() / tabor;
         Adhesive { amplitude: AMPLITUDE, energy, range, pull_off: 1.5 * PI * energy * curvature }
     }
 
-    /// The flags of the surface on a grid that is finer by this factor; heights that the program does not generate are written to
-    /// `folder`.
+    /// The flags of the surface on a grid that is finer by this factor; heights that the program does not generate are
+    /// written to `folder`.
     pub(super) fn flags(&self, finer: usize, folder: &Path) -> Result<String, Failure> {
         let n = finer * self.n;
         let written = |heights: Array2<f64>| {

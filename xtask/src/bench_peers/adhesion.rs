@@ -260,10 +260,14 @@ impl Adhesion {
         let text = std::fs::read_to_string(page)
             .map_err(|error| Failure::Computation(format!("{}: {error}", page.display())))?;
         let table = format!(
-            "{}\n{date}. {machine}. Commit {short}. Tamaas {tamaas} (`PolonskyKeerRey` on the gap, `ExponentialAdhesionFunctional`).\n\
-             Nine loads, p\\* 0.002 to 0.01 and back to 0, each from the last, with γ/ϱ = {STRENGTH} E\\* g and the shortest range that\n\
-             the grid resolves. Tamaas got smaller and smaller tolerances until its final pressures had residuals of at most {tolerance:e},\n\
-             recomputed as those of gfmd, or until all loads took longer than {patience} s: the ratio is then that to a less exact result.\n\
+            "{}\n{date}. {machine}. Commit {short}. Tamaas {tamaas} (`PolonskyKeerRey` on the gap, \
+             `ExponentialAdhesionFunctional`).\n\
+             Nine loads, p\\* 0.002 to 0.01 and back to 0, each from the last, with γ/ϱ = {STRENGTH} E\\* g and the \
+             shortest range that\n\
+             the grid resolves. Tamaas got smaller and smaller tolerances until its final pressures had residuals of \
+             at most {tolerance:e},\n\
+             recomputed as those of gfmd, or until all loads took longer than {patience} s: the ratio is then that to \
+             a less exact result.\n\
              Its friction is not compared: its solvers for it take one load and no path.\n\
              `cargo xtask bench-peers --adhesion --write-docs`.\n\n",
             self.table().markdown()

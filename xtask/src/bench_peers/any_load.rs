@@ -1,7 +1,8 @@
-//! `--any-load`: what every program reaches at any load, with each kind of boundary and with a hardness, and what fails.
+//! `--any-load`: what every program reaches at any load, with each kind of boundary and with a hardness, and what
+//! fails.
 //!
-//! Unlike the timed comparison, which needs certified results, this one shows failures: every pressure that a program returns
-//! is judged by one certificate, also one that the program itself calls not converged.
+//! Unlike the timed comparison, which needs certified results, this one shows failures: every pressure that a program
+//! returns is judged by one certificate, also one that the program itself calls not converged.
 
 mod page;
 

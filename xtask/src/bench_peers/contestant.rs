@@ -96,8 +96,8 @@ impl Contestant {
         folder.join(format!("{name}{threads}.npy"))
     }
 
-    /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`, in .npy. This
-    /// program writes no file if `out` is `None`; peers need one.
+    /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`, in .npy.
+    /// This program writes no file if `out` is `None`; peers need one.
     pub(super) fn solve(
         &self,
         problem: &Problem,

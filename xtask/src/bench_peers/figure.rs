@@ -7,8 +7,8 @@ use super::report::{Case, Report};
 use super::table::median;
 
 impl Report {
-    /// Seconds of every contestant on the first number of threads, as SVG. Loads are those of the largest grid; a point of a size is
-    /// the median over the loads that all contestants finished at all sizes.
+    /// Seconds of every contestant on the first number of threads, as SVG. Loads are those of the largest grid; a point
+    /// of a size is the median over the loads that all contestants finished at all sizes.
     pub(super) fn figure(&self) -> Result<String, Failure> {
         let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0);
         let hursts = distinct(self.cases.iter().map(|case| case.hurst));

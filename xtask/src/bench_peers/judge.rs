@@ -69,8 +69,8 @@ impl Verdict {
     }
 }
 
-/// Judges the pressures in the files `fields`, by contestant, and compares them with that of `reference`. One that is no number,
-/// or carries no load, has no verdict.
+/// Judges the pressures in the files `fields`, by contestant, and compares them with that of `reference`. One that is
+/// no number, or carries no load, has no verdict.
 pub(super) fn judge(
     problem: &Problem,
     fields: &BTreeMap<String, PathBuf>,

@@ -10,7 +10,8 @@ use serde_json::Value;
 /// The results of an earlier run in `file`.
 ///
 /// # Errors
-/// A file that cannot be read; an earlier run that differs from `now`, which has no results yet, in anything but `results`.
+/// A file that cannot be read; an earlier run that differs from `now`, which has no results yet, in anything but
+/// `results`.
 pub(super) fn read<T: DeserializeOwned>(file: &Path, now: &impl Serialize, results: &[&str]) -> Result<T, Failure> {
     let refused = |why: String| Failure::Input(format!("--resume: {}: {why}", file.display()));
     let parsed = |text: &str| serde_json::from_str(text).map_err(|error| refused(error.to_string()));

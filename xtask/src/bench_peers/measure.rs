@@ -256,7 +256,8 @@ impl<'a> Bench<'a> {
         let solve = solve.and_then(Solve::converged).map_err(|ended| ended.failure(&contestant.to_string()))?;
         match starter.cost {
             Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::Computation(format!(
-                "{contestant} on {threads} threads took {:?} iterations and {:?} pairs; they must be {:?} and {:?} as before",
+                "{contestant} on {threads} threads took {:?} iterations and {:?} pairs; they must be {:?} and {:?} as \
+                 before",
                 solve.iterations, solve.transform_pairs, cost.0, cost.1
             ))),
             _ => Ok(solve),

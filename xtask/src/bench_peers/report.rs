@@ -208,7 +208,8 @@ impl Report {
         let worst = |value: fn(&Verdict) -> f64| gfmd_relax::worst(verdicts.iter().map(|verdict| value(verdict)));
         let points = verdicts.iter().map(|verdict| verdict.differs.points).max().unwrap_or(0);
         format!(
-            "The largest certified residual is {:.1e}; pressures differ by at most {:.0e} (rms, relative), contacts in at most\n\
+            "The largest certified residual is {:.1e}; pressures differ by at most {:.0e} (rms, relative), contacts in \
+             at most\n\
              {points} points.",
             worst(Verdict::worst),
             worst(|verdict| verdict.differs.pressure)
@@ -286,8 +287,8 @@ impl Report {
         let least = timings.map(|timing| timing.processor_share).fold(f64::INFINITY, f64::min);
         (least < BUSY).then(|| {
             format!(
-                "The machine was busy with other work: at worst the yardstick got {:.0} % of a processor. Ratios are more \
-                 reliable than seconds, and both less reliable than on an idle machine.",
+                "The machine was busy with other work: at worst the yardstick got {:.0} % of a processor. Ratios are \
+                 more reliable than seconds, and both less reliable than on an idle machine.",
                 100.0 * least
             )
         })
@@ -306,14 +307,18 @@ impl Report {
             TamaasFftw::Own => "with the FFTW of its package, which has no vector code",
         };
         let mut page = format!(
-            "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. -->\n\
+            "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. \
+             -->\n\
              # Against other programs\n\n\
-             Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, as far as they are installed,\n\
-             for the same contacts to the same certified residual. [Any load](any-load.md) shows which loads each program reaches at\n\
+             Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, as far as they \
+             are installed,\n\
+             for the same contacts to the same certified residual. [Any load](any-load.md) shows which loads each \
+             program reaches at\n\
              all; [solvers](solvers.md) explains the cost of gfmd.\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
-             Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, \
-             shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran {plans}.\n\n"
+             Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell \
+             length / longest wavelength = 2, shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran \
+             {plans}.\n\n"
         );
         for note in self.disturbance().iter().chain(&self.notes) {
             let _ = writeln!(page, "> {note}\n");

@@ -243,9 +243,11 @@ impl Rows {
         let mut text = self.table().markdown();
         let _ = write!(
             text,
-            "\n{date}. {machine}. gfmd {version}, commit {short}. Self-affine surfaces as above, H = {hurst}. Seconds, or MB. Both sides of\n\
+            "\n{date}. {machine}. gfmd {version}, commit {short}. Self-affine surfaces as above, H = {hurst}. Seconds, \
+             or MB. Both sides of\n\
              a ratio are measured in turns, {repeats} times; the median ratio is compared with the aim.\n\
-             `cargo xtask bench-rows --python PYTHON --tamaas --write-docs`, with a Python that has gfmd, makes this table.\n\n"
+             `cargo xtask bench-rows --python PYTHON --tamaas --write-docs`, with a Python that has gfmd, makes this \
+             table.\n\n"
         );
         text
     }

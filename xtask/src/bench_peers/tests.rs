@@ -41,7 +41,9 @@ proptest! {
 
     /// Iterations are discrete, so that the residual is a staircase below the tolerance.
     #[test]
-    fn a_staircase_is_certified_and_left_at_its_loosest_step(step in 0.05..1.5_f64, shift in 0.0..1.0_f64, factor in -2.0..2.0_f64) {
+    fn a_staircase_is_certified_and_left_at_its_loosest_step(
+        step in 0.05..1.5_f64, shift in 0.0..1.0_f64, factor in -2.0..2.0_f64,
+    ) {
         let target = 1e-8;
         let residual = |t: f64| {
             let steps = ((t.log10() + factor) / step - shift).floor() + shift;
@@ -307,8 +309,10 @@ fn the_page_of_all_loads_shows_what_fails() {
         "2 of 2 |",
         "1 of 2 |",
         "hardness 0.1 E\\*, H = 0",
-        "- A, free boundaries, H = 0.8: p\\* = 1: residual 2e-8, pressure 1.0e-5 % off (no convergence to 1e-8: stagnated).",
-        "- B, free boundaries, H = 0.8: p\\* = 0.01: residual 7e-1, pressure 23 % off; p\\* = 1: no result (it takes longer than 60 s).",
+        "- A, free boundaries, H = 0.8: p\\* = 1: residual 2e-8, pressure 1.0e-5 % off (no convergence to 1e-8: \
+         stagnated).",
+        "- B, free boundaries, H = 0.8: p\\* = 0.01: residual 7e-1, pressure 23 % off; p\\* = 1: no result (it takes \
+         longer than 60 s).",
         "> something to know",
         "## Effort, certificate, seconds: free boundaries, H = 0.8",
     ] {

@@ -52,10 +52,10 @@ pub(super) const PREPARATION: [&str; 1] = ["punch --tol 1e-10 --out punch.h5"];
 pub(super) const SURFACE: &str = "punch --tol 1e-10 --compare data/reference/punch3d_elements/u_n128.npy --plots top";
 
 /// The comparison below the surface, on y = L/2 and on x = L/2: figures 4.7 to 4.11.
-pub(super) const ALONG_X: &str = "body --surface punch.h5 --levels 65 --slice y=0.635 --compare data/reference/punch3d_elements/section_y.npy \
-     --draw ux,sxx,sxz --plots along-x";
-pub(super) const ALONG_Y: &str = "body --surface punch.h5 --levels 65 --slice x=0.635 --compare data/reference/punch3d_elements/section_x.npy \
-     --draw ux,uy,uz,sxx,sxz --plots along-y";
+pub(super) const ALONG_X: &str = "body --surface punch.h5 --levels 65 --slice y=0.635 \
+     --compare data/reference/punch3d_elements/section_y.npy --draw ux,sxx,sxz --plots along-x";
+pub(super) const ALONG_Y: &str = "body --surface punch.h5 --levels 65 --slice x=0.635 \
+     --compare data/reference/punch3d_elements/section_x.npy --draw ux,uy,uz,sxx,sxz --plots along-y";
 
 /// The wave of figure 3.2 on a slab.
 macro_rules! wave {
@@ -77,7 +77,8 @@ pub(super) const PLANE: &str =
 pub(super) const FIGURES: [Figure; 19] = [
     Figure {
         number: "3.3",
-        source: "u_x(x, y, z) below the wave of figure 3.2, cos(2πx + 2πy) + cos(2πx − 2πy) of u_z, with u_x = u_y = 0 on the surface.",
+        source: "u_x(x, y, z) below the wave of figure 3.2, cos(2πx + 2πy) + cos(2πx − 2πy) of u_z, with u_x = u_y = 0 \
+                 on the surface.",
         here: "u_x on the plane y = 0, and on the level z = 7/8 of the height.",
         erratum: "",
         work: Work::Commands(&[picture(ABOVE_X, "y0-ux", ""), picture(LEVEL, "level-ux", "-level")]),
@@ -100,7 +101,8 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "3.6",
         source: "A strain below the same wave.",
         here: "The normal strains ε_xx (y = 0) and ε_zz (y = 0).",
-        erratum: "The text names figures 3.6 to 3.8 as strains without saying which; all six are drawn here, two in each figure.",
+        erratum: "The text names figures 3.6 to 3.8 as strains without saying which; all six are drawn here, two in \
+                  each figure.",
         work: Work::Commands(&[picture(ABOVE_X, "y0-exx", "-exx"), picture(ABOVE_X, "y0-ezz", "-ezz")]),
     },
     Figure {
@@ -133,11 +135,15 @@ pub(super) const FIGURES: [Figure; 19] = [
     },
     Figure {
         number: "4.1a",
-        source: "The amplitude ũ_x(0, 0) of the slowest mode against the iteration for several damping factors, for the punch; the critical one converges fastest.",
-        here: "The amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical damping of eq. 4.8, and the uniform \
-               mode (0, 0) of the free slab, pushed at one point, for the same factors (`gfmd damping`). For the free slab factor 1 is best; for the \
-               punch, whose held points stiffen the soft modes, more damping is: 1162 steps to 1e-8 with factor 1, 578 with 2, 1240 with 3 (docs/solvers.md).",
-        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle of the punch. Its first wave is shown in its place.",
+        source: "The amplitude ũ_x(0, 0) of the slowest mode against the iteration for several damping factors, for \
+                 the punch; the critical one converges fastest.",
+        here: "The amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the \
+               critical damping of eq. 4.8, and the uniform mode (0, 0) of the free slab, pushed at one point, for the \
+               same factors (`gfmd damping`). For the free slab factor 1 is best; for the punch, whose held points \
+               stiffen the soft modes, more damping is: 1162 steps to 1e-8 with factor 1, 578 with 2, 1240 with 3 \
+               (docs/solvers.md).",
+        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle of the punch. Its first \
+                  wave is shown in its place.",
         work: Work::Dampings,
     },
     Figure {
@@ -149,7 +155,8 @@ pub(super) const FIGURES: [Figure; 19] = [
     },
     Figure {
         number: "4.3",
-        source: "u_x of the surface under the sticking punch by (a) GFMD and (b) finite elements with the same nodes on the surface.",
+        source: "u_x of the surface under the sticking punch by (a) GFMD and (b) finite elements with the same nodes \
+                 on the surface.",
         here: "Ours, finite elements with the same nodes and held points, and the difference.",
         erratum: "",
         work: Work::Commands(&[picture(SURFACE, "top-u_x", "")]),
@@ -200,7 +207,8 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.10",
         source: "σ_xx on the plane captioned x/L = 0.5, (a) and (b).",
         here: "σ_xx on x = L/2 as captioned, and on y = L/2: ours, finite elements, difference, in GPa.",
-        erratum: "The captions of the other figures name x = L/2 where y = L/2 is meant, so that either plane may be the one drawn.",
+        erratum: "The captions of the other figures name x = L/2 where y = L/2 is meant, so that either plane may be \
+                  the one drawn.",
         work: Work::Commands(&[picture(ALONG_Y, "along-y-sxx", ""), picture(ALONG_X, "along-x-sxx", "-y")]),
     },
     Figure {

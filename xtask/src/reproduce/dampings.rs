@@ -22,7 +22,8 @@ const POINTS: f64 = 128.0;
 /// The command of the punch with one factor, as it stands on the page.
 pub(super) fn command(factor: &str) -> String {
     format!(
-        "punch --solver verlet-critical --damping {factor} --max-iter {STEPS} --tol 1e-15 --history --history-mode 1,0,x"
+        "punch --solver verlet-critical --damping {factor} --max-iter {STEPS} --tol 1e-15 --history \
+         --history-mode 1,0,x"
     )
 }
 

@@ -8,7 +8,8 @@ use gfmd_run::failure::Failure;
 use super::summary::Summaries;
 use crate::accuracy::Coverage;
 
-/// The share of the contacts whose interval holds the exact value; the least of all groups of surfaces and loads behind it.
+/// The share of the contacts whose interval holds the exact value; the least of all groups of surfaces and loads behind
+/// it.
 fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage) -> usize) -> String {
     let part = |found: &Coverage| of(found) as f64 / found.told as f64;
     let all = groups.get("all").map_or(f64::NAN, part);
@@ -23,7 +24,8 @@ fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage
 pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     let report = summaries.accuracy()?;
     let mut text = String::from(
-        "| number | told | error of the number | of its limit | limit within its error | number within its error | width |\n\
+        "| number | told | error of the number | of its limit | limit within its error | number within its error | \
+         width |\n\
          |---|---|---|---|---|---|---|\n",
     );
     for (mode, numbers) in &report.modes {

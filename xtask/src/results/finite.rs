@@ -31,7 +31,8 @@ fn cells(Numbers { kappa, gap, stiffness, rms_pressure, .. }: &Numbers) -> Strin
 /// Under given reduced pressures, with κ by the formula and its relative difference.
 pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
-        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n|---|---|---|---|---|---|---|---|\n",
+        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n\
+         |---|---|---|---|---|---|---|---|\n",
     );
     for kind in &summaries.finite()?.kinds {
         let formula = SelfAffineArea::new(kind.hurst);
@@ -70,8 +71,8 @@ pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The part of the surface above a pressure by Persson's theory, over p\*; both over E\* ḡ, whose half is the standard deviation in
-/// full contact.
+/// The part of the surface above a pressure by Persson's theory, over p\*; both over E\* ḡ, whose half is the standard
+/// deviation in full contact.
 fn of_persson(load: f64, pressure: f64) -> f64 {
     let upper = |x: f64| 0.5 * libm::erfc(x * std::f64::consts::SQRT_2);
     (upper(pressure - load) - upper(pressure + load)) / load

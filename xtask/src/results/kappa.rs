@@ -96,7 +96,8 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
         let part = 100.0 * limit.half() / kappa;
         let _ = writeln!(
             text,
-            "| {hurst} | **{kappa:.3}** | [{low:.3}, {high:.3}] (± {part:.2} %) | ± {statistical:.4} | ± {form:.4} | ± {edge:.4} |"
+            "| {hurst} | **{kappa:.3}** | [{low:.3}, {high:.3}] (± {part:.2} %) | ± {statistical:.4} | ± {form:.4} \
+             | ± {edge:.4} |"
         );
     }
     let cited = at(&limits, 0.8, P_STAR)?;

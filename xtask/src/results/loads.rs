@@ -18,7 +18,8 @@ fn nayak(hurst: f64, band: f64) -> f64 {
     1.5 * moment(0.0) * moment(4.0) / moment(2.0).powi(2)
 }
 
-/// kappa (perimeter corrected) on the finest grids of each ratio of wavelengths: H, 1/eps_f, Nayak's parameter, the cell.
+/// kappa (perimeter corrected) on the finest grids of each ratio of wavelengths: H, 1/eps_f, Nayak's parameter, the
+/// cell.
 fn by_band(summaries: &Summaries) -> Result<Vec<(f64, f64, f64, Point)>, Failure> {
     let powers = summaries.read("hurst")?;
     let mut rows = Vec::new();

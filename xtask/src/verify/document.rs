@@ -24,9 +24,9 @@ fn text(report: &Report) -> String {
     let mut text = format!(
         "# Validation\n\n\
          Results of the program compared with independent references, closed forms and identities: {} checks, {} \
-         failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts these checks, too. An \
-         error is the largest\nof all compared numbers, relative unless stated otherwise. The origin of the reference files \
-         is described in\n[data/reference](../data/reference/README.md).\n",
+         failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts these checks, too. \
+         An error is the largest\nof all compared numbers, relative unless stated otherwise. The origin of the \
+         reference files is described in\n[data/reference](../data/reference/README.md).\n",
         report.checks, report.failed
     );
     for topic in &report.topics {

@@ -20,7 +20,8 @@ pub(super) const CAPTIONS: [(&str, &str); 10] = [
     ),
     (
         "decay",
-        "Displacement below a cosine wave of the surface without lateral displacement, against the height, for three wavelengths.",
+        "Displacement below a cosine wave of the surface without lateral displacement, against the height, for three \
+         wavelengths.",
     ),
     (
         "wave-uz",
@@ -36,7 +37,8 @@ pub(super) const CAPTIONS: [(&str, &str); 10] = [
     ("punch-szz", "σ_zz below the punch, on the central plane, in GPa."),
     (
         "punch-sxz",
-        "σ_xz below the punch, on the plane y = L/2, in GPa (it vanishes on x = L/2, which the caption of figure 4.11 names).",
+        "σ_xz below the punch, on the plane y = L/2, in GPa (it vanishes on x = L/2, which the caption of figure 4.11 \
+         names).",
     ),
     ("punch-mises", "Von Mises stress below the punch, on the central plane, in GPa."),
 ];

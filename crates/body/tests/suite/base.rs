@@ -79,7 +79,8 @@ fn the_faces_of_a_plate_bear_the_given_tractions() {
     let body = Body::slab(material(), 0.4).unwrap().on(Base::FREE).unwrap();
     let given = without_mean(noise(3 * N * N, 2));
     let lifted = BaseField::Traction(given.clone()).surface_displacement(&body, grid()).unwrap();
-    // The lower face follows from both tractions by reciprocity with the upper one: here by the same plate upside down, loaded on its top.
+    // The lower face follows from both tractions by reciprocity with the upper one: here by the same plate upside down,
+    // loaded on its top.
     let mirror = |field: &[f64]| -> Vec<f64> {
         field.iter().enumerate().map(|(k, value)| if k < 2 * N * N { *value } else { -value }).collect()
     };

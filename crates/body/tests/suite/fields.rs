@@ -64,7 +64,8 @@ fn poisson() -> impl Strategy<Value = f64> {
     prop_oneof![4 => -0.9..0.5, 1 => Just(0.5), 1 => 0.499..0.5]
 }
 
-/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement with zero mean u_z; on a coating with zero mean.
+/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement with zero mean u_z;
+/// on a coating with zero mean.
 fn case() -> impl Strategy<Value = Case> {
     let points = prop_oneof![Just([5, 7]), Just([7, 3]), Just([9, 1])];
     (poisson(), poisson(), 0.3..1.5, 0..5, points, 0..1000usize).prop_map(
@@ -102,7 +103,8 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 proptest! {
-    /// Equilibrium ∂σ_ij/∂x_j = 0; strains are derivatives of the displacement; stresses follow from strains by Hooke's law.
+    /// Equilibrium ∂σ_ij/∂x_j = 0; strains are derivatives of the displacement; stresses follow from strains by Hooke's
+    /// law.
     #[test]
     fn forces_balance_and_strains_are_compatible(case in case(), place in 0.05..0.25) {
         let Case { body, grid, surface } = case;
@@ -151,7 +153,8 @@ proptest! {
                 prop_assert!((state.stress[k + 3] - shear * state.strain[k + 3]).abs() < 1e-14 * scale);
             }
             let bulk_compliance = 3.0 * (1.0 - 2.0 * body.material().poisson()) / body.material().young();
-            prop_assert!((dilation - pressure * bulk_compliance).abs() < 1e-12 * strain_scale.max(scale * bulk_compliance));
+            let least = 1e-12 * strain_scale.max(scale * bulk_compliance);
+            prop_assert!((dilation - pressure * bulk_compliance).abs() < least);
             let squares: f64 = state.stress.iter().enumerate()
                 .map(|(k, s)| if k < 3 { (s - pressure).powi(2) } else { 2.0 * s * s })
                 .sum();

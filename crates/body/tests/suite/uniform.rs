@@ -1,5 +1,5 @@
-//! The mean traction of a surface inside every body, and fields below tractions, against sums of waves on a half-space that are
-//! written here.
+//! The mean traction of a surface inside every body, and fields below tractions, against sums of waves on a half-space
+//! that are written here.
 
 use gfmd_body::{BaseField, Interior, InteriorError, State};
 use gfmd_field::Grid;
@@ -26,17 +26,17 @@ fn states(interior: &Interior, depth: f64) -> Vec<State> {
     (0..deformation.len()).map(|i| deformation.at(i)).collect()
 }
 
-/// The numbers of the waves of `n` points with their weights: of an even number of points the shortest wave is one half of
-/// either sign.
+/// The numbers of the waves of `n` points with their weights: of an even number of points the shortest wave is one half
+/// of either sign.
 fn numbers(n: usize) -> Vec<(i64, f64)> {
     let half = n as i64 / 2;
     let weight = |m: i64| if n > 1 && n.is_multiple_of(2) && m.abs() == half { 0.5 } else { 1.0 };
     (-half..=half).map(|m| (m, weight(m))).collect()
 }
 
-/// The stresses xx, yy, zz, yz, xz, xy at one depth of a half-space under the tractions (xz, yz, zz) on its surface, as a sum
-/// over waves (Boussinesq, Cerruti): Airy's functions (c + c' q depth) e^(-q depth) in the plane of the wave and the normal, and
-/// an antiplane wave. The mean of the tractions gives the uniform state without lateral strain.
+/// The stresses xx, yy, zz, yz, xz, xy at one depth of a half-space under the tractions (xz, yz, zz) on its surface, as
+/// a sum over waves (Boussinesq, Cerruti): Airy's functions (c + c' q depth) e^(-q depth) in the plane of the wave and
+/// the normal, and an antiplane wave. The mean of the tractions gives the uniform state without lateral strain.
 fn half_space(poisson: f64, grid: &Grid, traction: [&[f64]; 3], depth: f64) -> Vec<[f64; 6]> {
     let ([nx, ny], [lx, ly]) = (grid.points(), grid.lengths());
     let turn = |m: i64, k: i64, i: usize, j: usize| {
@@ -99,7 +99,8 @@ fn near(found: &[State], wanted: &[[f64; 6]], what: &str) {
     }
 }
 
-/// Below a pressure on some points all stresses are those of the sum of waves, and open points bear none, on even grids too.
+/// Below a pressure on some points all stresses are those of the sum of waves, and open points bear none, on even grids
+/// too.
 #[test]
 fn below_a_pressure_the_stresses_are_those_of_the_sum_of_waves() {
     for poisson in [-0.5, 0.3, 0.5] {
@@ -183,14 +184,15 @@ fn bodies() -> Vec<Body> {
     ]
 }
 
-/// The mean of σ_xz, σ_yz, σ_zz is that of the surface at every depth of every body, and that of all other stresses and strains
-/// the one of a column that is confined laterally; displacements are the integral of the strains.
+/// The mean of σ_xz, σ_yz, σ_zz is that of the surface at every depth of every body, and that of all other stresses and
+/// strains the one of a column that is confined laterally; displacements are the integral of the strains.
 #[test]
 fn the_mean_traction_is_the_same_at_every_depth() {
     let traction = [0.03, -0.02, -0.1];
     for body in bodies() {
         let grid = Grid::new([6, 5], [1.0, 1.2]).unwrap();
-        // A displacement of the surface whose mean is the compression of all layers of both bodies, none of a half-space.
+        // A displacement of the surface whose mean is the compression of all layers of both bodies, none of a
+        // half-space.
         let thickness = |body: &Body| body.total_height().min(1e9);
         let column = |body: &Body, axis: usize| -> f64 {
             let mut edges = body.interfaces();

@@ -50,8 +50,8 @@ impl Component {
         })
     }
 
-    /// The components of `quantities` that lie in the plane of a slice (of a row along x without one); all on a plane of
-    /// constant height.
+    /// The components of `quantities` that lie in the plane of a slice (of a row along x without one); all on a plane
+    /// of constant height.
     pub(super) fn in_plane(quantities: &[Quantity], slice: Option<Slice>) -> Vec<Self> {
         let across = slice.map_or(1, Slice::axis);
         let lies_in = |component: &Self| match component.quantity {

@@ -202,7 +202,8 @@ impl Found {
         }
     }
 
-    /// The normal displacement of a contact with what stands beside it: the `field`s of its surface and the `number`s of its load.
+    /// The normal displacement of a contact with what stands beside it: the `field`s of its surface and the `number`s
+    /// of its load.
     fn beside(
         self,
         [nx, ny]: [usize; 2],

@@ -12,7 +12,8 @@ use crate::{body, contact, path, punch};
 fn a_configuration_is_a_problem_and_flags() {
     let config = "young = 2.0\np_star = [0.01, -0.5]\nflip = true\ndetrend = \"none\"\nstatistics = false\n\
                   height = inf\nparam = [[\"gamma\", 1e-4], [\"range\", 0.003]]\nplots = \"p\"\n\
-                  surface = \"/dev/zero\"\nhardness = \"h.npy\"\nhistory_mode = [[1, -2, \"z\"]]\nboundary = \"free\"\n";
+                  surface = \"/dev/zero\"\nhardness = \"h.npy\"\nhistory_mode = [[1, -2, \"z\"]]\n\
+                  boundary = \"free\"\n";
     let found = Configuration::read::<contact::Args>(Kind::Contact, config).unwrap();
     let wanted = [
         "--boundary=free",

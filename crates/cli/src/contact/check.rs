@@ -66,8 +66,8 @@ impl Checked for Args {
     }
 }
 
-/// Compares all loads with the states that the contact makes of their fields, and then the statistics. Returns the records and the
-/// statistics of the loads.
+/// Compares all loads with the states that the contact makes of their fields, and then the statistics. Returns the
+/// records and the statistics of the loads.
 fn compare(
     stored: &Stored,
     (args, loads): (&Args, &Loads),

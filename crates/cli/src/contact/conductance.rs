@@ -80,8 +80,8 @@ impl Conducting {
         Ok(conducting)
     }
 
-    /// Measures the conductance of the points that are repelled, of a load that has `converged` to this stiffness, if it has one:
-    /// the conductance, or the reason why there is none, and the words of a warning, if it is not exact.
+    /// Measures the conductance of the points that are repelled, of a load that has `converged` to this stiffness, if
+    /// it has one: the conductance, or the reason why there is none, and the words of a warning, if it is not exact.
     ///
     /// # Errors
     /// A conductance that cannot be computed.

@@ -16,8 +16,9 @@ use gfmd_run::failure::Failure;
 use gfmd_run::hardness::GivenHardness;
 use gfmd_run::source::Surface;
 
-/// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, and of a lower surface `PREFIX-lower-map` and so on; and
-/// `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the pressure in full contact.
+/// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, and of a lower surface `PREFIX-lower-map` and
+/// so on; and `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the pressure in full
+/// contact.
 pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f64) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for scene in scenes {
@@ -85,7 +86,8 @@ fn chosen(report: &Report, count: usize) -> Vec<usize> {
 }
 
 /// Draws what `--statistics` and `--flow` have measured: `PREFIX-patches` and `PREFIX-flow` of the last load,
-/// `PREFIX-pressures`, `PREFIX-gaps` and `PREFIX-spectrum` of up to four loads. `variance` is that of the pressure in full contact.
+/// `PREFIX-pressures`, `PREFIX-gaps` and `PREFIX-spectrum` of up to four loads. `variance` is that of the pressure in
+/// full contact.
 pub(super) fn measured(
     prefix: &Path,
     report: &Report,

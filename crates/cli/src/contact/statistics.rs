@@ -71,8 +71,8 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Measures a load by its repulsive pressure and its gap; `at` has its summary, its residuals and its stiffness, and `warn`
-    /// takes the code and the words of numbers that are less exact than they should be.
+    /// Measures a load by its repulsive pressure and its gap; `at` has its summary, its residuals and its stiffness,
+    /// and `warn` takes the code and the words of numbers that are less exact than they should be.
     ///
     /// # Errors
     /// Fields that do not fit the grid, a flow or a conductance that cannot be computed.

@@ -52,7 +52,8 @@ impl Report {
                     let [[p, q], [a, b], [c, d]] = names.map(|name| found.of(name));
                     writeln!(
                         f,
-                        "\nthe flow along {axis} stops between p* = {p:.5e} and {q:.5e}, area {a:.4} and {b:.4} (corrected {c:.4} and {d:.4})"
+                        "\nthe flow along {axis} stops between p* = {p:.5e} and {q:.5e}, area {a:.4} and {b:.4} \
+                         (corrected {c:.4} and {d:.4})"
                     )?;
                 }
                 None => writeln!(f, "\nthe flow along {axis} does not stop between the lowest and the highest load")?,

@@ -17,8 +17,8 @@ use gfmd_run::session::Session;
 /// The relative width of the interval at which the bisection ends.
 const WIDTH: f64 = 1e-3;
 
-/// The interval of loads in which the gap closes along one axis: the highest load at which it was open, and the lowest at
-/// which it was closed.
+/// The interval of loads in which the gap closes along one axis: the highest load at which it was open, and the lowest
+/// at which it was closed.
 #[derive(Clone, Debug)]
 pub struct Threshold(Vec<(&'static Column, [f64; 2])>);
 
@@ -76,7 +76,8 @@ pub(super) fn check(args: &Args) -> Result<(), Failure> {
 }
 
 impl Loads {
-    /// The loads at which the flow along x and along y stops; none where it does not do so between the lowest and the highest load.
+    /// The loads at which the flow along x and along y stops; none where it does not do so between the lowest and the
+    /// highest load.
     pub(super) fn threshold(
         &self,
         contact: &Posed,

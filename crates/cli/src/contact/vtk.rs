@@ -44,8 +44,8 @@ impl VtkFile {
         Ok(Self { output, kind })
     }
 
-    /// Writes a state with its `fields`, the heights of the rigid surface, and 1 for the points in contact; of polygons the points lie
-    /// on the deformed surface, moved by `lateral`.
+    /// Writes a state with its `fields`, the heights of the rigid surface, and 1 for the points in contact; of polygons
+    /// the points lie on the deformed surface, moved by `lateral`.
     ///
     /// # Errors
     /// A file that cannot be written.

@@ -1,5 +1,5 @@
-//! The relaxation of a free surface that is displaced at one point, for several dampings, compared with the theory of its
-//! modes (theory.md, sections 6.1 and 6.2).
+//! The relaxation of a free surface that is displaced at one point, for several dampings, compared with the theory of
+//! its modes (theory.md, sections 6.1 and 6.2).
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -133,8 +133,8 @@ pub(super) enum Unusable {
 }
 
 impl Experiment {
-    /// Prepares the relaxation of the surface of a body with each of the dampings `factors`; `dt` is the time step over the
-    /// stability limit without damping. Without `steps` the number of steps suffices for the asymptotic rates.
+    /// Prepares the relaxation of the surface of a body with each of the dampings `factors`; `dt` is the time step over
+    /// the stability limit without damping. Without `steps` the number of steps suffices for the asymptotic rates.
     pub(super) fn new(body: &Body, grid: Grid, dt: f64, factors: &[f64], steps: Option<u32>) -> Result<Self, Unusable> {
         let range = stiffness_range(body, &grid).ok_or(Unusable::Points)?;
         if !((LEAST_DT..1.0).contains(&dt)) {
@@ -185,7 +185,8 @@ impl Experiment {
         Optimal { dt: optimal.tau.sqrt(), eta: optimal.eta(), rate: optimal.spectral_radius(self.softest) }
     }
 
-    /// Releases the displaced surface. `watch` is called before every step and may stop the run, which then returns `None`.
+    /// Releases the displaced surface. `watch` is called before every step and may stop the run, which then returns
+    /// `None`.
     pub(super) fn relax(
         &self,
         (factor, verlet): &(f64, Verlet),
@@ -280,8 +281,8 @@ fn pattern(body: &Body, grid: &Grid, mode: &Mode) -> (Vec<f64>, usize) {
     (pattern, component)
 }
 
-/// The factor per step by which an amplitude shrinks in the long run. It compares the largest amplitudes in two windows, each
-/// a quarter of the run: at its middle and at its end.
+/// The factor per step by which an amplitude shrinks in the long run. It compares the largest amplitudes in two
+/// windows, each a quarter of the run: at its middle and at its end.
 fn rate(history: &[f64]) -> f64 {
     // Smaller amplitudes are left out: there, rounding errors of modes without stiffness would dominate.
     let steps = history.iter().rposition(|x| x.abs() > 1e-30).unwrap_or(0) / 2;

@@ -12,7 +12,8 @@ use gfmd_run::result::{Against, Comparison, Folder, Kind, Pair};
 use gfmd_run::session::Session;
 use gfmd_run::sweep::{example, runs};
 
-/// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit only.
+/// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit
+/// only.
 ///
 /// # Errors
 /// Another configuration, a damaged file, loads that do not fulfil their certificates.

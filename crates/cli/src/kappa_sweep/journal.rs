@@ -1,4 +1,5 @@
-//! The journal of a running sweep: one record of JSON for each finished run, on the disk before the run counts as finished.
+//! The journal of a running sweep: one record of JSON for each finished run, on the disk before the run counts as
+//! finished.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry as Slot;
@@ -29,8 +30,8 @@ struct Entry {
     loads: Vec<Load>,
 }
 
-/// The format of a load in a record. The types of the library know no file format, so their fields are repeated here; an
-/// incomplete list does not compile.
+/// The format of a load in a record. The types of the library know no file format, so their fields are repeated here;
+/// an incomplete list does not compile.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Pressed")]
 struct PressedFields {
@@ -101,8 +102,8 @@ impl Journal {
     /// Starts a journal, or continues an existing one.
     ///
     /// # Errors
-    /// A journal that exists although `resume` is false, that belongs to another sweep, or that has an unusable record; a
-    /// file that cannot be read or written.
+    /// A journal that exists although `resume` is false, that belongs to another sweep, or that has an unusable record;
+    /// a file that cannot be read or written.
     pub(super) fn open(path: &Path, config: &str, size: Size, resume: bool) -> Result<(Self, Finished), Failure> {
         if path.exists() && !resume {
             let reason = "the journal of an unfinished sweep exists; continue it with --resume, or delete it";

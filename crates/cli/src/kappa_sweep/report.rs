@@ -87,7 +87,8 @@ pub struct FitReport {
     pub warnings: Vec<String>,
 }
 
-/// The limit and the exponent from three levels of one axis at a constant ratio alone, as a check of the fixed exponent.
+/// The limit and the exponent from three levels of one axis at a constant ratio alone, as a check of the fixed
+/// exponent.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Check {
     pub axis: char,
@@ -192,8 +193,8 @@ impl FitReport {
             }),
             chi_squared: fit.chi_squared,
             degrees_of_freedom: fit.degrees_of_freedom,
-            // The levels of eps_c have their surfaces in common. Along eps_t the scatter between surfaces would pass for an
-            // exponent.
+            // The levels of eps_c have their surfaces in common. Along eps_t the scatter between surfaces would pass
+            // for an exponent.
             checks: (fit.richardson.iter())
                 .filter(|three| three.axis != Axis::Thermodynamic)
                 .map(|three| Check {

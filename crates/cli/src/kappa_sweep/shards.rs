@@ -51,8 +51,9 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// Reads all journals beside `out`. Of a run that several journals have, the first one counts: few shards before many,
-    /// and then in their order. With `claim`, a shard that is being computed is an error; without it, its runs so far count.
+    /// Reads all journals beside `out`. Of a run that several journals have, the first one counts: few shards before
+    /// many, and then in their order. With `claim`, a shard that is being computed is an error; without it, its runs so
+    /// far count.
     ///
     /// # Errors
     /// A journal of another sweep, or an unusable record; a shard that is being computed.
@@ -83,8 +84,8 @@ impl Gathered {
         self.shards.values().flatten().count()
     }
 
-    /// The shards that lack a run of `missing`. None if the journals are of several numbers of shards, no one of which is to
-    /// blame, or if there are no journals.
+    /// The shards that lack a run of `missing`. None if the journals are of several numbers of shards, no one of which
+    /// is to blame, or if there are no journals.
     pub(super) fn lacking(&self, plan: &Plan, missing: &[usize]) -> Vec<Shard> {
         let counts: BTreeSet<usize> = self.shards.keys().map(|shard| shard.count()).collect();
         let Some(count) = counts.first().copied().filter(|_| counts.len() == 1) else { return Vec::new() };
@@ -111,8 +112,8 @@ fn length(path: &Path) -> u64 {
     path.metadata().map_or(0, |metadata| metadata.len())
 }
 
-/// The runs of the output itself, if it is the whole result of this sweep by this program: a merge that was killed after the
-/// file was written, and that is started again, has nothing to compute.
+/// The runs of the output itself, if it is the whole result of this sweep by this program: a merge that was killed
+/// after the file was written, and that is started again, has nothing to compute.
 pub(super) fn stored(out: &Path, config: &str, plan: &Plan) -> Option<Finished> {
     let reader = Reader::open(out).ok()?;
     let same = |name: &str, value: &str| reader.text("/", name).is_ok_and(|text| text == value);

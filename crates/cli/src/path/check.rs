@@ -130,8 +130,8 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// The pressure of the wall, or of a law that repels; and a stress below which tractions of a law are those that a search
-    /// may leave where the surfaces are apart, zero without a law.
+    /// The pressure of the wall, or of a law that repels; and a stress below which tractions of a law are those that a
+    /// search may leave where the surfaces are apart, zero without a law.
     fn repulsion(&self, pressure: &Array2<f64>, gap: &Array2<f64>) -> (Array2<f64>, f64) {
         let Prepared { facts, law, .. } = self.stored.prepared;
         if !facts.has_law() {
@@ -147,8 +147,8 @@ impl StepCheck<'_> {
         (repulsion, floor)
     }
 
-    /// Compares the balance of work and energy of a step of a viscoelastic body with the error that it states. With a law
-    /// nothing is known of the work before the first step.
+    /// Compares the balance of work and energy of a step of a viscoelastic body with the error that it states. With a
+    /// law nothing is known of the work before the first step.
     fn balance(&self, step: usize, comparison: &mut Comparison) {
         let has_law = self.stored.prepared.facts.has_law();
         if has_law && step == 0 {

@@ -29,12 +29,13 @@ pub struct Report {
     pub sliding: Vec<Sliding>,
     /// Energy lost along the path, per area; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Sum of the errors of the steps; `None` if `dissipated` does not depend on the division of any step, or is unknown.
+    /// Sum of the errors of the steps; `None` if `dissipated` does not depend on the division of any step, or is
+    /// unknown.
     pub dissipated_error: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
-    /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure, where they
-    /// are known.
+    /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure,
+    /// where they are known.
     #[serde(flatten)]
     pub limits: BTreeMap<String, f64>,
     /// The step at which the surfaces parted under their load, the last one.

@@ -58,8 +58,8 @@ impl Checked for Args {
     }
 }
 
-/// The problem without some keys. The points under the punch and the traction beside it are taken from the file, where they stand
-/// as they were used.
+/// The problem without some keys. The points under the punch and the traction beside it are taken from the file, where
+/// they stand as they were used.
 fn problem(Checking { reader, config, .. }: Checking, except: &[String]) -> Result<Args, Failure> {
     let stored = [("mask", "/fields/under_punch"), ("traction", "/fields/traction")];
     let named = stored.into_iter().filter(|(key, _)| config.has(key));

@@ -15,7 +15,8 @@ use gfmd_report::punch::cut;
 use gfmd_run::failure::Failure;
 
 /// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the
-/// displacement of the reference, if there is one; the maps then have it and the difference beside ours. A strip has only the cut.
+/// displacement of the reference, if there is one; the maps then have it and the difference beside ours. A strip has
+/// only the cut.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,

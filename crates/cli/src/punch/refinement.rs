@@ -8,8 +8,8 @@ use serde::Serialize;
 pub struct Refinement {
     pub n: Vec<usize>,
     pub mean_pressure: Vec<f64>,
-    /// log₂ of the ratio of the last two changes: 1 if the error is proportional to the spacing. `None` for fewer than three
-    /// grids.
+    /// log₂ of the ratio of the last two changes: 1 if the error is proportional to the spacing. `None` for fewer than
+    /// three grids.
     pub order: Option<f64>,
     /// The limit, if the error is a power series of the spacing (Richardson's extrapolation over all grids).
     pub extrapolated: f64,

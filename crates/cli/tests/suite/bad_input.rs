@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::common::gfmd;
 use ndarray::{Array2, Array3};
 
-/// Runs the program and checks its status, that stderr is one line with all `words`, that stdout is empty and that no file
-/// appeared.
+/// Runs the program and checks its status, that stderr is one line with all `words`, that stdout is empty and that no
+/// file appeared.
 fn refused(folder: &Path, arguments: &str, status: i32, words: &[&str]) {
     let before = std::fs::read_dir(folder).unwrap().count();
     let output = gfmd(folder, &arguments.split_whitespace().collect::<Vec<_>>());

@@ -1,5 +1,5 @@
-//! Bodies below a surface whose mean level has no stiffness: every stress has the mean of the surface, from every kind of result;
-//! and numbers that such a level does not have.
+//! Bodies below a surface whose mean level has no stiffness: every stress has the mean of the surface, from every kind
+//! of result; and numbers that such a level does not have.
 
 use std::path::Path;
 
@@ -30,7 +30,8 @@ fn largest(values: &[f64]) -> f64 {
 const SURFACE: &str = "--n 16 --eps-f-inv 4 --seed 3";
 const BODY: &str = "--young 1 --poisson 0.3";
 
-/// The traction [xz, yz, zz] (a line: [xz, zz]) on the surface of a result, as its file has it; components that it has not are 0.
+/// The traction [xz, yz, zz] (a line: [xz, zz]) on the surface of a result, as its file has it; components that it has
+/// not are 0.
 fn tractions(file: &Reader) -> Vec<Vec<f64>> {
     if file.contains("/fields/traction") {
         let traction: Vec<f64> = file.values("/fields/traction").unwrap();
@@ -47,8 +48,8 @@ fn tractions(file: &Reader) -> Vec<Vec<f64>> {
     if shape[2] == 1 { vec![shear("shear_x"), normal] } else { vec![shear("shear_x"), shear("shear_y"), normal] }
 }
 
-/// The mean of σ_xz and σ_zz is that of the surface at every depth, and σ_zz of the surface is the pressure, point by point, so that
-/// open points bear none.
+/// The mean of σ_xz and σ_zz is that of the surface at every depth, and σ_zz of the surface is the pressure, point by
+/// point, so that open points bear none.
 #[test]
 fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
     let folder = tempfile::tempdir().unwrap();
@@ -134,8 +135,8 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
     }
 }
 
-/// The mean strain energy and the mean von Mises stress of a half-space below a deep plane are those of a column that is confined
-/// laterally, to which a high slab comes close.
+/// The mean strain energy and the mean von Mises stress of a half-space below a deep plane are those of a column that
+/// is confined laterally, to which a high slab comes close.
 #[test]
 fn a_half_space_is_the_limit_of_high_slabs_also_in_the_mean() {
     let folder = tempfile::tempdir().unwrap();
@@ -191,8 +192,8 @@ fn the_mean_traction_below_an_array_is_given_or_warned_of() {
     assert!(text.contains("--mean-traction") && text.contains("left out"), "{text}");
 }
 
-/// With a base that moves, p*, the rms gradient, the rms height and kappa are of the surface that it displaces: those of the
-/// contact of that surface with the base at rest.
+/// With a base that moves, p*, the rms gradient, the rms height and kappa are of the surface that it displaces: those
+/// of the contact of that surface with the base at rest.
 #[test]
 fn over_a_base_that_moves_all_numbers_are_of_the_displaced_surface() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +234,8 @@ fn nulls(load: &Value) -> Vec<String> {
     null
 }
 
-/// A line with free boundaries on a half-space is displaced by a logarithm that has no level: what depends on it has no value.
+/// A line with free boundaries on a half-space is displaced by a logarithm that has no level: what depends on it has no
+/// value.
 #[test]
 fn a_line_without_a_level_has_no_approach_and_no_energy() {
     let folder = tempfile::tempdir().unwrap();

@@ -20,8 +20,8 @@ fn near(found: &Value, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance * wanted.abs(), "{found} {wanted}");
 }
 
-const COATED: &str = "--young 2 --poisson 0.3 --height 0.05 --layer 1,0.4,0.1 --layer 0.5,0.5,0.02 --base half-space --base-young 10 \
-                      --base-poisson 0.2 --second-body 3,0.3,0.4";
+const COATED: &str = "--young 2 --poisson 0.3 --height 0.05 --layer 1,0.4,0.1 --layer 0.5,0.5,0.02 --base half-space \
+                      --base-young 10 --base-poisson 0.2 --second-body 3,0.3,0.4";
 
 #[test]
 fn a_contact_on_layers_is_recorded_and_read_back() {
@@ -281,7 +281,8 @@ fn with_points(flags: &str) -> String {
     if flags.contains("--n ") { flags.to_owned() } else { format!("--n 27 {flags}") }
 }
 
-/// A table of the compliance of a body at wavenumbers from below the cell to beyond the spacing of 64 points, with a head.
+/// A table of the compliance of a body at wavenumbers from below the cell to beyond the spacing of 64 points, with a
+/// head.
 fn write_compliance(folder: &std::path::Path, name: &str, head: &str, compliance: impl Fn(f64) -> f64) {
     let rows = (0..400).map(|k| 5.0 * 60.0_f64.powf(f64::from(k) / 399.0));
     let rows: String = rows.map(|q| format!("{q:e},{:e}\n", compliance(q))).collect();
@@ -375,7 +376,8 @@ fn a_body_from_a_table_has_units_and_names_what_it_does_not_have() {
     write_compliance(folder.path(), "units.csv", "wavenumber [um^-1],compliance [um/MPa]", |q| 2.0 / q);
     let report = json(
         folder.path(),
-        &"contact --n 32 --eps-f-inv 4 --unit um --length 1um --e-star 1MPa --compliance units.csv --pressure 5kPa --json -q --out u.h5"
+        &"contact --n 32 --eps-f-inv 4 --unit um --length 1um --e-star 1MPa --compliance units.csv --pressure 5kPa \
+          --json -q --out u.h5"
             .split_whitespace()
             .collect::<Vec<_>>(),
     );

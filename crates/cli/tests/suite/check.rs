@@ -29,7 +29,8 @@ const FILES: [(&str, &str, &str); 14] = [
     ),
     (
         "loop.h5",
-        "path --n 48 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=4e-3 --displacement=0.004,-0.002 --steps 4",
+        "path --n 48 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=4e-3 --displacement=0.004,-0.002 \
+         --steps 4",
         "/path/elastic_energy",
     ),
     (

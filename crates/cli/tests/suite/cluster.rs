@@ -1,4 +1,5 @@
-//! Sweeps computed in shards by many processes, and merged: the result is that of one process, whatever happened to the shards.
+//! Sweeps computed in shards by many processes, and merged: the result is that of one process, whatever happened to the
+//! shards.
 #![cfg(unix)]
 
 use std::path::Path;

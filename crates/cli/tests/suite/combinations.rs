@@ -1,9 +1,11 @@
-//! Combinations at random: body x boundary x interaction x components x hardness x slopes x load x lower surface x outlets. The program
-//! solves small problems as a user would ask for them, and every number that comes out is compared with its definition, written anew here:
-//! plain loops, direct Fourier sums, layered bodies wave by wave, Gaussian elimination (docs/reliability.md, "Random combinations").
+//! Combinations at random: body x boundary x interaction x components x hardness x slopes x load x lower surface x
+//! outlets. The program solves small problems as a user would ask for them, and every number that comes out is compared
+//! with its definition, written anew here: plain loops, direct Fourier sums, layered bodies wave by wave, Gaussian
+//! elimination (docs/reliability.md, "Random combinations").
 //!
-//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` takes so many (default: 300) and prints
-//! counts; `GFMD_COMBINATION=N` runs the case N alone and keeps its folder.
+//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: --
+//! --nocapture` takes so many (default: 300) and prints counts; `GFMD_COMBINATION=N` runs the case N alone and keeps
+//! its folder.
 
 #![expect(clippy::print_stdout, reason = "the counts of cases")]
 

@@ -22,8 +22,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// The mean current density over the points of a square of side 1 that gives all `touching` ones the potential 1, by Gauss's
-/// method; `resistance` is that between two points with these distances along x and y, in points.
+/// The mean current density over the points of a square of side 1 that gives all `touching` ones the potential 1, by
+/// Gauss's method; `resistance` is that between two points with these distances along x and y, in points.
 fn dense(touching: &[bool], resistance: impl Fn(usize, usize) -> f64) -> f64 {
     let inside: Vec<usize> = (0..N * N).filter(|i| touching[*i]).collect();
     let between = |a: usize, b: usize| resistance((a / N).abs_diff(b / N), (a % N).abs_diff(b % N));
@@ -58,7 +58,8 @@ fn periodic(kernel: impl Fn(f64) -> f64) -> impl Fn(usize, usize) -> f64 {
     }
 }
 
-/// The resistance of a half-space around a patch: ∫ dA/(2πr) over a square cell, whose edges each add their distance times ∫ ds/r.
+/// The resistance of a half-space around a patch: ∫ dA/(2πr) over a square cell, whose edges each add their distance
+/// times ∫ ds/r.
 fn unbounded(i: usize, j: usize) -> f64 {
     let edges = |k: usize| [(k as f64 - 0.5) / N as f64, (k as f64 + 0.5) / N as f64];
     let ([left, right], [below, above]) = (edges(i), edges(j));

@@ -210,7 +210,8 @@ fn solvers_agree_and_threads_do_not_matter() {
     let folder = tempfile::tempdir().unwrap();
     let run = |rest: &str| {
         let flags = format!(
-            "contact --n 64 --eps-f-inv 16 --hurst 0.5 --seed 3 --p-star 0.05,0.2 --height 0.5 --poisson 0.4 {rest} --json"
+            "contact --n 64 --eps-f-inv 16 --hurst 0.5 --seed 3 --p-star 0.05,0.2 --height 0.5 --poisson 0.4 {rest} \
+             --json"
         );
         json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())["loads"].clone()
     };
@@ -425,7 +426,8 @@ fn finite_slopes_change_the_contact_and_are_certified() {
         assert!(output.status.code() == Some(2) && message.contains(flag), "{more}: {message}");
     }
 }
-/// Without Nyquist modes, on an odd grid, the three unknown components and the one are the same problem (theory.md, section 3).
+/// Without Nyquist modes, on an odd grid, the three unknown components and the one are the same problem (theory.md,
+/// section 3).
 #[test]
 fn all_components_are_those_that_follow_from_the_pressure() {
     let folder = tempfile::tempdir().unwrap();

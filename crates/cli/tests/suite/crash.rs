@@ -1,9 +1,9 @@
-//! Runs that are killed: by SIGKILL at random moments and at every system call that writes, by Ctrl-C, by SIGTERM, on a full
-//! disk, without their folder, twice at once. No finished part is lost, every file opens or is absent, and what is resumed
-//! equals the uninterrupted run number for number.
+//! Runs that are killed: by SIGKILL at random moments and at every system call that writes, by Ctrl-C, by SIGTERM, on a
+//! full disk, without their folder, twice at once. No finished part is lost, every file opens or is absent, and what is
+//! resumed equals the uninterrupted run number for number.
 //!
-//! The default is a short version, in which a test takes a third of the commands. The long one kills every command `GFMD_CRASH` times at random moments, and smaller
-//! commands once at each of their system calls:
+//! The default is a short version, in which a test takes a third of the commands. The long one kills every command
+//! `GFMD_CRASH` times at random moments, and smaller commands once at each of their system calls:
 //!
 //! ```text
 //! GFMD_CRASH=500 cargo test -p gfmd-cli --test suite crash:: -- --nocapture --test-threads 1
@@ -26,12 +26,15 @@ const COMMANDS: [&str; 12] = [
     "contact contact --n 128 --eps-f-inv 16 --p-star 0.01,0.02,0.05,0.1,0.2,0.4 --checkpoint 0.001",
     "squeezed contact --n 64 --eps-f-inv 8 --height 0.05 --lower-seed 2 --p-star 0.02,0.05,0.2 --checkpoint 0.001",
     "relaxation contact --n 64 --eps-f-inv 16 --p-star 0.02 --solver verlet --checkpoint 0.001",
-    "law contact --n 64 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0.02,0,0.01 --checkpoint 0.001",
+    "law contact --n 64 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0.02,0,0.01 \
+     --checkpoint 0.001",
     "path path --n 32 --eps-f-inv 8 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 6",
-    "loop path --n 64 --dim 2 --law exponential --param gamma=2e-4,range=4e-3 --displacement=0.002,0.006,-0.002 --steps 5",
+    "loop path --n 64 --dim 2 --law exponential --param gamma=2e-4,range=4e-3 --displacement=0.002,0.006,-0.002 \
+     --steps 5",
     "body body --surface whole-punch.h5 --levels 24",
     "punch punch --n 32",
-    "creep path --n 64 --height 0.3 --relaxes shear --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1e-2:1e2:12 --steps 1",
+    "creep path --n 64 --height 0.3 --relaxes shear --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1e-2:1e2:12 \
+     --steps 1",
     "wear wear --n 64 --eps-f-inv 8 --boundary free --p-star 0.05 --coefficient 1 --distance 0,1e-2:1:12 --steps 1",
     "slide slide --n 64 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.02,0.1 --velocity 0.01:100:6",
 ];
@@ -42,14 +45,17 @@ const SMALL: [&str; 12] = [
     "contact contact --n 32 --eps-f-inv 4 --p-star 0.02,0.05,0.2 --checkpoint 0.0001",
     "squeezed contact --n 24 --eps-f-inv 4 --height 0.1 --lower-seed 2 --p-star 0.02,0.2 --checkpoint 0.0001",
     "relaxation contact --n 24 --eps-f-inv 4 --p-star 0.05 --solver fire --checkpoint 0.0001",
-    "law contact --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=4e-3 --p-star 0.05,0 --checkpoint 0.0001",
+    "law contact --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=4e-3 --p-star 0.05,0 \
+     --checkpoint 0.0001",
     "path path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 2",
-    "loop path --n 32 --dim 2 --eps-f-inv 4 --law exponential --param gamma=2e-4,range=4e-3 --displacement=0.002,0.006 --steps 3",
+    "loop path --n 32 --dim 2 --eps-f-inv 4 --law exponential --param gamma=2e-4,range=4e-3 --displacement=0.002,0.006 \
+     --steps 3",
     "body body --surface whole-punch.h5 --levels 3",
     "punch punch --n 16",
     "creep path --n 16 --eps-f-inv 4 --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1,100 --steps 1",
     "wear wear --n 16 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1,1 --steps 2",
-    "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 --velocity 0.1,1",
+    "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 \
+     --velocity 0.1,1",
 ];
 
 /// The commands that keep finished parts.
@@ -109,8 +115,8 @@ impl Case {
     }
 }
 
-/// Number of parts that are kept beside an output: the whole records of the journal after its head, for a contact or a path
-/// those to which the state belongs.
+/// Number of parts that are kept beside an output: the whole records of the journal after its head, for a contact or a
+/// path those to which the state belongs.
 fn kept(folder: &Path, out: &str, name: &str) -> usize {
     let count = |bytes: &[u8]| {
         let (mut rest, mut records) = (bytes, 0_usize);
@@ -130,8 +136,8 @@ fn kept(folder: &Path, out: &str, name: &str) -> usize {
     state.map_or(0, |bytes| u64::from_le_bytes(bytes[64..72].try_into().unwrap()) as usize)
 }
 
-/// The reference runs of all commands, in a folder with their inputs; in the short version those of every third command, from this
-/// `turn`: one test of three has each of them.
+/// The reference runs of all commands, in a folder with their inputs; in the short version those of every third
+/// command, from this `turn`: one test of three has each of them.
 fn cases(folder: &Path, turn: usize) -> Vec<Case> {
     let step = if long().is_some() { 1 } else { 3 };
     all_of(COMMANDS.into_iter().skip(turn % step).step_by(step), folder)
@@ -220,7 +226,8 @@ fn killed_at_random_moments() {
             }
         }
         println!(
-            "{}: SIGKILL at {done} random moments, {killed} before the end, {parts} kept parts found, {resumed} resumed",
+            "{}: SIGKILL at {done} random moments, {killed} before the end, {parts} kept parts found, {resumed} \
+             resumed",
             case.name
         );
         assert!(killed > 0, "{}: killed too late to test anything", case.name);
@@ -231,7 +238,8 @@ fn killed_at_random_moments() {
 fn killed_at_every_system_call_that_writes() {
     if Command::new("strace").arg("-V").output().is_err() {
         println!(
-            "strace is not installed, so that no run is killed at a system call; the journal's own tests are the same on a double"
+            "strace is not installed, so that no run is killed at a system call; the journal's own tests are the same \
+             on a double"
         );
         return;
     }

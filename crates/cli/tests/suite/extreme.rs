@@ -1,8 +1,8 @@
-//! Extreme and impossible input for every flag of every command: each case ends in time and within its memory, with finite
-//! numbers of a converged state, or with one line that names the cause.
+//! Extreme and impossible input for every flag of every command: each case ends in time and within its memory, with
+//! finite numbers of a converged state, or with one line that names the cause.
 //!
-//! The default run takes every thirteenth case. `GFMD_EXTREME=all cargo test -p gfmd-cli --test suite extreme:: -- --nocapture` takes
-//! all, and prints their count.
+//! The default run takes every thirteenth case. `GFMD_EXTREME=all cargo test -p gfmd-cli --test suite extreme:: --
+//! --nocapture` takes all, and prints their count.
 
 #![expect(clippy::print_stdout, reason = "the count of cases")]
 
@@ -101,15 +101,17 @@ const BASES: &[Base] = &[
         lists: "--p-star --displacement",
     },
     Base {
-        line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.005,0.005 --steps 1 \
-               --max-iter 3000",
-        numbers: "--length --young --height --tol --energy-tol --displacement --pressure --lateral --direction @gamma @range",
+        line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.005,0.005 \
+               --steps 1 --max-iter 3000",
+        numbers: "--length --young --height --tol --energy-tol --displacement --pressure --lateral --direction @gamma \
+                  @range",
         counts: "--steps --max-iter --energy-solves --n",
         lists: "--displacement --lateral",
     },
     Base {
         line: "path --n 6 --eps-f-inv 1 --eps-t-inv 1 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1",
-        numbers: "--length --young --poisson --height --friction --p-star --displacement --lateral --tol --rms-gradient",
+        numbers: "--length --young --poisson --height --friction --p-star --displacement --lateral --tol \
+                  --rms-gradient",
         counts: "--steps",
         lists: "--p-star --lateral",
     },
@@ -168,7 +170,8 @@ const BASES: &[Base] = &[
         lists: "--normal",
     },
     Base {
-        line: "law --law xu-needleman --param phi_n=1,phi_t=1,delta_n=0.1,delta_t=0.1,r=0.1 --normal 0.1 --tangential 0.1",
+        line: "law --law xu-needleman --param phi_n=1,phi_t=1,delta_n=0.1,delta_t=0.1,r=0.1 --normal 0.1 \
+               --tangential 0.1",
         numbers: "--normal --tangential @phi_n @phi_t @delta_n @delta_t @r",
         counts: "",
         lists: "",
@@ -488,7 +491,8 @@ fn names(folder: &Path) -> BTreeSet<std::ffi::OsString> {
     std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect()
 }
 
-/// Inputs are regular files, also those that a result names: a pipe without a writer and an endless device are refused at once.
+/// Inputs are regular files, also those that a result names: a pipe without a writer and an endless device are refused
+/// at once.
 #[cfg(unix)]
 #[test]
 fn inputs_that_are_no_regular_files_are_refused() {

@@ -1,4 +1,5 @@
-//! Free boundaries with laws, friction and layers from end to end: flags in, numbers out, recorded, checked, resumed, refused.
+//! Free boundaries with laws, friction and layers from end to end: flags in, numbers out, recorded, checked, resumed,
+//! refused.
 
 use std::path::Path;
 
@@ -38,7 +39,8 @@ fn attraction_and_layers_on_a_patch_are_recorded_and_recomputed() {
         format!("contact {SURFACE} {law} --displacement 0.005,-0.001"),
         format!("contact {SURFACE} {law} --p-star 0.02 --height 0.2 --base sliding"),
         format!(
-            "contact {SURFACE} --p-star 0.02,0.1 --height 0.2 --layer 3,0.4,0.1 --base half-space --base-young 2 --base-poisson 0.2"
+            "contact {SURFACE} --p-star 0.02,0.1 --height 0.2 --layer 3,0.4,0.1 --base half-space --base-young 2 \
+             --base-poisson 0.2"
         ),
         format!("contact {SURFACE} --displacement 0.01 --height 0.2 --second-body 3,0.4,0.3 --hardness 0.1"),
     ] {

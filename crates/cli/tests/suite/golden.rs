@@ -1,11 +1,12 @@
 //! The numbers that the commands print and write, compared with those recorded in `tests/golden`.
 //!
 //! On the processor family that recorded them every number must have the same bits. Elsewhere, where other vector
-//! instructions round differently, they must agree to a tolerance. After a change that is meant to alter numbers, record
-//! them again with `GFMD_GOLDEN=write cargo test -p gfmd-cli --test suite golden::`, and say why in CHANGELOG.md.
+//! instructions round differently, they must agree to a tolerance. After a change that is meant to alter numbers,
+//! record them again with `GFMD_GOLDEN=write cargo test -p gfmd-cli --test suite golden::`, and say why in
+//! CHANGELOG.md.
 //!
-//! `GFMD_EMULATOR="qemu-x86_64 -cpu Nehalem" cargo test -p gfmd-cli --test suite golden:: -- --nocapture` runs the program on an
-//! emulated processor without AVX and prints the largest deviation of each case.
+//! `GFMD_EMULATOR="qemu-x86_64 -cpu Nehalem" cargo test -p gfmd-cli --test suite golden:: --
+//! --nocapture` runs the program on an emulated processor without AVX and prints the largest deviation of each case.
 
 #![expect(clippy::print_stdout, reason = "the deviations without vector units")]
 
@@ -61,7 +62,8 @@ impl Numbers {
         format!("{hash:016x}")
     }
 
-    /// Numbers that depend smoothly on the values: the number of finite ones, their sum, root mean square and first moment.
+    /// Numbers that depend smoothly on the values: the number of finite ones, their sum, root mean square and first
+    /// moment.
     fn summary(&self) -> [f64; 4] {
         let finite: Vec<f64> = self.values.iter().copied().filter(|value| value.is_finite()).collect();
         let count = finite.len() as f64;
@@ -244,7 +246,8 @@ fn laws() {
     check(
         folder,
         "path-adhesive",
-        "path --n 64 --law exponential --param gamma=1e-5,range=1e-3 --displacement=-0.002,0.006,-0.004 --steps 4 --out p.h5",
+        "path --n 64 --law exponential --param gamma=1e-5,range=1e-3 --displacement=-0.002,0.006,-0.004 --steps 4 \
+         --out p.h5",
     );
     check(
         folder,
@@ -254,12 +257,14 @@ fn laws() {
     check(
         folder,
         "path-mixed-mode",
-        "path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 --displacement 0.002 --lateral 0,0.01 --steps 3",
+        "path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 --displacement 0.002 \
+         --lateral 0,0.01 --steps 3",
     );
     check(
         folder,
         "law",
-        "law --law bsg --param phi_n=1,phi_t=2,delta_n=0.1,delta_t=0.2 --normal=-0.1,0,0.1,0.8 --tangential 0,0.1,0.2,0.3",
+        "law --law bsg --param phi_n=1,phi_t=2,delta_n=0.1,delta_t=0.2 --normal=-0.1,0,0.1,0.8 \
+         --tangential 0,0.1,0.2,0.3",
     );
 }
 
@@ -309,7 +314,8 @@ fn sweep_punch_and_elasticity() {
     check(folder, "body-punch", "body --surface p.h5 --depths 0.1,0.3 --out b.h5");
 }
 
-/// One thread and three (in the long tests also two and eight) give the same bits, on grids large enough to be divided among them.
+/// One thread and three (in the long tests also two and eight) give the same bits, on grids large enough to be divided
+/// among them.
 #[test]
 fn threads_change_no_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -326,7 +332,8 @@ fn threads_change_no_bit() {
         "contact --n 96 --p-star 0.2 --tol 1e-3 --components all --solver verlet-modes --history --out c.h5",
         "contact --n 128 --p-star 0.1 --tol 1e-3 --solver verlet-modes --out c.h5",
         "contact --n 128 --law exponential --param gamma=1e-5,range=4e-4 --p-star 0.02 --out c.h5",
-        "path --n 128 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.002,0.004 --steps 1 --tol 1e-6 --out p.h5",
+        "path --n 128 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.002,0.004 --steps 1 --tol 1e-6 \
+         --out p.h5",
         "path --n 64 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1 --tol 1e-6 --out f.h5",
         "punch --n 128 --out u.h5",
         "damping --n 128 --steps 60 --factors 1 --out d.h5",

@@ -139,7 +139,8 @@ fn write(path: &Path, n: usize, offset: f64, height: impl Fn(f64, f64) -> f64) {
     ndarray_npy::write_npy(path, &heights).unwrap();
 }
 
-/// The edges of the contacts of equal waves cut the links of the grid at the same places, and those of stripes at one place.
+/// The edges of the contacts of equal waves cut the links of the grid at the same places, and those of stripes at one
+/// place.
 #[test]
 fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
     let folder = tempfile::tempdir().unwrap();

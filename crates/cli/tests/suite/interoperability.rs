@@ -1,5 +1,5 @@
-//! Files of the program open in h5py, xarray, netCDF4 and VTK, installed into a fresh virtual environment, and in h5dump if
-//! it is installed.
+//! Files of the program open in h5py, xarray, netCDF4 and VTK, installed into a fresh virtual environment, and in
+//! h5dump if it is installed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -139,7 +139,8 @@ for kind, ending in [(vtkXMLImageDataReader, 'vti'), (vtkXMLPolyDataReader, 'vtp
     assert surface.GetNumberOfCells() == 31 * 31 and surface.GetCellType(0) == {'vti': 8, 'vtp': 9}[ending]
     data = surface.GetPointData()
     names = [data.GetArrayName(k) for k in range(data.GetNumberOfArrays())]
-    assert names == ['pressure', 'displacement_z', 'gap', 'displacement_x', 'displacement_y', 'height', 'contact'], names
+    wanted = ['pressure', 'displacement_z', 'gap', 'displacement_x', 'displacement_y', 'height', 'contact']
+    assert names == wanted, names
     assert data.GetScalars().GetName() == 'pressure'
     values = {name: vtk_to_numpy(data.GetArray(name)).reshape(32, 32).T for name in names}
     for name in names[:5]:

@@ -42,7 +42,8 @@ fn law_prints_the_table_of_the_theory_note() {
 #[test]
 fn an_adhesive_contact_holds_under_tension_and_is_kept_in_the_file() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "contact --n 64 --eps-f-inv 8 --law exponential --param gamma=2e-5 --param range=1.2e-3 --pressure 0.005,0,-0.0001";
+    let flags = "contact --n 64 --eps-f-inv 8 --law exponential --param gamma=2e-5 --param range=1.2e-3 \
+                 --pressure 0.005,0,-0.0001";
     let report = run(folder.path(), &format!("{flags} --out a.h5 --plots a"));
     let loads = report["loads"].as_array().unwrap();
     for (load, asked) in loads.iter().zip([0.005, 0.0, -0.0001]) {
@@ -216,7 +217,8 @@ fn surfaces_that_part_are_a_failure_of_the_computation() {
 #[test]
 fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "path --n 128 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=2e-3 --displacement=-0.006,0.002,-0.012";
+    let flags = "path --n 128 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=2e-3 \
+                 --displacement=-0.006,0.002,-0.012";
     let report = run(folder.path(), &format!("{flags} --steps 8 --energy-solves 20 --out l.h5 --plots l"));
     let [lost, error] = ["dissipated", "dissipated_error"].map(|name| number(&report, name));
     assert!(lost > 20.0 * error && error > 0.0, "{lost:e} +- {error:e}");
@@ -277,7 +279,8 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
     let slip = table(&format!("{surface} --p-star 0.05 --friction 0.3 --lateral 0,0.001"));
     assert_eq!(
         columns(&slip),
-        "pressure p* approach lateral x shear x area stick mean gap increments steps pairs elastic dissipated +- residual"
+        "pressure p* approach lateral x shear x area stick mean gap increments steps pairs elastic dissipated +- \
+         residual"
     );
     let cohesive =
         "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --displacement 0.002";
@@ -292,7 +295,8 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
 #[test]
 fn a_path_of_friction_sticks_slips_and_turns() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "path --n 128 --dim 2 --eps-f-inv 4 --poisson 0.5 --p-star 0.05 --friction 0.3 --lateral 0,0.004,-0.004 --steps 4";
+    let flags = "path --n 128 --dim 2 --eps-f-inv 4 --poisson 0.5 --p-star 0.05 --friction 0.3 \
+                 --lateral 0,0.004,-0.004 --steps 4";
     let report = run(folder.path(), &format!("{flags} --out p.h5 --plots p"));
     let steps = report["steps"].as_array().unwrap();
     assert_eq!(steps.len(), 9);
@@ -379,8 +383,9 @@ fn a_path_and_a_contact_print_one_state_with_the_same_bits() {
 #[test]
 fn a_cohesive_path_moves_all_components() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "path --n 32 --dim 2 --eps-f-inv 4 --height 0.5 --law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 \
-                 --displacement 0.002 --lateral 0,0.01 --steps 2";
+    let flags = "path --n 32 --dim 2 --eps-f-inv 4 --height 0.5 --law npb \
+                 --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --displacement 0.002 --lateral 0,0.01 \
+                 --steps 2";
     let report = run(folder.path(), flags);
     for step in report["steps"].as_array().unwrap() {
         assert_eq!(step["converged"], true);

@@ -30,7 +30,8 @@ fn a_field_of_the_hardness_bounds_the_pressure_and_stays_with_the_result() {
     let folder = folder();
     for boundary in ["periodic", "free"] {
         let run = format!(
-            "contact --n 24 --eps-f-inv 6 --boundary {boundary} --hardness grains.npy --p-star 0.1,0.4 --out {boundary}.h5 --json"
+            "contact --n 24 --eps-f-inv 6 --boundary {boundary} --hardness grains.npy --p-star 0.1,0.4 \
+             --out {boundary}.h5 --json"
         );
         let report = json(folder.path(), &words(&run));
         assert_eq!(report["hardness"], "grains.npy");

@@ -138,7 +138,8 @@ fn punches_of_any_shape_with_shift_and_traction_are_those_of_dense_solutions() {
         };
         let how = if case["sticking"] == true { "--shift 0.004,-0.007" } else { "--contact frictionless" };
         let flags = format!(
-            "punch --length 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tol 1e-12 --out m.h5 --json"
+            "punch --length 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tol 1e-12 --out m.h5 \
+             --json"
         );
         let report = json(folder.path(), &words(&flags));
         assert_eq!(
@@ -169,7 +170,8 @@ fn under_count(mask: &ndarray::Array2<u8>) -> usize {
 
 #[test]
 fn a_strip_that_is_shifted_on_rubber_bears_the_shear_that_is_its_pressure_when_pressed() {
-    // G_xx = G_zz and G_xz = 0 on an incompressible half-space in plane strain, so that either load is the other turned.
+    // G_xx = G_zz and G_xz = 0 on an incompressible half-space in plane strain, so that either load is the other
+    // turned.
     let folder = tempfile::tempdir().unwrap();
     let strip = "punch --dim 2 --height inf --poisson 0.5 --n 64 --tol 1e-11 --json --depth 0.003";
     let pressed = json(folder.path(), &words(strip));

@@ -39,8 +39,8 @@ fn the_program_has_the_values_of_dense_solutions() {
         let word = |key: &str| problem[key].as_str().unwrap();
         let height = problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string());
         let flags = format!(
-            "path --surface heights.npy --length {sides} --young {} --poisson {} --height {height} --prony {} --moduli {} \
-             --relaxes {} --{} {} --time {} --steps {} --tol 1e-11 --json",
+            "path --surface heights.npy --length {sides} --young {} --poisson {} --height {height} --prony {} \
+             --moduli {} --relaxes {} --{} {} --time {} --steps {} --tol 1e-11 --json",
             problem["young"],
             problem["poisson"],
             branches.join(","),
@@ -92,8 +92,8 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
         ("law-free", "--law dugdale --param gamma=1e-4,range=4e-3 --boundary free --flow"),
     ] {
         let run = format!(
-            "path --n 24 --eps-f-inv 6 {flags} --prony 0.1:0.3,10:0.4 --pressure 0.02,0.005,0.005 --time 1,0,20 --steps 3 \
-             --out {name}.h5 --plots {name} --json"
+            "path --n 24 --eps-f-inv 6 {flags} --prony 0.1:0.3,10:0.4 --pressure 0.02,0.005,0.005 --time 1,0,20 \
+             --steps 3 --out {name}.h5 --plots {name} --json"
         );
         let report = json(folder.path(), &words(&run));
         assert_eq!(report["steps"].as_array().unwrap().len(), 7);
@@ -118,7 +118,8 @@ fn more_solves_make_steps_shorter_until_the_energy_balance_closes() {
     let folder = tempfile::tempdir().unwrap();
     let run = |solves: u32| {
         let run = format!(
-            "path --n 24 --eps-f-inv 6 --prony 1:0.8 --pressure 0.01 --time 0,10 --steps 2 --energy-solves {solves} --json"
+            "path --n 24 --eps-f-inv 6 --prony 1:0.8 --pressure 0.01 --time 0,10 --steps 2 --energy-solves {solves} \
+             --json"
         );
         json(folder.path(), &words(&run))
     };

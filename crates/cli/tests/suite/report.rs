@@ -341,7 +341,8 @@ fn punches_bodies_and_slides_have_pages() {
         // Pressure, three displacements, two cuts.
         ("punch --n 24 --out p.h5", "p", &certified[..], 6, 2),
         (line, "l", &certified, 2, 2),
-        // Two curves against the depth; von Mises stress, displacement, stress and energy density on a section, or a plane.
+        // Two curves against the depth; von Mises stress, displacement, stress and energy density on a section, or a
+        // plane.
         ("body --surface p.h5 --levels 5 --slice y=0.5 --out b.h5", "b", &plain, 13, 1),
         ("body --surface p.h5 --slice z=1 --out z.h5", "z", &plain, 11, 1),
         ("body --surface l.h5 --levels 5 --out s.h5", "s", &plain, 10, 1),
@@ -366,7 +367,8 @@ fn punches_bodies_and_slides_have_pages() {
         ),
         // Temperature against velocity, and its map; pressure, gap, section, heights.
         (
-            "slide --n 32 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 0.1,1,10 --out h.h5",
+            "slide --n 32 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 0.1,1,10 \
+             --out h.h5",
             "h",
             &certified,
             6,

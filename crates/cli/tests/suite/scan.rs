@@ -9,7 +9,8 @@ fn words(flags: &str) -> Vec<&str> {
     flags.split_whitespace().collect()
 }
 
-/// A folder with files of other programs (crates/topography/tests/data/make.py) and a scan with two channels and a hole.
+/// A folder with files of other programs (crates/topography/tests/data/make.py) and a scan with two channels and a
+/// hole.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../topography/tests/data");
@@ -54,8 +55,8 @@ fn undefined_points_are_refused_with_their_number_and_the_flag() {
         assert_eq!(output.status.code(), Some(2), "{command}: {message}");
         assert_eq!(
             message,
-            "error: scan.txt, channel Height: 1 of 80 points are undefined, the first at [x, y] = [3, 5]; every point must have \
-             a height: --fill harmonic or --fill nearest gives them heights\n",
+            "error: scan.txt, channel Height: 1 of 80 points are undefined, the first at [x, y] = [3, 5]; every point \
+             must have a height: --fill harmonic or --fill nearest gives them heights\n",
             "{command}"
         );
     }
@@ -69,7 +70,8 @@ fn undefined_points_are_refused_with_their_number_and_the_flag() {
 fn what_was_done_stands_in_every_output() {
     let folder = folder();
     let flags = "--surface scan.txt --channel Height --detrend plane --fill harmonic --periodise mirror";
-    let done = "least-squares plane removed, 1 undefined points filled harmonically, mirrored to a periodic cell of twice the size";
+    let done = "least-squares plane removed, 1 undefined points filled harmonically, mirrored to a periodic cell of \
+                twice the size";
     let surface = json(folder.path(), &words(&format!("surface {flags} --window hann --out h.h5 --plots h --json")));
     assert!(surface["source"].as_str().unwrap().contains(done), "{}", surface["source"]);
     assert_eq!((&surface["window"], &surface["n"]), (&"hann".into(), &vec![20, 16].into()));

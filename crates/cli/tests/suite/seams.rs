@@ -1,4 +1,5 @@
-//! Numbers where two features meet: free boundaries and links, laws with a wall and patches, soft laws and flow, flow and grid.
+//! Numbers where two features meet: free boundaries and links, laws with a wall and patches, soft laws and flow, flow
+//! and grid.
 
 use std::path::Path;
 
@@ -21,8 +22,8 @@ fn links(touches: &[bool], [nx, ny]: [usize; 2]) -> [u64; 2] {
     found
 }
 
-/// The numbers of points and of links of the only load of a file, counted again from a field and compared with all that is
-/// said of them.
+/// The numbers of points and of links of the only load of a file, counted again from a field and compared with all that
+/// is said of them.
 fn recounted(folder: &Path, file: &str, load: &Value, field: &str, is_periodic: bool) -> (f64, f64) {
     let file = Reader::open(folder.join(file)).unwrap();
     let shape = file.shape(field).unwrap();

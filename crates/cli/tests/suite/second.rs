@@ -65,7 +65,8 @@ fn two_surfaces_touch_as_their_composite_does() {
 #[test]
 fn a_result_is_checked_and_repeated_without_its_surfaces() {
     let folder = folder();
-    let run = "contact --surface a.npy --second-surface b.npy --shift=-0.3 --boundary periodic --p-star 0.05 --out c.h5 --json";
+    let run = "contact --surface a.npy --second-surface b.npy --shift=-0.3 --boundary periodic --p-star 0.05 \
+               --out c.h5 --json";
     json(folder.path(), &words(run));
     let report = json(folder.path(), &words("check c.h5 --rerun --json"));
     assert_eq!((&report["differing"], &report["second_input"]["state"]), (&0.into(), &"unchanged".into()));
@@ -88,7 +89,8 @@ fn a_result_is_checked_and_repeated_without_its_surfaces() {
 fn surfaces_that_do_not_repeat_keep_the_part_in_common() {
     let folder = folder();
     let ((a, grid), (b, _)) = (rough(1), rough(2));
-    let run = "contact --surface a.npy --second-surface b.npy --shift 0.25,-0.125 --boundary free --p-star 0.05 --out c.h5 --json";
+    let run = "contact --surface a.npy --second-surface b.npy --shift 0.25,-0.125 --boundary free --p-star 0.05 \
+               --out c.h5 --json";
     let report = json(folder.path(), &words(run));
     assert_eq!((&report["n"], &report["length"]), (&serde_json::json!([24, 28]), &serde_json::json!([0.75, 0.875])));
     let (part, _) = composite_inside(&a, &b, &grid, [0.25, -0.125]).unwrap();

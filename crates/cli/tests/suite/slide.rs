@@ -60,7 +60,8 @@ fn the_program_has_the_values_of_dense_solutions() {
 #[test]
 fn loads_at_velocities_are_written_checked_and_drawn() {
     let folder = tempfile::tempdir().unwrap();
-    let run = "slide --n 24 --eps-f-inv 6 --prony 0.1:0.3,10:0.4 --p-star 0.02,0.1 --velocity 0.01:1:3 --out s.h5 --plots s --json";
+    let run = "slide --n 24 --eps-f-inv 6 --prony 0.1:0.3,10:0.4 --p-star 0.02,0.1 --velocity 0.01:1:3 --out s.h5 \
+               --plots s --json";
     let report = json(folder.path(), &words(run));
     let states = report["states"].as_array().unwrap();
     let number = |state: usize, key: &str| states[state][key].as_f64().unwrap();
@@ -87,8 +88,8 @@ fn flash_temperatures_have_the_values_of_dense_solutions() {
         let speeds: Vec<String> = results.iter().map(|state| state["velocity"].to_string()).collect();
         let length = if shape.1 == 1 { problem["length"][0].to_string() } else { list(&problem["length"]) };
         let flags = format!(
-            "slide --surface heights.npy --length {length} --young {} --poisson {} --height {} --pressure {} --friction {} \
-             --heat {} --velocity {} --direction {} --tol 1e-11 --json",
+            "slide --surface heights.npy --length {length} --young {} --poisson {} --height {} --pressure {} \
+             --friction {} --heat {} --velocity {} --direction {} --tol 1e-11 --json",
             problem["young"],
             problem["poisson"],
             problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string()),

@@ -1,5 +1,5 @@
-//! Results from strangers: `check` and `report` write nothing but what was asked for, open nothing but inputs, and verify what
-//! docs/trust.md says.
+//! Results from strangers: `check` and `report` write nothing but what was asked for, open nothing but inputs, and
+//! verify what docs/trust.md says.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -297,7 +297,8 @@ const FORGED: [(&str, Kind, &str); 14] = [
     (
         "loop.h5",
         Kind::Path,
-        "path --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --displacement=0.004,0.001 --steps 3",
+        "path --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --displacement=0.004,0.001 \
+         --steps 3",
     ),
     ("slip.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
     ("creep.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --time 0,1 --steps 1"),

@@ -53,10 +53,12 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     same(
         folder.path(),
         &format!(
-            "{surface} --young 3e9 --height 2 --layer 1e9,0.3,5 --base half-space --base-young 2e8 --base-poisson 0.4 --displacement 0.003"
+            "{surface} --young 3e9 --height 2 --layer 1e9,0.3,5 --base half-space --base-young 2e8 --base-poisson 0.4 \
+             --displacement 0.003"
         ),
         &format!(
-            "{surface} --young 3GPa --height 2um --layer 1GPa,0.3,5e3nm --base half-space --base-young 0.2GPa --base-poisson 0.4 --displacement 3nm"
+            "{surface} --young 3GPa --height 2um --layer 1GPa,0.3,5e3nm --base half-space --base-young 0.2GPa \
+             --base-poisson 0.4 --displacement 3nm"
         ),
     );
     same(
@@ -94,7 +96,8 @@ fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
         &format!("{surface} --young 1GPa --shear-strength 2MPa --pressure 10MPa --lateral 0,2nm,-1nm"),
     );
     let run = format!(
-        "{surface} --young 1GPa --law morse --param gamma=0.05J/m^2 --param range=0.4um --displacement=-100nm,20nm,-50nm"
+        "{surface} --young 1GPa --law morse --param gamma=0.05J/m^2 --param range=0.4um \
+         --displacement=-100nm,20nm,-50nm"
     );
     let whole = json(folder.path(), &words(&format!("{run} --json -q --out loop.h5")));
     assert_eq!((&whole["unit"], &whole["stress_unit"]), (&"µm".into(), &"Pa".into()));
@@ -125,8 +128,9 @@ fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
 #[test]
 fn a_contact_with_units_is_checked_and_its_body_read() {
     let folder = folder();
-    let run = "contact --surface h.npy --length 10um --unit um --young 2GPa --poisson 0.4 --height 30um --pressure 5MPa,20MPa \
-               --statistics --flow --conductor-height 1mm --hardness hard.npy --grid-error none --out c.h5 --json";
+    let run = "contact --surface h.npy --length 10um --unit um --young 2GPa --poisson 0.4 --height 30um \
+               --pressure 5MPa,20MPa --statistics --flow --conductor-height 1mm --hardness hard.npy --grid-error none \
+               --out c.h5 --json";
     json(folder.path(), &words(run));
     for flags in ["check c.h5 --json", "check c.h5 --rerun --json"] {
         assert_eq!(json(folder.path(), &words(flags))["differences"], serde_json::json!([]), "{flags}");

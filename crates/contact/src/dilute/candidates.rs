@@ -32,8 +32,8 @@ pub(super) struct Survey {
     found: Vec<usize>,
 }
 
-/// The search for the pressure on some blocks. Every process knows the pressure on all of them, and searches for itself; the
-/// displacement of the whole surface is computed by all together, each for its own rows.
+/// The search for the pressure on some blocks. Every process knows the pressure on all of them, and searches for
+/// itself; the displacement of the whole surface is computed by all together, each for its own rows.
 pub(super) struct Candidates<'a> {
     contact: &'a Contact,
     compliance: Cow<'a, [f64]>,
@@ -43,7 +43,8 @@ pub(super) struct Candidates<'a> {
     approach: f64,
     /// Clearance less approach.
     linear: Vec<f64>,
-    /// The displacement downwards of the own rows, by the pressure that was transformed last, and the least of each row.
+    /// The displacement downwards of the own rows, by the pressure that was transformed last, and the least of each
+    /// row.
     displacement: Vec<f64>,
     least: Vec<f64>,
     known: Known,
@@ -85,8 +86,8 @@ impl Known {
 }
 
 impl<'a> Candidates<'a> {
-    /// The problem on the blocks at these `places`, with the approach so far, for a start of the own rows; also the start for the points
-    /// of the blocks.
+    /// The problem on the blocks at these `places`, with the approach so far, for a start of the own rows; also the
+    /// start for the points of the blocks.
     pub(super) fn new(
         attempt: &Attempt<'a>,
         scattered: Scattered,
@@ -166,8 +167,8 @@ impl<'a> Candidates<'a> {
         (self.pressure, self.image) = (vec![0.0; variables], vec![0.0; variables]);
     }
 
-    /// Measures the clearance from the approach so far. Behind the points of the blocks come some, up to a whole stretch, that are far
-    /// from contact.
+    /// Measures the clearance from the approach so far. Behind the points of the blocks come some, up to a whole
+    /// stretch, that are far from contact.
     fn measure(&mut self) {
         let Self { contact, approach, .. } = *self;
         let far = 2.0 * (contact.scaled.mean_clearance() + approach.abs());
@@ -178,8 +179,8 @@ impl<'a> Candidates<'a> {
         self.linear = linear;
     }
 
-    /// Begins a search, to the `finest` tolerance or not. If that `certifies`, the displacement of the whole surface is that of a
-    /// certificate.
+    /// Begins a search, to the `finest` tolerance or not. If that `certifies`, the displacement of the whole surface is
+    /// that of a certificate.
     pub(super) fn begin(&mut self, finest: bool, certifies: bool) {
         (self.is_finest, self.certifies) = (finest, certifies);
         if self.certificate.take().is_some() {
@@ -187,7 +188,8 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// The penetration of the certificate of the pressure at the end of a search, in length; `None` if there is no certificate.
+    /// The penetration of the certificate of the pressure at the end of a search, in length; `None` if there is no
+    /// certificate.
     pub(super) fn certified_penetration(&mut self, x: &[f64]) -> Option<f64> {
         if self.known == Known::Formerly {
             self.renew(x);
@@ -286,14 +288,16 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// Surveys all points. Blocks with gaps below `margin` are part of the search, or below a part of the deepest penetration.
+    /// Surveys all points. Blocks with gaps below `margin` are part of the search, or below a part of the deepest
+    /// penetration.
     pub(super) fn survey(&self, mut margin: f64) -> Survey {
         let Self { contact, approach, points, displacement, least, .. } = self;
         let blocks = points.blocks();
         let Contact { scaled, share, .. } = contact;
         let clearance = scaled.clearance();
         let (width, before) = (share.columns() / LANES, share.own().start / LANES);
-        // The lowest gap of a block, or infinity if all are above the margin by the clearance and the least displacement of the row alone.
+        // The lowest gap of a block, or infinity if all are above the margin by the clearance and the least
+        // displacement of the row alone.
         let lowest_gap = |place: usize, margin: f64| {
             let row = (place - before) / width;
             let points = (place - before) * LANES..(place - before + 1) * LANES;
@@ -335,8 +339,8 @@ impl<'a> Candidates<'a> {
         Survey { penetration: -least, deepest: -lower(least, inside), margin, found: gathered(share, found) }
     }
 
-    /// Adds the blocks found, and leaves out those without pressure whose gaps are above the margin if the set `may_shrink`. False if
-    /// the blocks become too many.
+    /// Adds the blocks found, and leaves out those without pressure whose gaps are above the margin if the set
+    /// `may_shrink`. False if the blocks become too many.
     pub(super) fn revise(&mut self, survey: &Survey, may_shrink: bool, x: &mut Vec<f64>) -> bool {
         let gaps: Vec<f64> = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c).collect();
         let places = self.points.blocks().places();

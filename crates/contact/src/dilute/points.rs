@@ -15,11 +15,13 @@ use crate::pull_push::PullPush;
 const FEW: usize = 64;
 const STRETCH: usize = FEW * LANES;
 
-/// Blocks of points, with the compliance G between them and a preconditioner M, about its inverse between those that are free.
+/// Blocks of points, with the compliance G between them and a preconditioner M, about its inverse between those that
+/// are free.
 ///
-/// M continues a gap from the points in contact to the coarse grid, as that of the whole surface does ([`PullPush`]), with the mean
-/// gap of a coarse cell in place of that of four points. What is interpolated from there is stiffened on the coarse grid, and the rest of the
-/// gap by the stiffness between near points: `M = Eᵀ Iᵀ K I E + (1 − I E)ᵀ S (1 − I E)` with the continuation E and the interpolation I.
+/// M continues a gap from the points in contact to the coarse grid, as that of the whole surface does ([`PullPush`]),
+/// with the mean gap of a coarse cell in place of that of four points. What is interpolated from there is stiffened on
+/// the coarse grid, and the rest of the gap by the stiffness between near points:
+/// `M = Eᵀ Iᵀ K I E + (1 − I E)ᵀ S (1 − I E)` with the continuation E and the interpolation I.
 pub(crate) struct Points {
     scattered: Scattered,
     memory: ScatteredMemory,
@@ -89,8 +91,9 @@ impl Points {
         self.scattered.compliance(&self.blocks, pressure, &mut self.memory, out);
     }
 
-    /// `out` ← M g times the unit, of the gaps g that `gaps` tells of the points of each block; zero if a point is not free. Points in
-    /// contact are free, and those that are about to enter: with a negative gap, less than that which is continued to them.
+    /// `out` ← M g times the unit, of the gaps g that `gaps` tells of the points of each block; zero if a point is not
+    /// free. Points in contact are free, and those that are about to enter: with a negative gap, less than that which
+    /// is continued to them.
     pub(crate) fn press(&mut self, gaps: impl Fn(usize) -> Gaps + Sync, out: &mut [f32]) {
         self.pairs += 1;
         for vector in [&mut self.rest, &mut self.free] {
@@ -255,7 +258,8 @@ mod tests {
 
     use super::*;
 
-    /// The blocks with the highest points of a rough surface, this part of all, and which of their points are that high.
+    /// The blocks with the highest points of a rough surface, this part of all, and which of their points are that
+    /// high.
     fn highest(height: Option<f64>, part: f64) -> (Points, Vec<bool>) {
         let material = Material::from_contact_modulus(1.0, 0.0).unwrap();
         let body = height.map_or_else(|| Body::half_space(material), |height| Body::slab(material, height).unwrap());

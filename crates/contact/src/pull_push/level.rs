@@ -48,8 +48,8 @@ impl Level {
         }
     }
 
-    /// Shares the rows as those of the points, of which 2^`height` make one, are shared. `is_last`: all processes hold this
-    /// level, of which they compute their parts, and those above it.
+    /// Shares the rows as those of the points, of which 2^`height` make one, are shared. `is_last`: all processes hold
+    /// this level, of which they compute their parts, and those above it.
     pub(super) fn over(&mut self, share: &Share, height: u32, is_last: bool) {
         let part = |rows: &Range<usize>| rows.start >> height..rows.end.div_ceil(1 << height);
         let parts: Vec<Range<usize>> = share.all_rows().iter().map(part).collect();
@@ -228,8 +228,8 @@ pub(super) fn held_row<'a, T>(
     &beside[usize::from(i == held.end % height)]
 }
 
-/// Completes a field of which every process has computed its `own` rows: by all `parts` of a level that all hold, else by the rows
-/// beside.
+/// Completes a field of which every process has computed its `own` rows: by all `parts` of a level that all hold, else
+/// by the rows beside.
 fn learn(
     own: &Range<usize>,
     parts: &[Range<usize>],

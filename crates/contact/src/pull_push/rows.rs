@@ -1,5 +1,5 @@
-//! The steps on one row. Loops run over whole rows, without branches and with local constants, so that compilers vectorise
-//! them, for processors with wide vectors too.
+//! The steps on one row. Loops run over whole rows, without branches and with local constants, so that compilers
+//! vectorise them, for processors with wide vectors too.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -11,7 +11,8 @@ use super::BITS;
 /// The values of the points of a row: x, gradient, and the upper bounds of x.
 pub(super) type Points<'a> = (&'a [f64], &'a [f32], Ceiling<'a>);
 
-/// The weights of known points, and their values times these; for each word of bits a flag whether a point of it is not zero.
+/// The weights of known points, and their values times these; for each word of bits a flag whether a point of it is not
+/// zero.
 #[multiversion(targets = "simd")]
 pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights: &mut [f32], values: &mut [f32]) {
     let (x, gradient, upper) = points;

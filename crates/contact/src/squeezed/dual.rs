@@ -1,5 +1,5 @@
-//! The two contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, with both means
-//! prescribed, or with equal means and the approach subtracted from the clearances.
+//! The two contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, with
+//! both means prescribed, or with equal means and the approach subtracted from the clearances.
 
 use gfmd_field::Rows;
 use gfmd_relax::{Budget, Ceiling, Ending, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
@@ -103,11 +103,12 @@ impl Paired for Dual {
     }
 }
 
-/// The linear map E from indentations known on the contacts to indentations of both faces. Long waves are extended from both
-/// contacts together, since the plate bends; what is left of the known values is extended on each face alone:
+/// The linear map E from indentations known on the contacts to indentations of both faces. Long waves are extended from
+/// both contacts together, since the plate bends; what is left of the known values is extended on each face alone:
 ///
 /// ```text
-///   w = F W (r_upper, −r_lower)      W: shared extension, mean of both where both are known; F: waves that both faces follow
+///   w = F W (r_upper, −r_lower)      W: shared extension, mean of both where both are known
+///                                    F: waves that both faces follow
 ///   d_upper = w + E₁ (r_upper − w),  d_lower = −w + E₁ (r_lower + w)
 /// ```
 struct Extension {

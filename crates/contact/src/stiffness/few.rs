@@ -9,7 +9,8 @@ use crate::{Contact, Effort};
 /// The largest part of the points in blocks with which this takes less time than transforms of the whole surface.
 const MOST: f64 = 0.15;
 
-/// The least relative square of the residual that is left of one correction. Images between the points have errors of 4e-4.
+/// The least relative square of the residual that is left of one correction. Images between the points have errors of
+/// 4e-4.
 const TOLERANCE: f64 = 1e-8;
 
 /// The largest number of iterations of one correction.
@@ -29,7 +30,8 @@ pub(super) struct Few {
 }
 
 impl Few {
-    /// The points of the own rows with positive `pressure`; `None` if they are too many, or the contact is not periodic.
+    /// The points of the own rows with positive `pressure`; `None` if they are too many, or the contact is not
+    /// periodic.
     pub(super) fn of(contact: &Contact, pressure: &[f64]) -> Option<Self> {
         if contact.free.is_some() || contact.hardness.is_some() {
             return None;
@@ -81,8 +83,8 @@ impl Few {
         slope
     }
 
-    /// Adds to `pressure` of the own rows about the one without a sum whose displacement is opposite to the residual on the contact,
-    /// but for a constant, to this relative square.
+    /// Adds to `pressure` of the own rows about the one without a sum whose displacement is opposite to the residual on
+    /// the contact, but for a constant, to this relative square.
     pub(super) fn correct(&mut self, tolerance: f64, pressure: &mut [f32]) {
         let tolerance = tolerance.max(TOLERANCE);
         let mut residual = std::mem::take(&mut self.residual);

@@ -27,8 +27,9 @@ fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
     })
 }
 
-/// The conductance per area of the points whose pressure is positive, by Gauss's method: the mean of the current densities that
-/// give all of them the potential 1, with the potential `resistance(i, j)` at the point i by a unit density on the cell j.
+/// The conductance per area of the points whose pressure is positive, by Gauss's method: the mean of the current
+/// densities that give all of them the potential 1, with the potential `resistance(i, j)` at the point i by a unit
+/// density on the cell j.
 fn dense(pressure: &Array2<f64>, resistance: impl Fn([usize; 2], [usize; 2]) -> f64) -> f64 {
     let inside: Vec<[usize; 2]> =
         pressure.indexed_iter().filter(|(_, p)| **p > 0.0).map(|((i, j), _)| [i, j]).collect();
@@ -77,8 +78,8 @@ fn dense_periodic(pressure: &Array2<f64>, [lx, ly]: [f64; 2], height: Height) ->
     dense(pressure, |a, b| shift[[(a[0] + nx - b[0]) % nx, (a[1] + ny - b[1]) % ny]])
 }
 
-/// ∫ dA/√(r² + z²) over a cell with these sides, its centre at `at`: at z = 0 the sum over its edges of their distance times
-/// ∫ ds/r, elsewhere by quadrature.
+/// ∫ dA/√(r² + z²) over a cell with these sides, its centre at `at`: at z = 0 the sum over its edges of their distance
+/// times ∫ ds/r, elsewhere by quadrature.
 fn cell(at: [f64; 2], [a, b]: [f64; 2], z: f64) -> f64 {
     if z == 0.0 {
         let edge = |d: f64, [from, to]: [f64; 2]| {
@@ -118,7 +119,8 @@ fn alternating(term: impl Fn(usize) -> f64) -> f64 {
     sums[0]
 }
 
-/// The resistance of a patch between two cells at these distances, with the images of a current behind the electrode and the surface.
+/// The resistance of a patch between two cells at these distances, with the images of a current behind the electrode
+/// and the surface.
 fn free_table([nx, ny]: [usize; 2], lengths: [f64; 2], height: Height) -> Array2<f64> {
     let sides = [lengths[0] / nx as f64, lengths[1] / ny as f64];
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -275,8 +277,8 @@ fn limits_have_their_values() {
     let touching = heights.mapv(|h| if h > 0.01 { 1.0 } else { 0.0 });
     let fraction = touching.sum() / touching.len() as f64;
     let at = |height: Height| found(Boundary::Periodic, &grid, height, &touching);
-    // Deep electrodes are far away, and shallow ones take the current of each point straight down: H (1/area - 1) is left beside
-    // the resistance H of the bulk.
+    // Deep electrodes are far away, and shallow ones take the current of each point straight down: H (1/area - 1) is
+    // left beside the resistance H of the bulk.
     assert_relative_eq!(at(Height::Finite(20.0)), at(Height::Infinite), max_relative = 1e-9);
     let h = 1e-5;
     assert_relative_eq!(at(Height::Finite(h)) * h * (1.0 / fraction - 1.0), 1.0, max_relative = 1e-3);

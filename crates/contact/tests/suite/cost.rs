@@ -1,5 +1,5 @@
-//! Tests of the cost of an equilibration in transform pairs and in bytes, which do not depend on the machine. The bounds are
-//! about a fifth above the numbers needed when they were set.
+//! Tests of the cost of an equilibration in transform pairs and in bytes, which do not depend on the machine. The
+//! bounds are about a fifth above the numbers needed when they were set.
 #![allow(clippy::print_stdout, reason = "a test that counts nothing says so")]
 
 use std::path::Path;
@@ -174,8 +174,8 @@ const COUNTED: &str = "GFMD_COUNTED_LOAD";
 /// Its value for a contact that is only prepared.
 const UNLOADED: &str = "none";
 
-/// A simulated cache counts the lines of 64 bytes that a solution fetches. It holds a quarter of a field, so that each pass over a
-/// vector counts, as on large grids.
+/// A simulated cache counts the lines of 64 bytes that a solution fetches. It holds a quarter of a field, so that each
+/// pass over a vector counts, as on large grids.
 #[test]
 fn bytes_moved() {
     const POINTS: usize = 256;

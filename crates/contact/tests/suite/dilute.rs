@@ -1,5 +1,5 @@
-//! Contacts of so few points that the pressure is sought on these alone: [`Solver::Auto`] against [`Solver::PreconditionedCg`], which
-//! transforms the whole surface in every iteration.
+//! Contacts of so few points that the pressure is sought on these alone: [`Solver::Auto`] against
+//! [`Solver::PreconditionedCg`], which transforms the whole surface in every iteration.
 
 use gfmd_contact::{Contact, Equilibrium as _, Load, Solution, SolveError, Solver};
 use gfmd_field::Grid;

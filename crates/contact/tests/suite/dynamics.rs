@@ -26,7 +26,8 @@ fn worst(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Damping of a mode, unlike its inertia, does not move the state at rest, not even at the wall (theory.md, section 6.3).
+/// Damping of a mode, unlike its inertia, does not move the state at rest, not even at the wall (theory.md, section
+/// 6.3).
 #[test]
 fn no_damping_and_no_time_step_changes_the_state_at_rest() {
     let grids = [Grid::line(81, 1.0).unwrap(), Grid::new([27, 24], [1.0, 0.8]).unwrap()];

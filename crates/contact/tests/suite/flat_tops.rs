@@ -1,8 +1,9 @@
-//! Flat tops under small loads, where the displacement is very small beside the roughness, and approaches to surfaces with a
-//! hardness, against the active set of a dense compliance matrix.
+//! Flat tops under small loads, where the displacement is very small beside the roughness, and approaches to surfaces
+//! with a hardness, against the active set of a dense compliance matrix.
 //!
-//! The matrix is made here, from the compliance of half-space and slab (theory.md, sections 2 and 3) by a sum over waves, and
-//! with free boundaries from the displacement by a uniform pressure on a rectangle (Love 1929; Johnson 1985, section 3.3).
+//! The matrix is made here, from the compliance of half-space and slab (theory.md, sections 2 and 3) by a sum over
+//! waves, and with free boundaries from the displacement by a uniform pressure on a rectangle (Love 1929; Johnson 1985,
+//! section 3.3).
 
 use gfmd_contact::{
     Boundary, Contact, Equilibrium, Fields, FullContact, Hardness, Load, Refusal, SolveError, Solver, SqueezedContact,
@@ -97,8 +98,8 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// The exact state: pressures between 0 and `hardness` and the approach, by changes of the sets of points that are free, at
-/// zero and at the hardness until none is wrong.
+/// The exact state: pressures between 0 and `hardness` and the approach, by changes of the sets of points that are
+/// free, at zero and at the hardness until none is wrong.
 fn exact(g: &[Vec<f64>], clearance: &[f64], hardness: &[f64], load: Load) -> (Vec<f64>, f64) {
     #[derive(Clone, Copy, PartialEq)]
     enum Set {
@@ -254,7 +255,8 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     let squeezed = SqueezedContact::new(&body, &grid, &heights, &other).unwrap();
     let pressures = |mean: f64| {
         let load = Load::MeanPressure(mean);
-        // Between two surfaces the search does not begin under small loads on flat tops, which is an error, never a number.
+        // Between two surfaces the search does not begin under small loads on flat tops, which is an error, never a
+        // number.
         let squeezed = match squeezed.press(load).solve() {
             Err(SolveError::NotConverged { .. }) if mean < 1e-4 => None,
             solved => Some(solved.unwrap_or_else(|error| panic!("{mean:e}, squeezed: {error}")).upper.pressure),
@@ -275,7 +277,8 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     }
 }
 
-/// The tops of a computed surface differ by rounding errors, which decide the contact once the displacement is below them.
+/// The tops of a computed surface differ by rounding errors, which decide the contact once the displacement is below
+/// them.
 #[test]
 fn loads_below_the_rounding_of_the_heights_are_refused() {
     let (grid, mut heights) = disc(N);

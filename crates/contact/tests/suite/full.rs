@@ -108,8 +108,8 @@ fn unusable_input_and_too_few_steps_are_errors() {
     assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
 }
 
-/// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3): the contact
-/// is that of such a modulus.
+/// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3):
+/// the contact is that of such a modulus.
 #[test]
 fn a_half_space_that_is_held_sideways_is_stiffer_by_one_factor() {
     let grid = Grid::square(24, 1.0).unwrap();

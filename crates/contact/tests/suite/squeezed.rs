@@ -82,7 +82,8 @@ fn a_flat_surface_is_a_sliding_base() {
     assert!(apart(&found.upper.pressure, &wanted.pressure) < 1e-8);
     assert!(apart(&found.upper.gap, &wanted.gap) < 1e-8);
     assert_near(found.approach, wanted.approach, 1e-9);
-    // Nothing but the two surfaces holds the slab, so that its base does not matter, and it may lie the other way round.
+    // Nothing but the two surfaces holds the slab, so that its base does not matter, and it may lie the other way
+    // round.
     let turned = solve(&squeezed(&body, &flat, &surface), load);
     assert!(apart(&turned.lower.pressure, &found.upper.pressure) < 1e-8);
     assert_near(turned.approach, found.approach, 1e-9);

@@ -81,7 +81,8 @@ fn an_incompressible_body_feels_the_first_order_in_its_lateral_displacement_only
     assert!((state.projected_area().unwrap() / state.summary().area_fraction - 1.0).abs() < 1e-3);
     let soft =
         SteepContact::new(&body(0.0), &grid, &heights).unwrap().press(Load::MeanPressure(0.001)).solve().unwrap();
-    // The lateral strains of a half-space add up to -(1 - 2 nu)(1 + nu)/E times the pressure less its mean (Johnson 1985, section 3.6).
+    // The lateral strains of a half-space add up to -(1 - 2 nu)(1 + nu)/E times the pressure less its mean (Johnson
+    // 1985, section 3.6).
     let ratio = soft.projected_area().unwrap() / soft.summary().area_fraction - 1.0;
     let strain = soft.summary().mean_pressure_in_contact - soft.normal.mean_pressure;
     assert!((ratio / -strain - 1.0).abs() < 0.05, "{ratio:e} {strain:e}");

@@ -61,7 +61,8 @@ fn forces_and_stresses_are_those_of_head_and_of_a_boundary_value_problem() {
     }
 }
 
-/// Three dislocations on two planes at 60 degrees below a punch, with the steps of those that left: one coordinate along each plane, and the depth.
+/// Three dislocations on two planes at 60 degrees below a punch, with the steps of those that left: one coordinate
+/// along each plane, and the depth.
 struct Case {
     domain: Domain,
     angle: f64,

@@ -69,8 +69,8 @@ impl Drop for Pair {
     }
 }
 
-/// The plain library, with its names visible to the library for threads, and the library for threads. They are never closed,
-/// since threads of FFTW wait inside for more work.
+/// The plain library, with its names visible to the library for threads, and the library for threads. They are never
+/// closed, since threads of FFTW wait inside for more work.
 fn libraries() -> Option<&'static [Library; 2]> {
     static LIBRARIES: OnceLock<Option<[Library; 2]>> = OnceLock::new();
     LIBRARIES.get_or_init(open).as_ref()

@@ -1,10 +1,11 @@
-//! Transforms against the sum of their definition; on larger grids tests/tests/suite/transforms.rs compares them with `ndrustfft`.
+//! Transforms against the sum of their definition; on larger grids tests/tests/suite/transforms.rs compares them with
+//! `ndrustfft`.
 
 use gfmd_field::{Grid, Transform};
 use num_complex::Complex64;
 
-/// Grids with even, odd and prime numbers of points, square and oblong, with full and partial blocks and panels, lines and
-/// single rows.
+/// Grids with even, odd and prime numbers of points, square and oblong, with full and partial blocks and panels, lines
+/// and single rows.
 const GRIDS: [[usize; 2]; 24] = [
     [1, 1],
     [2, 1],
@@ -44,7 +45,8 @@ fn largest(differences: impl Iterator<Item = f64>) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} by its definition, from the wave vectors and the positions of the points.
+/// The spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} by its definition, from the wave vectors and the positions of the
+/// points.
 fn sum_of_the_definition(grid: &Grid, field: &[f64]) -> Vec<Complex64> {
     let [nx, ny] = grid.points();
     let [dx, dy] = grid.spacing();

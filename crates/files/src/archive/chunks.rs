@@ -110,8 +110,8 @@ unsafe extern "C" {
 fn put(dataset: &Dataset, offset: &[hsize_t], bytes: &[u8]) -> Result<(), hdf5::Error> {
     let status = hdf5::sync::sync(|| {
         #[allow(unsafe_code, reason = "the `hdf5` crate does not write compressed chunks")]
-        // SAFETY: `dataset` is open, `offset` has a number for each of its dimensions, and `bytes` has `size` bytes, all of which
-        // outlive the call; `sync` holds the library's lock.
+        // SAFETY: `dataset` is open, `offset` has a number for each of its dimensions, and `bytes` has `size` bytes,
+        // all of which outlive the call; `sync` holds the library's lock.
         unsafe {
             H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, offset.as_ptr(), bytes.len(), bytes.as_ptr().cast())
         }

@@ -167,7 +167,8 @@ fn a_changed_value_shape_or_attribute_is_noticed() {
     assert_eq!(read(&empty).is_intact().unwrap(), None);
 }
 
-/// A file with damaged bytes, or cut, is an error or noticed, or the bytes were nobody's: all that can be read is as it was.
+/// A file with damaged bytes, or cut, is an error or noticed, or the bytes were nobody's: all that can be read is as it
+/// was.
 #[test]
 fn a_damaged_file_neither_ends_the_process_nor_goes_unnoticed() {
     let folder = tempfile::tempdir().unwrap();

@@ -386,8 +386,8 @@ fn missing_realisations_are_made_up_for() {
     assert!(found.kappa_tfc.ci95.is_some());
 }
 
-/// A ladder of nested surfaces as a sweep computes them: the finer the grid, the fewer of them. The scatter of a surface
-/// falls along eps_f but stays correlated; the edge of the contact adds 0.83 of its measure to kappa.
+/// A ladder of nested surfaces as a sweep computes them: the finer the grid, the fewer of them. The scatter of a
+/// surface falls along eps_f but stays correlated; the edge of the contact adds 0.83 of its measure to kappa.
 fn ladder(truth: &Parameters, seeds: u64, rng: &mut Pcg64) -> Vec<Datum> {
     let rungs = [(8.0, 4.0), (16.0, 4.0), (32.0, 4.0), (64.0, 4.0), (8.0, 8.0), (8.0, 16.0), (16.0, 8.0)];
     let surfaces: Vec<f64> = (0..8 * seeds).map(|_| normal(rng)).collect();

@@ -228,7 +228,8 @@ fn contrasts_of_many_orders_take_few_iterations_and_units_do_not_matter() {
 
 #[test]
 fn a_basin_behind_the_weakest_dams_harms_nothing() {
-    // A channel, and beside it a basin of the largest conductivity in a ring of weak cells, which leaks into the channel.
+    // A channel, and beside it a basin of the largest conductivity in a ring of weak cells, which leaks into the
+    // channel.
     let n = 96;
     let k = Array2::from_shape_fn((n, n), |(i, j)| match (i, j) {
         (_, 0..8) => 1e-4,
@@ -242,7 +243,8 @@ fn a_basin_behind_the_weakest_dams_harms_nothing() {
     assert_relative_eq!(found.conductivity[0][0], 1e-4 * 8.0 / n as f64, max_relative = 1e-10);
 }
 
-/// In the pool the potential falls as the mean gradient rises, so that flows are differences of nearly equal numbers of any size.
+/// In the pool the potential falls as the mean gradient rises, so that flows are differences of nearly equal numbers of
+/// any size.
 #[test]
 fn a_gate_before_a_pool_conducts_in_proportion() {
     let n = 64;

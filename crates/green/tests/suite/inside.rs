@@ -60,7 +60,8 @@ fn standing(slab: Body, kind: usize, below: Material) -> Body {
 proptest! {
     #[test]
     fn forces_balance_and_hooke_holds(
-        material in material(), kind in 0..5_usize, below in material(), q in wavevector(decades(0.1, 10.0)), place in 0.05..0.95,
+        material in material(), kind in 0..5_usize, below in material(), q in wavevector(decades(0.1, 10.0)),
+        place in 0.05..0.95,
     ) {
         let slab = Body::slab(material, 1.0).unwrap();
         let body = standing(slab, kind, below);
@@ -105,7 +106,8 @@ proptest! {
         prop_assert!(matrices_apart(&section.displacement_transfer(q), &one) < 1e-11);
         let stress = section.stress_transfer(q);
         let stiffness = body.stiffness(q);
-        prop_assert!(matrices_apart(&[stiffness[0], stiffness[1], stiffness[2]], &[stress[4], stress[3], stress[2]]) < 1e-11);
+        let traction = [stress[4], stress[3], stress[2]];
+        prop_assert!(matrices_apart(&[stiffness[0], stiffness[1], stiffness[2]], &traction) < 1e-11);
     }
 
     #[test]
@@ -127,7 +129,8 @@ proptest! {
     /// Two halves of one material have the fields of the whole, above the cut, on it and below it.
     #[test]
     fn fields_do_not_see_a_cut(
-        material in material(), q in wavevector(decades(0.01, 30.0)), fraction in 0.1..0.9, depth in 0.0..1.0, kind in 0..4_usize,
+        material in material(), q in wavevector(decades(0.01, 30.0)), fraction in 0.1..0.9, depth in 0.0..1.0,
+        kind in 0..4_usize,
     ) {
         let base = Base::Rigid(GROUNDS[kind]);
         let whole = Body::slab(material, 1.0).unwrap().on(base.clone()).unwrap();
@@ -180,7 +183,9 @@ proptest! {
     }
 
     #[test]
-    fn a_wave_along_x_is_plane_strain(body in body(), depth in 0.0..0.3, q in decades(0.1, 10.0), sign in prop_oneof![Just(1.0), Just(-1.0)]) {
+    fn a_wave_along_x_is_plane_strain(
+        body in body(), depth in 0.0..0.3, q in decades(0.1, 10.0), sign in prop_oneof![Just(1.0), Just(-1.0)],
+    ) {
         let section = body.at_depth(depth).unwrap();
         let q = sign * q;
         let (u, stress) = (section.displacement_transfer([q, 0.0]), section.stress_transfer([q, 0.0]));
@@ -197,7 +202,9 @@ proptest! {
 
     /// Real fields stay real at Nyquist: the matrix is the mean over the aliases.
     #[test]
-    fn nyquist_modes_average_their_aliases(material in material(), nx in 1usize..7, ny in 1usize..7, depth in 0.0..0.5) {
+    fn nyquist_modes_average_their_aliases(
+        material in material(), nx in 1usize..7, ny in 1usize..7, depth in 0.0..0.5,
+    ) {
         let body = Body::slab(material, 0.5).unwrap();
         let section = body.at_depth(depth).unwrap();
         for mode in Grid::new([nx, ny], [1.0, 1.3]).unwrap().modes() {

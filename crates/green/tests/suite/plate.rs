@@ -7,7 +7,9 @@ use proptest::prelude::*;
 proptest! {
     /// The matrix L of both faces, with the lateral displacements eliminated, is the inverse.
     #[test]
-    fn compliance_and_layer_matrix_are_inverse(material in material(), height in decades(0.3, 3.0), q in decades(1.0, 10.0)) {
+    fn compliance_and_layer_matrix_are_inverse(
+        material in material(), height in decades(0.3, 3.0), q in decades(1.0, 10.0),
+    ) {
         let plate = Plate::of(&Body::slab(material, height).unwrap()).unwrap();
         let found = plate.compliance(q);
         prop_assert_eq!(found.mixed, 0.0);
@@ -27,7 +29,9 @@ proptest! {
 
     /// A layer cut in two is one layer, and the loss of digits is that of squeezing beside bending.
     #[test]
-    fn a_layer_in_two_parts_is_one_layer(material in material(), height in decades(0.1, 3.0), part in 0.1..0.9, q in decades(0.5, 20.0)) {
+    fn a_layer_in_two_parts_is_one_layer(
+        material in material(), height in decades(0.1, 3.0), part in 0.1..0.9, q in decades(0.5, 20.0),
+    ) {
         let whole = Plate::of(&Body::slab(material, height).unwrap()).unwrap().compliance(q);
         let layers = [(material, part * height), (material, (1.0 - part) * height)];
         let cut = Plate::of(&Body::stack(&layers, Base::BONDED).unwrap()).unwrap().compliance(q);
@@ -37,7 +41,9 @@ proptest! {
     }
 
     #[test]
-    fn a_plate_upside_down_has_the_other_face_above(a in material(), b in material(), h in 0.1..1.0, q in decades(1.0, 30.0)) {
+    fn a_plate_upside_down_has_the_other_face_above(
+        a in material(), b in material(), h in 0.1..1.0, q in decades(1.0, 30.0),
+    ) {
         let body = Body::stack(&[(a, h), (b, 0.5)], Base::SLIDING).unwrap();
         let plate = Plate::of(&body).unwrap();
         let (up, down) = (plate.compliance(q), plate.turned().compliance(q));
@@ -59,7 +65,8 @@ fn the_uniform_wave_compresses_and_long_waves_bend() {
     let p_wave = 2.0 * 0.75 / (1.25 * 0.5);
     approx::assert_relative_eq!(uniform.squeezing, 0.2 / p_wave, max_relative = 1e-14);
     assert!(uniform.bending.is_infinite() && uniform.mixed == 0.0);
-    // E*/12 d^3 q^4 is the stiffness of a plate against one pressure; half the difference of the faces bears twice that.
+    // E*/12 d^3 q^4 is the stiffness of a plate against one pressure; half the difference of the faces bears twice
+    // that.
     let q = 1e-3;
     let bending = 24.0 / (plate.contact_modulus() * 0.4_f64.powi(3) * q * q * q * q);
     approx::assert_relative_eq!(plate.compliance(q).bending, bending, max_relative = 1e-6);

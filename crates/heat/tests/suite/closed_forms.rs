@@ -79,9 +79,9 @@ fn a_moving_strip_has_jaegers_temperature() {
     }
 }
 
-/// The temperature at the middle of a moving square of side 2 from its images in a square cell, above the mean: the sum of
-/// e^{−β(r+x)}/r, averaged over y in a square, less its mean. Image n stands in front, so that its trail passes over the
-/// middle; far behind, r + x is y²/(2|x|).
+/// The temperature at the middle of a moving square of side 2 from its images in a square cell, above the mean: the sum
+/// of e^{−β(r+x)}/r, averaged over y in a square, less its mean. Image n stands in front, so that its trail passes over
+/// the middle; far behind, r + x is y²/(2|x|).
 fn images(beta: f64, length: f64) -> f64 {
     let rows = 20_000;
     let mut sum = 2.0 * (1..9).map(|m| (-beta * f64::from(m) * length).exp() / (f64::from(m) * length)).sum::<f64>();

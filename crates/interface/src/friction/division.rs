@@ -1,6 +1,6 @@
-//! The dependence of an increment on its division. Within an increment the surfaces stick, or slip against the shear at its
-//! end, which is exact where the limits of the shear and its direction stay. Where they change on the way, above all at
-//! points that come into contact, it is an error of first order in the length of the increment.
+//! The dependence of an increment on its division. Within an increment the surfaces stick, or slip against the shear at
+//! its end, which is exact where the limits of the shear and its direction stay. Where they change on the way, above
+//! all at points that come into contact, it is an error of first order in the length of the increment.
 
 use gfmd_law::Limit;
 use ndarray::Axis;
@@ -24,8 +24,9 @@ struct Changes {
 }
 
 impl FrictionalContact {
-    /// Returns true if limits or directions of the shear change so much in an increment from `start`, or from the undeformed
-    /// surface, to `end` that its division may change the shear by more than `tolerance` (see [`distance`](Self::distance)).
+    /// Returns true if limits or directions of the shear change so much in an increment from `start`, or from the
+    /// undeformed surface, to `end` that its division may change the shear by more than `tolerance` (see
+    /// [`distance`](Self::distance)).
     pub(crate) fn depends_on_division(
         &self,
         start: Option<&FrictionState>,

@@ -29,8 +29,8 @@ pub struct FrictionState {
     pub stick_fraction: f64,
     /// Elastic energy per area, stress × length.
     pub elastic_energy: f64,
-    /// Work done against friction in this increment, per area: the slip of each point times the mean of its limits at the
-    /// start and at the end.
+    /// Work done against friction in this increment, per area: the slip of each point times the mean of its limits at
+    /// the start and at the end.
     pub dissipated: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: FrictionResidual,
@@ -40,9 +40,9 @@ pub struct FrictionState {
     pub(super) contact_modulus: f64,
 }
 
-/// Violation of the conditions of contact and friction; zero for the exact state. h_rms is the rms height, or the scale of
-/// lengths under a very small [approach](RigidSurface::length_scale) or [displacement](RigidSurface::finer_scale). p is the pressure, τ the shear on the
-/// elastic surface, s the slip of the increment.
+/// Violation of the conditions of contact and friction; zero for the exact state. h_rms is the rms height, or the scale
+/// of lengths under a very small [approach](RigidSurface::length_scale) or [displacement](RigidSurface::finer_scale). p
+/// is the pressure, τ the shear on the elastic surface, s the slip of the increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionResidual {
     /// Σ p g / (Σ p · h_rms), in magnitude.
@@ -51,8 +51,8 @@ pub struct FrictionResidual {
     pub penetration: f64,
     /// |p̄ − asked| / asked; 0 if the approach is prescribed.
     pub load: f64,
-    /// Largest |τ − P(τ − c s)| over the largest limit, P the projection on |τ| ≤ limit of the point and c the largest limit
-    /// over h_rms. It measures slip below the limit, and slip that is not opposite to the shear.
+    /// Largest |τ − P(τ − c s)| over the largest limit, P the projection on |τ| ≤ limit of the point and c the largest
+    /// limit over h_rms. It measures slip below the limit, and slip that is not opposite to the shear.
     pub friction: f64,
     /// Largest excess of |τ| over its limit, over the largest limit.
     pub excess: f64,

@@ -78,8 +78,8 @@ impl Limits {
         }
     }
 
-    /// The largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over the unit of slip; 0 if all limits
-    /// are 0. (The sum of limit |s| + τ·s is of second order in an error of direction and would miss it.)
+    /// The largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over the unit of slip; 0 if all
+    /// limits are 0. (The sum of limit |s| + τ·s is of second order in an error of direction and would miss it.)
     pub(super) fn mismatch(&self, shear: &[f64], slip: &[f64]) -> f64 {
         let Self { values: limits, strongest, length } = self;
         if *strongest == 0.0 {

@@ -27,7 +27,8 @@ pub(crate) struct Adjoint {
     pub(crate) level: f64,
     /// The residual over the first one.
     pub(crate) error: f64,
-    /// The lowest curvature that a search met, over that of the preconditioner; at most 0 if the problem has no solution.
+    /// The lowest curvature that a search met, over that of the preconditioner; at most 0 if the problem has no
+    /// solution.
     pub(crate) lowest: f64,
     /// Number of searches, and of transforms in pairs.
     pub(crate) effort: (u64, f64),

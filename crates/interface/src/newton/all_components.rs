@@ -47,8 +47,8 @@ impl Model for AllComponents<'_> {
         1.0
     }
 
-    /// Sets the values to 0 on the points that the wall holds, and the mean over the free points to 0 in components whose
-    /// mean is held.
+    /// Sets the values to 0 on the points that the wall holds, and the mean over the free points to 0 in components
+    /// whose mean is held.
     fn project(&mut self, vector: &mut [f64]) {
         let points = self.frame.points();
         for (c, (field, held)) in vector.chunks_exact_mut(points).zip(&self.frame.held).enumerate() {

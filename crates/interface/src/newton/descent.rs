@@ -183,8 +183,8 @@ impl<'a, M: Model> Descent<'a, M> {
         self.note(lowest);
     }
 
-    /// Writes the force into the residual of the region, over a unit of stress that is returned: a power of two that keeps the
-    /// numbers of the search of the order of 1.
+    /// Writes the force into the residual of the region, over a unit of stress that is returned: a power of two that
+    /// keeps the numbers of the search of the order of 1.
     fn hand_over_force(&mut self) -> f64 {
         let force = &self.force;
         let largest = |range: std::ops::Range<usize>| force[range].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
@@ -202,8 +202,8 @@ impl<'a, M: Model> Descent<'a, M> {
         self.met_negative |= lowest <= 0.0;
     }
 
-    /// Moves along the direction, projected on the wall, and halves the step until the energy falls. Returns false if it does
-    /// not fall.
+    /// Moves along the direction, projected on the wall, and halves the step until the energy falls. Returns false if
+    /// it does not fall.
     pub(super) fn advance(&mut self) -> bool {
         let mut share = 1.0;
         for _ in 0..HALVINGS {

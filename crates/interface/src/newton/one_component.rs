@@ -1,5 +1,5 @@
-//! The model of u_z alone. Steps are rounded to single precision, and all sums and products are made in the row loops of the
-//! transforms.
+//! The model of u_z alone. Steps are rounded to single precision, and all sums and products are made in the row loops
+//! of the transforms.
 
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@ use gfmd_vector::for_each;
 
 use crate::frame::Frame;
 
-/// The traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric if there is an energy, so only its
-/// upper triangle is stored.
+/// The traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric if there is an energy, so only
+/// its upper triangle is stored.
 pub(crate) struct Reaction {
     components: usize,
     points: usize,

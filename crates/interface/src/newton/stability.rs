@@ -12,8 +12,9 @@ const FIRST_SHIFT: f64 = 1e-9;
 const DOUBLINGS: u32 = 36;
 
 impl<M: Model> Descent<'_, M> {
-    /// Returns true if a state at rest is a saddle; the direction then has negative curvature. Conjugate gradients start
-    /// from noise, which has a component along every direction; the small force at rest may have none, for symmetry.
+    /// Returns true if a state at rest is a saddle; the direction then has negative curvature. Conjugate gradients
+    /// start from noise, which has a component along every direction; the small force at rest may have none, for
+    /// symmetry.
     pub(super) fn is_unstable(&mut self) -> bool {
         if self.interface.law.stiffness_bound(f64::NEG_INFINITY) == 0.0 {
             // Without a law the energy is convex.
@@ -33,7 +34,8 @@ impl<M: Model> Descent<'_, M> {
         lowest <= 0.0
     }
 
-    /// Steps away from a saddle along the direction, just far enough that the energy falls by more than rounding errors.
+    /// Steps away from a saddle along the direction, just far enough that the energy falls by more than rounding
+    /// errors.
     pub(super) fn leave(&mut self) -> bool {
         let longest = self.region.longest();
         let downhill = if self.slope() > 0.0 { -1.0 } else { 1.0 };

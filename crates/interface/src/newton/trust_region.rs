@@ -30,8 +30,8 @@ impl Number for f32 {
     }
 }
 
-/// A quadratic function ½⟨d, A d⟩ − ⟨r, d⟩ on a subspace, with A = K + J times the [unit](Self::unit) of compliances. A is
-/// symmetric, not necessarily positive definite. The preconditioner M⁻¹ is positive definite on the subspace.
+/// A quadratic function ½⟨d, A d⟩ − ⟨r, d⟩ on a subspace, with A = K + J times the [unit](Self::unit) of compliances. A
+/// is symmetric, not necessarily positive definite. The preconditioner M⁻¹ is positive definite on the subspace.
 pub(crate) trait Model {
     /// The numbers of the vectors of a search.
     type Value: Number;
@@ -105,8 +105,8 @@ impl<T: Number> TrustRegion<T> {
         Self { radius: f64::INFINITY, length: 0.0, unit: 1.0, vectors }
     }
 
-    /// `direction` ← A⁻¹ `residual` to the relative accuracy `accuracy`, or up to the edge of the region, for a residual in
-    /// this unit of stress. Returns the lowest curvature ⟨p, A p⟩/⟨p, M p⟩ that was met.
+    /// `direction` ← A⁻¹ `residual` to the relative accuracy `accuracy`, or up to the edge of the region, for a
+    /// residual in this unit of stress. Returns the lowest curvature ⟨p, A p⟩/⟨p, M p⟩ that was met.
     pub(crate) fn step<M: Model<Value = T>>(
         &mut self,
         model: &mut M,

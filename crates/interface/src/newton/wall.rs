@@ -41,8 +41,8 @@ impl Wall {
         }
     }
 
-    /// Shifts the free points until the mean is 0. The shift may push further points to the wall, so it is repeated until
-    /// none is.
+    /// Shifts the free points until the mean is 0. The shift may push further points to the wall, so it is repeated
+    /// until none is.
     fn restore_mean(&self, bound: Option<&[f64]>, field: &mut [f64]) {
         for _ in 0..ROUNDS {
             let [total, free] = reduce(

@@ -81,8 +81,8 @@ fn pull_off(n: usize, work: f64, law: impl Law + 'static) -> f64 {
     -lowest / (PI * work)
 }
 
-/// The pull-off load over π w R of Maugis (1992) for his parameter λ: the lowest force of all ratios m of the radii of zone and
-/// contact, where the contact radius a follows from the work of the zone. a in (π w R²/K)^⅓, forces in π w R.
+/// The pull-off load over π w R of Maugis (1992) for his parameter λ: the lowest force of all ratios m of the radii of
+/// zone and contact, where the contact radius a follows from the work of the zone. a in (π w R²/K)^⅓, forces in π w R.
 fn maugis_pull_off(lambda: f64) -> f64 {
     let terms = |m: f64| ((m * m - 1.0).sqrt(), (1.0 / m).acos());
     let work = |a: f64, m: f64| {

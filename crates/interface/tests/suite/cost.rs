@@ -1,5 +1,5 @@
-//! The cost of contacts with a law in transform pairs, which do not depend on the machine, and the states that they reach. The
-//! bounds are about a fifth above the numbers needed when they were set.
+//! The cost of contacts with a law in transform pairs, which do not depend on the machine, and the states that they
+//! reach. The bounds are about a fifth above the numbers needed when they were set.
 
 use gfmd_contact::{Equilibrium, Load};
 use gfmd_field::Grid;

@@ -208,8 +208,9 @@ fn along(contact: &FrictionalContact, drives: &[Drive], solves_per_step: u64) ->
     (steps, path.state().unwrap().clone())
 }
 
-/// The radius of the sticking part over that of the contact of a sphere under growing load: Spence (1975), in the form of
-/// Johnson (Contact Mechanics, section 5.4), (a/2c) ln((a + c)/(a − c)) = (μ/β) K(√(1 − c²/a²)), β = (1 − 2ν)/(2(1 − ν)).
+/// The radius of the sticking part over that of the contact of a sphere under growing load: Spence (1975), in the form
+/// of Johnson (Contact Mechanics, section 5.4), (a/2c) ln((a + c)/(a − c)) = (μ/β) K(√(1 − c²/a²)), β = (1 − 2ν)/(2(1 −
+/// ν)).
 fn spence(coefficient: f64, poisson: f64) -> f64 {
     let beta = (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson));
     // The complete elliptic integral K(√(1 − c²)) by the arithmetic and the geometric mean of 1 and c.
@@ -313,9 +314,9 @@ fn the_energy_lost_by_slip_under_growing_load_is_that_of_many_small_increments()
 
 #[test]
 fn a_sphere_pressed_and_sheared_at_once_sticks_as_mindlin_and_deresiewicz_say() {
-    // 1953: under a force that grows within the cone of friction nothing slips, and dQ/dP = (2/3) dX/dδ for ν = ½. With X in
-    // proportion to P, and δ to P^⅔, Q/P = (9/8) (2/3) X/δ. If the pressure comes first, as in one increment, the edge slips
-    // (Cattaneo): Q/P = μ (1 − (1 − (2/3) X/(μ δ))^(3/2)).
+    // 1953: under a force that grows within the cone of friction nothing slips, and dQ/dP = (2/3) dX/dδ for ν = ½. With
+    // X in proportion to P, and δ to P^⅔, Q/P = (9/8) (2/3) X/δ. If the pressure comes first, as in one increment, the
+    // edge slips (Cattaneo): Q/P = μ (1 − (1 − (2/3) X/(μ δ))^(3/2)).
     let contact = free_sphere(0.5, Limit::Coulomb(0.3));
     let (a, ratio) = (0.2_f64, 0.15);
     let drive = pressed(hertz(a), 1.5 * ratio * a * a);

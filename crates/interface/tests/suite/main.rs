@@ -1,4 +1,5 @@
-//! The tests of `gfmd-interface` as one program: those of one file by `cargo test -p gfmd-interface --test suite FILE::`.
+//! The tests of `gfmd-interface` as one program: those of one file by
+//! `cargo test -p gfmd-interface --test suite FILE::`.
 
 mod adhesion;
 mod checkpoint;

@@ -106,7 +106,8 @@ fn a_surface_that_is_plastic_everywhere_is_certified_from_its_fields() {
 
 #[test]
 fn the_work_of_the_path_is_stored_or_lost() {
-    // ∫ p dδ less the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps of first.
+    // ∫ p dδ less the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps
+    // of first.
     let errors = [8, 16, 32].map(|n| {
         let contact = plastic(Boundary::Periodic, 0.05);
         let up = (1..=n).map(|i| 0.03 * f64::from(i) / f64::from(n));

@@ -1,5 +1,5 @@
-//! Loads so small that the roughness, or the tractions of a law, hide them: flat tops, where all fields are the load times
-//! fixed ones, and what a law without traction far from contact counts as contact.
+//! Loads so small that the roughness, or the tractions of a law, hide them: flat tops, where all fields are the load
+//! times fixed ones, and what a law without traction far from contact counts as contact.
 
 use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError};
 use gfmd_field::Grid;

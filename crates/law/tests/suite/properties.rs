@@ -58,7 +58,8 @@ proptest! {
         for law in all() {
             let response = law.response(normal, 0.0);
             let Opening { energy, traction, slope } = law.opening(normal);
-            prop_assert_eq!([energy, traction, slope], [law.opening_energy(normal), response.traction[0], response.jacobian[0][0]]);
+            let parts = [law.opening_energy(normal), response.traction[0], response.jacobian[0][0]];
+            prop_assert_eq!([energy, traction, slope], parts);
         }
     }
 
@@ -73,7 +74,8 @@ proptest! {
                 [0, 1, 2].map(|i| (a[i] - b[i]) / (2.0 * h))
             };
             let j = law.jacobian(normal, [x, y]);
-            let columns = [[j.tt[0][0], j.tt[1][0], j.nt[0]], [j.tt[0][1], j.tt[1][1], j.nt[1]], [j.tn[0], j.tn[1], j.nn]];
+            let columns =
+                [[j.tt[0][0], j.tt[1][0], j.nt[0]], [j.tt[0][1], j.tt[1][1], j.nt[1]], [j.tn[0], j.tn[1], j.nn]];
             let scale = law.stiffness_bound(-0.4);
             for (direction, column) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().zip(columns) {
                 for (found, wanted) in column.into_iter().zip(slope(direction)) {

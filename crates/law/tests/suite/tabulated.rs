@@ -3,7 +3,8 @@
 use approx::assert_relative_eq;
 use gfmd_law::{Exponential, InUnits, Kind, Law, LawError, Morse, Tabulated};
 
-/// `n` + 1 rows of a law from a gap to 25 ranges, closer where the gap is small; the traction at the last one is that of the limit, 0.
+/// `n` + 1 rows of a law from a gap to 25 ranges, closer where the gap is small; the traction at the last one is that
+/// of the limit, 0.
 fn sampled(law: &dyn Law, range: f64, first: f64, n: u32) -> Tabulated {
     let mut rows: Vec<[f64; 2]> = (0..=n)
         .map(|k| f64::from(k) / f64::from(n))

@@ -84,7 +84,8 @@ impl Asperities {
     pub fn at_pressure(&self, theory: AsperityTheory, relative_pressure: f64) -> Option<AsperityContact> {
         let unit = self.m0.sqrt();
         let pressure = |level: f64| self.at_separation(theory, level * unit).relative_pressure;
-        // The pressure falls with the separation. Beyond 12 h_rms, at pressures below 1e-30 E*, the integrals end too early.
+        // The pressure falls with the separation. Beyond 12 h_rms, at pressures below 1e-30 E*, the integrals end too
+        // early.
         let [mut near, mut far] = [-20.0, 12.0];
         if !(relative_pressure > pressure(far) && relative_pressure <= pressure(near)) {
             return None;

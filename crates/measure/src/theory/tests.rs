@@ -140,8 +140,8 @@ fn asperities_are_those_of_an_independent_quadrature() {
     }
 }
 
-/// κ of Bush, Gibson and Thomas at vanishing load is √(2π), with ḡ² = 2 m2; the approach to it is slow, and the slower, the broader
-/// the spectrum.
+/// κ of Bush, Gibson and Thomas at vanishing load is √(2π), with ḡ² = 2 m2; the approach to it is slow, and the slower,
+/// the broader the spectrum.
 #[test]
 fn bush_gibson_and_thomas_have_their_limit() {
     for (nayak, reached) in [(1.6, 0.98), (5.0, 0.9), (100.0, 0.7)] {
@@ -209,7 +209,8 @@ fn the_distribution_of_pressure_has_the_area_and_the_mean() {
     }
 }
 
-/// dU/dū = −p̄, with U the energy that the theory assigns to its contact; the gap of a vanishing pressure grows with its logarithm.
+/// dU/dū = −p̄, with U the energy that the theory assigns to its contact; the gap of a vanishing pressure grows with
+/// its logarithm.
 #[test]
 fn the_mean_gap_does_the_work_of_the_pressure() {
     let theory = self_affine(0.8, 1.0, 3000);
@@ -243,8 +244,9 @@ fn the_mean_gap_does_the_work_of_the_pressure() {
     assert_eq!(theory.mean_gap(20.0 * deviation, 0.45), 0.0);
 }
 
-/// The elastic energy of waves of one stiffness does not depend on how many they are: the mean gap is an integral over the
-/// variance, here by the rule of Simpson on 4000 intervals of its root, and on 400 of the logarithm of the pressure.
+/// The elastic energy of waves of one stiffness does not depend on how many they are: the mean gap is an integral over
+/// the variance, here by the rule of Simpson on 4000 intervals of its root, and on 400 of the logarithm of the
+/// pressure.
 #[test]
 fn the_mean_gap_of_waves_of_one_stiffness_is_an_integral_over_their_variance() {
     const GAMMA: f64 = 0.45;
@@ -253,7 +255,8 @@ fn the_mean_gap_of_waves_of_one_stiffness_is_an_integral_over_their_variance() {
         let weight = |i: usize| if i == 0 || i == count { 1.0 } else { [2.0, 4.0][i % 2] };
         (0..=count).map(|i| weight(i) * f(low + step * i as f64)).sum::<f64>() * step / 3.0
     };
-    // J(s) = ∫ from s (2/√π) e^(-x²) [γ + 3 (1 − γ) erf(x)²] dx/x, so that ū = ½ k ⟨h²⟩ mean over V of J(p/√(2V))/√(2V).
+    // J(s) = ∫ from s (2/√π) e^(-x²) [γ + 3 (1 − γ) erf(x)²] dx/x, so that ū = ½ k ⟨h²⟩ mean over V of
+    // J(p/√(2V))/√(2V).
     let integrand = |log: f64| {
         let (x, area) = (log.exp(), libm::erf(log.exp()));
         2.0 / std::f64::consts::PI.sqrt() * (-x * x).exp() * (GAMMA + 3.0 * (1.0 - GAMMA) * area * area)
@@ -287,7 +290,8 @@ fn spectra_that_cannot_be_have_no_theory() {
     assert!(Persson::new([(1.0, 1.0), (1.0001, 2.0), (3.0, 0.0)], half_space).is_some());
 }
 
-/// 2π over the wavelength 1/n and the wavenumber 2πn differ in the last digit for some n, and a wave of that length counts always.
+/// 2π over the wavelength 1/n and the wavenumber 2πn differ in the last digit for some n, and a wave of that length
+/// counts always.
 #[test]
 fn a_cut_at_a_wavelength_includes_the_waves_of_that_length() {
     let tau = std::f64::consts::TAU;

@@ -137,7 +137,8 @@ proptest! {
         let one = exact(&response, &held, &noise(shape(&response), seed));
         let others = held.mapv(|held| !held);
         let other = exact(&response, &others, &noise(shape(&response), seed + 3));
-        let scale = largest(&one.traction) * largest(&other.displacement) + largest(&other.traction) * largest(&one.displacement);
+        let scale = largest(&one.traction) * largest(&other.displacement)
+            + largest(&other.traction) * largest(&one.displacement);
         let difference = work(&one.traction, &other.displacement) - work(&other.traction, &one.displacement);
         prop_assert!(difference.abs() <= 1e-10 * scale, "{} of {}", difference, scale);
     }

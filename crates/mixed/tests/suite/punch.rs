@@ -1,5 +1,5 @@
-//! Flat punches against independent solutions (dense sticking punches, the hard-wall solver, the closed form of the strip),
-//! and both families of methods against each other.
+//! Flat punches against independent solutions (dense sticking punches, the hard-wall solver, the closed form of the
+//! strip), and both families of methods against each other.
 
 use std::sync::Arc;
 

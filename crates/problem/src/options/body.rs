@@ -58,8 +58,8 @@ pub struct OtherArgs {
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_poisson: Option<f64>,
-    /// One more layer below the top one: Young's modulus, Poisson's ratio, height; give the flag once for each layer, from the
-    /// top down
+    /// One more layer below the top one: Young's modulus, Poisson's ratio, height; give the flag once for each layer,
+    /// from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layer: Vec<Layer>,
@@ -205,8 +205,8 @@ impl BodyArgs {
     pub fn check_modulus(&self, unit: Option<&str>) -> Result<(), Unusable> {
         match unit.filter(|unit| is_length(unit)) {
             Some(unit) if self.young.is_none() && self.e_star.is_none() => Err(Unusable::of(format!(
-                "--young is missing; lengths are in {unit}, and pressures need a modulus, such as --young 70GPa, or --e-star 1 for \
-                 pressures over the contact modulus"
+                "--young is missing; lengths are in {unit}, and pressures need a modulus, such as --young 70GPa, or \
+                 --e-star 1 for pressures over the contact modulus"
             ))),
             _ => Ok(()),
         }
@@ -237,8 +237,8 @@ impl BodyArgs {
         Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words(below)))
     }
 
-    /// Checks the body against a surface on `grid` that is pressed on it: the heights of slabs and layers over the sides of the
-    /// cell, and the `unit` of pressures, E* times the rms gradient.
+    /// Checks the body against a surface on `grid` that is pressed on it: the heights of slabs and layers over the
+    /// sides of the cell, and the `unit` of pressures, E* times the rms gradient.
     ///
     /// # Errors
     /// A slab so thin or so high, or a unit so small or so large, that digits are lost.
@@ -316,7 +316,8 @@ impl OtherArgs {
         }
     }
 
-    /// Checks the heights of all slabs and layers, of which the top one has the flag --height, over the `sides` of the cell.
+    /// Checks the heights of all slabs and layers, of which the top one has the flag --height, over the `sides` of the
+    /// cell.
     ///
     /// # Errors
     /// A slab so thin or so high that digits are lost.
@@ -393,8 +394,8 @@ pub fn sides(grid: &Grid) -> Vec<f64> {
 /// The heights of a slab over the sides of the cell whose stiffnesses are computed without loss of digits.
 pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 
-/// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration that
-/// the file records.
+/// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration
+/// that the file records.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Body")]

@@ -20,7 +20,8 @@ pub struct ComplianceArgs {
     #[arg(long, value_parser = Row::parse, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub compliance: Vec<Row>,
-    /// Compliance of the mean level of such a body, length/stress; 0, a fixed mean level as that of a half-space, if not given
+    /// Compliance of the mean level of such a body, length/stress; 0, a fixed mean level as that of a half-space, if
+    /// not given
     #[arg(long, value_name = "G0", requires = "compliance", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uniform_compliance: Option<f64>,

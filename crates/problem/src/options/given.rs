@@ -1,7 +1,7 @@
 //! Values of options that are arrays: in a file that the option names, or in memory.
 //!
-//! A problem is a table of texts and numbers. A caller of the commands as a library gives its arrays beside the table, by the keys of
-//! their options, and nothing is written to a file.
+//! A problem is a table of texts and numbers. A caller of the commands as a library gives its arrays beside the table,
+//! by the keys of their options, and nothing is written to a file.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

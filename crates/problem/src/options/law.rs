@@ -26,15 +26,22 @@ pub struct LawArgs {
     #[serde(with = "name")]
     pub law: Kind,
     /// Parameter of the law, NAME=VALUE; give the flag once for each parameter
-    #[arg(long = "param", value_parser = parse_parameter, value_delimiter = ',', value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    #[arg(
+        long = "param",
+        value_parser = parse_parameter,
+        value_delimiter = ',',
+        value_name = "NAME=VALUE",
+        allow_hyphen_values = true
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub param: Vec<(String, f64)>,
-    /// Table of the law `table`: FILE of two columns, gap and traction, with attractions above zero, whose heads may have units, such as
-    /// gap_nm or traction_MPa; or the rows, GAP:TRACTION,...
+    /// Table of the law `table`: FILE of two columns, gap and traction, with attractions above zero, whose heads may
+    /// have units, such as gap_nm or traction_MPa; or the rows, GAP:TRACTION,...
     #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub law_table: Vec<[f64; 2]>,
-    /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points jump
+    /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points
+    /// jump
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub coarse: bool,

@@ -16,7 +16,13 @@ use crate::{Moduli, Unusable};
 pub struct PronyArgs {
     /// Prony series of a viscoelastic body: relaxation time (10ms, 2h if the lengths have a unit) and fraction of the
     /// instantaneous modulus of each branch
-    #[arg(long, value_delimiter = ',', value_parser = parse_branch, value_name = "TAU:G,..", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_parser = parse_branch,
+        value_name = "TAU:G,..",
+        allow_hyphen_values = true
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub prony: Vec<(f64, f64)>,
     /// Moduli of the viscoelastic body that are given
@@ -78,7 +84,8 @@ impl PronyArgs {
         Ok(None)
     }
 
-    /// The options of the body with its long-term moduli, whichever `given` has; a modulus that is left out is that of the default.
+    /// The options of the body with its long-term moduli, whichever `given` has; a modulus that is left out is that of
+    /// the default.
     ///
     /// # Errors
     /// As [`series`](Self::series); a contact modulus alone, if the shear modulus alone relaxes.

@@ -281,7 +281,8 @@ mod tests {
     fn tables_have_bare_numbers_in_place_of_texts() {
         let units = Units::new(Some("µm"), Some("MPa"));
         let mut table: toml::Table = toml::from_str(
-            "young = '70GPa'\nlayer = [['2GPa', 0.3, '3mm'], [1.0, 0.2, 0.5]]\nheight = 'inf'\npressure = ['1kPa', 2.0]\n\
+            "young = '70GPa'\nlayer = [['2GPa', 0.3, '3mm'], [1.0, 0.2, 0.5]]\nheight = 'inf'\n\
+             pressure = ['1kPa', 2.0]\n\
              param = [['gamma', '0.05J/m^2'], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1mm'\nlaw = 'morse'\n\
              law_table = [['2nm', '3MPa'], [1.0, 2.0]]",
         )
@@ -290,7 +291,8 @@ mod tests {
             value_in_units(key, value, &mut &units).unwrap();
         }
         let wanted: toml::Table = toml::from_str(
-            "young = 70000.0\nlayer = [[2000.0, 0.3, 3000.0], [1.0, 0.2, 0.5]]\nheight = 'inf'\npressure = [0.001, 2.0]\n\
+            "young = 70000.0\nlayer = [[2000.0, 0.3, 3000.0], [1.0, 0.2, 0.5]]\nheight = 'inf'\n\
+             pressure = [0.001, 2.0]\n\
              param = [['gamma', 0.05], ['range', 2.0]]\nhardness = 'x.npy'\nslice = 'x=1e3'\nlaw = 'morse'\n\
              law_table = [[0.002, 3.0], [1.0, 2.0]]",
         )

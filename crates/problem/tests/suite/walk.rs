@@ -1,4 +1,5 @@
-//! All combinations of parts: each is refused by the table, or posed and solved. A posed problem has the bits of its kind.
+//! All combinations of parts: each is refused by the table, or posed and solved. A posed problem has the bits of its
+//! kind.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -212,7 +213,8 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
     assert!(posed[0].stiffness(&states[3], 1e-9).is_err());
 }
 
-/// Every combination is refused, or solved with all its parts: no two have the same state, as they have if a part is left out.
+/// Every combination is refused, or solved with all its parts: no two have the same state, as they have if a part is
+/// left out.
 #[test]
 fn every_combination_is_refused_by_the_table_or_solved() {
     let (mut solved, mut refused, mut surprises) = (0, 0, Vec::new());

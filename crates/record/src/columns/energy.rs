@@ -59,8 +59,8 @@ pub(super) const COLUMNS: &[Column] = &[
         &[
             (
                 |facts| relaxing(facts) && law(facts),
-                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in a \
-                 step with a jump the largest error of that rule; 0 in the first step",
+                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in \
+                 a step with a jump the largest error of that rule; 0 in the first step",
             ),
             (
                 |facts| relaxing(facts) || wears(facts),
@@ -68,7 +68,8 @@ pub(super) const COLUMNS: &[Column] = &[
             ),
             (
                 any,
-                "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is unknown",
+                "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is \
+                 unknown",
             ),
         ],
         |at| lost(at, true),
@@ -107,8 +108,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress/length",
         &[(
             any,
-            "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their pressure; NaN \
-             where it is infinite (full contact with a fixed mean level) or not computed: the attribute undefined says why",
+            "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their \
+             pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the attribute \
+             undefined says why",
         )],
         |at| stiff(at, |found| found.value),
     )

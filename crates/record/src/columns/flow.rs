@@ -68,7 +68,8 @@ fn conductivity(at: &At, [row, column]: [usize; 2]) -> Cell {
             "the gap is closed everywhere; a conductivity is relative to a uniform gap of the mean height",
         ),
         Some(_) if gap < 0.0 => Cell::undefined(format!(
-            "the mean gap is {gap:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of that height"
+            "the mean gap is {gap:.3e}, since the surfaces overlap; a conductivity is relative to a uniform gap of \
+             that height"
         )),
         Some(flow) => flow.conductivity[row][column].into(),
         None => f64::NAN.into(),

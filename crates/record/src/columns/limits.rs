@@ -50,8 +50,8 @@ fn not_measured(facts: &Facts) -> Option<&'static str> {
 /// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
 pub const UNRESOLVED: f64 = 0.01;
 
-/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of textures and single
-/// spheres, edges of contacts lie alike, and their errors add up.
+/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of
+/// textures and single spheres, edges of contacts lie alike, and their errors add up.
 pub const FEWEST_WAVES: f64 = 8.0;
 
 /// The numbers that hardly depend on waves shorter than four points.
@@ -79,8 +79,8 @@ const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
 const OVER_CONTACT: [&str; 4] =
     ["mean_pressure_in_contact", "pressure_deviation_in_contact", "stiffness", "conductance"];
 
-/// The least process zone over the one that resolves a law: in narrower ones the edge of a contact catches on the points of the grid,
-/// and two grids agree by chance.
+/// The least process zone over the one that resolves a law: in narrower ones the edge of a contact catches on the
+/// points of the grid, and two grids agree by chance.
 const LEAST_ZONE: f64 = 0.0625;
 
 /// The largest ratio of the distances between points along x and y.
@@ -92,7 +92,8 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     let known = at.short_waves <= UNRESOLVED || ROBUST.contains(&name);
     if !known {
         return Err(format!(
-            "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points decides",
+            "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points \
+             decides",
             100.0 * at.short_waves
         )
         .into());
@@ -100,8 +101,8 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
     if is_alike && (at.waves.is_nan() || AVERAGES.contains(&name)) {
         return Err(format!(
-            "the surface has {:.1} waves; its error by the grid is known of random ones, whose edges lie anywhere on the grid, with \
-             at least {FEWEST_WAVES}",
+            "the surface has {:.1} waves; its error by the grid is known of random ones, whose edges lie anywhere on \
+             the grid, with at least {FEWEST_WAVES}",
             at.waves
         )
         .into());
@@ -124,8 +125,8 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     let steeper = x.max(y) / x.min(y);
     if steeper.is_nan() || steeper > STEEPEST {
         return Err(format!(
-            "the rms slopes along the axes are {x:.1e} and {y:.1e}; edges of contacts that lie along an axis cut the grid alike, and \
-             the error of the grid is known of slopes that differ by a factor of at most {STEEPEST}"
+            "the rms slopes along the axes are {x:.1e} and {y:.1e}; edges of contacts that lie along an axis cut the \
+             grid alike, and the error of the grid is known of slopes that differ by a factor of at most {STEEPEST}"
         )
         .into());
     }
@@ -167,8 +168,8 @@ fn refined(
         return Err(NoLimit::Patches.to_string().into());
     } else if let Some(zone) = at.process_zone.filter(|zone| !(LEAST_ZONE..).contains(zone)) {
         return Err(format!(
-            "the process zone at the edge of a contact is {zone:.3} of the one that resolves this law; below {LEAST_ZONE} the edge \
-             catches on the points of the grid, and two grids agree by chance"
+            "the process zone at the edge of a contact is {zone:.3} of the one that resolves this law; below \
+             {LEAST_ZONE} the edge catches on the points of the grid, and two grids agree by chance"
         )
         .into());
     }
@@ -224,9 +225,9 @@ fn grid_error(found: &GridLimit, value: f64) -> f64 {
     found.error_of(value)
 }
 
-/// The limit of a number on infinitely fine grids, its error, and the error of the number by the grid: the name, the place in JSON
-/// around the suffix, the unit, the problems that have the number, the order of the error of the limit in the distance of the points
-/// (that of its formula in [`GridLimits`]), the limit.
+/// The limit of a number on infinitely fine grids, its error, and the error of the number by the grid: the name, the
+/// place in JSON around the suffix, the unit, the problems that have the number, the order of the error of the limit in
+/// the distance of the points (that of its formula in [`GridLimits`]), the limit.
 macro_rules! limits {
     ($name:literal, $unit:literal, $order:expr, $limit:expr) => {
         limits!($name, [$name, ""], $unit, any, $order, $limit)

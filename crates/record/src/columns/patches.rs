@@ -45,9 +45,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "1/length",
         &[(
             any,
-            "conductance per area of the points in contact between two conductors, times the sum of their resistivities: current \
-             density over the potential difference less that of the bulk, with free boundaries over all of it; without a value if all \
-             points of a periodic surface touch",
+            "conductance per area of the points in contact between two conductors, times the sum of their \
+             resistivities: current density over the potential difference less that of the bulk, with free boundaries \
+             over all of it; without a value if all points of a periodic surface touch",
         )],
         |at| at.measured.conductance.clone().map_or(Cell::Real(f64::NAN), Into::into),
     )

@@ -127,8 +127,8 @@ pub(super) const COLUMNS: &[Column] = &[
             (law, per_stress!("|mean p - asked| from the final fields, 0 if the approach is prescribed,")),
             (
                 between,
-                "|mean p - asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their \
-                 mean pressures over its mean",
+                "|mean p - asked| / asked, the larger of the two faces; if the approach is prescribed the difference \
+                 of their mean pressures over its mean",
             ),
             (any, "|mean p - asked| / asked, from the final fields"),
         ]

@@ -6,12 +6,9 @@ use crate::{At, Cell};
 
 /// Force on a patch, plastic depth, projected area.
 pub(super) const COLUMNS: &[Column] = &[
-    Column::new(
-        "force",
-        "stress*length^2",
-        &[(any, "force, of a line per length across it (stress*length)")],
-        |at| (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into(),
-    )
+    Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
+        (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
+    })
     .with(free),
     Column::new(
         "plastic_fraction",
@@ -37,7 +34,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "1",
         &[(
             any,
-            "contact area of the deformed surface, projected onto the plane of the rigid one, over the area of the cell",
+            "contact area of the deformed surface, projected onto the plane of the rigid one, over the area of the \
+             cell",
         )],
         |at| {
             let found = at.rest.and_then(|rest| rest.steep()).map(|state| state.projected_area());

@@ -1,4 +1,5 @@
-//! Records of all combinations of parts: a number is there, or its reason is; JSON and journals give it back to the last bit.
+//! Records of all combinations of parts: a number is there, or its reason is; JSON and journals give it back to the
+//! last bit.
 
 use crate::parts::{Parts, all_facts};
 use gfmd_contact::{Drive, Equilibrium, Fields, Load};

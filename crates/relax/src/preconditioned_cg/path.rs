@@ -87,8 +87,8 @@ impl Start<'_> {
                     path.slope += (path.factor - 1.0) * along;
                     break;
                 }
-                // Newton's method on a convex, piecewise linear function takes a few steps. With two bounds the function
-                // is not convex, and the steps are kept within a bracket.
+                // Newton's method on a convex, piecewise linear function takes a few steps. With two bounds the
+                // function is not convex, and the steps are kept within a bracket.
                 let mut mu = path.mu + excess / positive;
                 if bounded {
                     bracket[usize::from(excess < 0.0)] = path.mu;

@@ -247,7 +247,10 @@ proptest! {
         mean in prop::option::of(0.01..2.0),
     ) {
         let dense = Dense {
-            a: matrix(&entries[..n * n], n, 0.1), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0), image: Vec::new(),
+            a: matrix(&entries[..n * n], n, 0.1),
+            b: b[..n].to_vec(),
+            preconditioner: Preconditioner::Scale(1.0),
+            image: Vec::new(),
         };
         let exact = dense.exact(mean);
         for method in METHODS {
@@ -290,7 +293,12 @@ proptest! {
     ) {
         let mut half = entries[..n * n].to_vec();
         half[n * n / 2..].fill(0.0);
-        let dense = Dense { a: matrix(&half, n, 0.0), b: b[..n].to_vec(), preconditioner: Preconditioner::Scale(1.0), image: Vec::new() };
+        let dense = Dense {
+            a: matrix(&half, n, 0.0),
+            b: b[..n].to_vec(),
+            preconditioner: Preconditioner::Scale(1.0),
+            image: Vec::new(),
+        };
         let target = Target { budget: Budget { tolerance: 1e-7, ..Budget::default() }, ..target(Some(mean)) };
         let methods = [1.0, 1e-3, 1e3].map(|scale| Method::Preconditioned(Preconditioner::Scale(scale)));
         for method in methods {

@@ -109,7 +109,9 @@ impl Page {
         let state = html! { ", state " (index + 1) "." };
         let drawn = scene.figures(|kind, drawn| {
             let (title, caption) = match kind {
-                Kind::Pressure => ("contact pressure", html! { "Contact pressure" (of) " over the modulus " i { "E" } "*" }),
+                Kind::Pressure => {
+                    ("contact pressure", html! { "Contact pressure" (of) " over the modulus " i { "E" } "*" })
+                }
                 Kind::Traction => (
                     "repulsion and attraction",
                     html! { "Pressure" (of) " over the modulus, repulsive (blue) and attractive (red)" },
@@ -118,8 +120,8 @@ impl Page {
                 Kind::Section => (
                     "section through both surfaces",
                     html! {
-                        "Section along " i { "x" } " through the largest pressure" (of) ": both surfaces, heights in their true "
-                        "distance and not to scale with " i { "x" } "; below, the pressure"
+                        "Section along " i { "x" } " through the largest pressure" (of) ": both surfaces, heights in "
+                        "their true distance and not to scale with " i { "x" } "; below, the pressure"
                     },
                 ),
             };
@@ -176,7 +178,9 @@ impl Page {
     pub(crate) fn failure(&mut self, reader: &Reader, part: &str) {
         let Some(stored) = StoredFailure::read(reader) else { return };
         self.failed = Some(html! {
-            p { (part) " " (whole(stored.part)) " (counted from 0): " (text(&stored.why)) ". Its numbers are no result." }
+            p {
+                (part) " " (whole(stored.part)) " (counted from 0): " (text(&stored.why)) ". Its numbers are no result."
+            }
             ul { @for line in stored.criteria.lines() { li { (text(line)) } } }
             p { (text(&stored.advice)) }
         });

@@ -6,8 +6,8 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Material};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 
-/// Far from the ends of a wide cell it does not matter what surrounds the patch, if the tractions have neither force nor
-/// moment. A periodic surface sees bands of waves in place of cells, which differ little for smooth tractions.
+/// Far from the ends of a wide cell it does not matter what surrounds the patch, if the tractions have neither force
+/// nor moment. A periodic surface sees bands of waves in place of cells, which differ little for smooth tractions.
 #[test]
 fn smooth_tractions_without_force_move_a_patch_as_a_wide_periodic_surface() {
     let (n, wide) = (40, 240);

@@ -196,8 +196,8 @@ fn the_modes_of_a_matrix_are_its_eigenvectors() {
     }
 }
 
-/// A table that is made when it is first asked for is made in parallel; a thread that waits for its parts may take up a task
-/// that asks for the table, too. This must not wait for itself.
+/// A table that is made when it is first asked for is made in parallel; a thread that waits for its parts may take up a
+/// task that asks for the table, too. This must not wait for itself.
 #[test]
 fn tasks_that_ask_for_a_table_at_once_do_not_wait_for_one_another() {
     let grid = Grid::square(96, 1.0).unwrap();

@@ -49,7 +49,8 @@ impl Comparison {
         self.accuracy = ROUNDING.max(relative);
     }
 
-    /// Compares the values of a variable. `floor` is the least scale of its values, below which a difference has no meaning.
+    /// Compares the values of a variable. `floor` is the least scale of its values, below which a difference has no
+    /// meaning.
     pub fn values(&mut self, name: &str, stored: &[f64], recomputed: &[f64], floor: f64) {
         if stored.len() != recomputed.len() {
             let words = format!("it has {} values; recomputed are {}", stored.len(), recomputed.len());

@@ -166,8 +166,8 @@ const PATH: &[Row] = &[
         &["/path/*"],
         InPart,
         Verified,
-        "the waypoints of the configuration; the fields there; elastic_energy of a viscoelastic body at the last step from \
-         the history, unless boundaries are free",
+        "the waypoints of the configuration; the fields there; elastic_energy of a viscoelastic body at the last step \
+         from the history, unless boundaries are free",
     ),
     row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
 ];

@@ -64,8 +64,8 @@ impl<'a> Stored<'a> {
         self.prepared.surface.statistics.moments.rms_height().max(f64::MIN_POSITIVE)
     }
 
-    /// True if a law acts on a patch, whose displacement outside of it is not in the file: states made again are then as exact as
-    /// their search.
+    /// True if a law acts on a patch, whose displacement outside of it is not in the file: states made again are then
+    /// as exact as their search.
     pub(crate) fn is_law_on_patch(&self) -> bool {
         self.prepared.facts.solves_a_law() && self.prepared.facts.boundary == Boundary::Free
     }
@@ -85,7 +85,8 @@ impl<'a> Stored<'a> {
         made.map_err(|error| Failure::input("/fields", error))
     }
 
-    /// The state that the contact makes of the fields at a place; `None` of a part that was not solved, whose fields are NaN.
+    /// The state that the contact makes of the fields at a place; `None` of a part that was not solved, whose fields
+    /// are NaN.
     ///
     /// # Errors
     /// Fields that cannot be read, or of which no state can be made.
@@ -134,8 +135,8 @@ impl<'a> Stored<'a> {
     }
 
     /// Compares the numbers and fields of a step at a waypoint with the state that the contact makes of the fields, and
-    /// returns the state; `None` of a step that was not solved. `flow` computes the flow through its gap, if it is asked
-    /// for.
+    /// returns the state; `None` of a step that was not solved. `flow` computes the flow through its gap, if it is
+    /// asked for.
     ///
     /// # Errors
     /// The errors of [`state`](Self::state).

@@ -27,8 +27,8 @@ use crate::rows;
 use crate::session::Session;
 use crate::source::Surface;
 
-/// The file of a series: the surface is written at once, the fields state by state, the scalars at the end. Of several processes the
-/// first one writes it; all make the same calls, and give their rows of the fields.
+/// The file of a series: the surface is written at once, the fields state by state, the scalars at the end. Of several
+/// processes the first one writes it; all make the same calls, and give their rows of the fields.
 pub struct StateFile<'a> {
     /// The file of the process that writes.
     archive: Option<Archive<'a>>,
@@ -84,7 +84,8 @@ impl Chosen {
         Some([place(repulsion(facts))?, place("gap")?])
     }
 
-    /// The chosen ones of the fields of a state, in the order of the file; a base that moves adds `lift` to the displacement.
+    /// The chosen ones of the fields of a state, in the order of the file; a base that moves adds `lift` to the
+    /// displacement.
     pub fn fields<'s>(
         &self,
         facts: &Facts,
@@ -283,8 +284,8 @@ impl<'a> StateFile<'a> {
         self.archive.as_mut()
     }
 
-    /// Writes the scalars of `count` parts, NaN beyond those there are, and gives the file its name; `None` at the processes that do
-    /// not write.
+    /// Writes the scalars of `count` parts, NaN beyond those there are, and gives the file its name; `None` at the
+    /// processes that do not write.
     ///
     /// # Errors
     /// A file that cannot be written.

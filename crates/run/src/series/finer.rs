@@ -12,8 +12,8 @@ use crate::hardness::GivenHardness;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
-/// The surface of a problem on a grid of twice as many points along each side, once, or, where the heights between the points are
-/// not known, by both interpolations; none unless `--grid-error refine` is asked for.
+/// The surface of a problem on a grid of twice as many points along each side, once, or, where the heights between the
+/// points are not known, by both interpolations; none unless `--grid-error refine` is asked for.
 fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failure> {
     let how = prepared.facts.grid_error;
     if how != GridError::Refine {

@@ -233,7 +233,8 @@ impl Prepared {
     /// Poses the contact, and tells where the grid is too coarse for its law.
     ///
     /// # Errors
-    /// As [`pose`](Self::pose); a method that does not solve it; a grid on which the law has no meaning, unless it is asked for.
+    /// As [`pose`](Self::pose); a method that does not solve it; a grid on which the law has no meaning, unless it is
+    /// asked for.
     pub fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
         let contact = self.pose(asked.source, &self.law)?;
         let (found, allowed) = (asked.solver, contact.solvers());
@@ -265,8 +266,8 @@ impl Prepared {
             && modulus * pascals < SOFTEST
         {
             doubts.push(format!(
-                "the contact modulus is {:.3e} Pa, softer than any gel: lengths are in {length}, stresses in {}; --young 70GPa gives a \
-                 modulus with its unit",
+                "the contact modulus is {:.3e} Pa, softer than any gel: lengths are in {length}, stresses in {}; \
+                 --young 70GPa gives a modulus with its unit",
                 modulus * pascals,
                 units.stress().unwrap_or_default()
             ));
@@ -275,8 +276,9 @@ impl Prepared {
             let work = adhesion.work * pascals * metres;
             if work < WEAKEST {
                 doubts.push(format!(
-                    "the work of adhesion is {work:.1e} J/m^2, weaker than any attraction of solids (0.001 to 10): lengths are in \
-                     {length}, and so is the length in an energy per area; --param gamma=0.05J/m^2 gives it with its unit"
+                    "the work of adhesion is {work:.1e} J/m^2, weaker than any attraction of solids (0.001 to 10): \
+                     lengths are in {length}, and so is the length in an energy per area; --param gamma=0.05J/m^2 \
+                     gives it with its unit"
                 ));
             }
         }
@@ -334,8 +336,8 @@ const HIGHEST: f64 = 10.0;
 pub fn doubt_of_load(p_star: f64, name: &str) -> Option<String> {
     (p_star > HIGHEST).then(|| {
         format!(
-            "{name} is {p_star:.3e} times E* g, far beyond full contact (some 2): pressure and modulus may be in different units; \
-             --pressure 1MPa and --young 70GPa give them with theirs"
+            "{name} is {p_star:.3e} times E* g, far beyond full contact (some 2): pressure and modulus may be in \
+             different units; --pressure 1MPa and --young 70GPa give them with theirs"
         )
     })
 }
@@ -371,7 +373,8 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// The base that moves and the hardness, of the rows of this process. Of several processes the first one reads the files.
+    /// The base that moves and the hardness, of the rows of this process. Of several processes the first one reads the
+    /// files.
     fn fields(
         &self,
         body: &Body,

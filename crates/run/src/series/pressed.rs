@@ -19,7 +19,8 @@ use crate::lower::LowerArgs;
 use crate::session::Session;
 use crate::source::SourceArgs;
 
-/// The options of a contact, whatever its loads: what is pressed on what, and how it is solved. The program and Python pose by them.
+/// The options of a contact, whatever its loads: what is pressed on what, and how it is solved. The program and Python
+/// pose by them.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ContactArgs {
@@ -51,13 +52,13 @@ pub struct ContactArgs {
     #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where it is
-    /// reached the surfaces are pressed into each other
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where
+    /// it is reached the surfaces are pressed into each other
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
-    /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act along the normal of
-    /// the rigid surface
+    /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act
+    /// along the normal of the rigid surface
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub finite_slope: bool,
@@ -81,12 +82,13 @@ pub struct ContactArgs {
     #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     pub grid_error: GridError,
-    /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer until all are that
-    /// exact
+    /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer
+    /// until all are that exact
     #[arg(long, value_name = "E", conflicts_with = "grid_error")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
-    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the other
+    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the
+    /// other
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub range_continuation: bool,
@@ -194,7 +196,8 @@ impl ContactArgs {
         Ok((prepared, posed))
     }
 
-    /// The state under the first drive from those of longer ranges of the law, one after the other; `None` if that is not asked for.
+    /// The state under the first drive from those of longer ranges of the law, one after the other; `None` if that is
+    /// not asked for.
     ///
     /// # Errors
     /// A search that was interrupted, or did not converge, at the range that is named.

@@ -2,7 +2,8 @@
 
 use gfmd_problem::Facts;
 
-/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths (docs/contacts.md).
+/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths
+/// (docs/contacts.md).
 const SMALL: f64 = 0.2;
 
 /// Slopes that are not small.
@@ -32,8 +33,8 @@ impl Slopes {
     pub fn message(&self, strain: f64) -> String {
         let Self { rms_gradient, max_slope, hint } = self;
         format!(
-            "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure {strain:.2} E*: what the \
-             linear theory neglects is of this size{hint}"
+            "the rms gradient is {rms_gradient:.2}, the largest slope {max_slope:.2}, and the largest pressure \
+             {strain:.2} E*: what the linear theory neglects is of this size{hint}"
         )
     }
 }

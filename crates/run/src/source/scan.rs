@@ -85,8 +85,8 @@ fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S:
 }
 
 impl SourceArgs {
-    /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives it a size, it has that of
-    /// `cell`.
+    /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives it a size, it
+    /// has that of `cell`.
     pub fn prepare(&self, given: &ArrayOption, cell: Option<[f64; 2]>) -> Result<PeriodicScan, Failure> {
         let topography = match given {
             ArrayOption::File(name) => Topography::read(name, self.channel.as_deref()),

@@ -190,8 +190,8 @@ fn seeds_make_different_surfaces_and_threads_make_the_same() {
     assert!(correlation.abs() < 0.4, "seeds 1 and 2 are correlated: {correlation}");
 }
 
-/// The mean square over many seeds is the given one, that of a single realisation is not, and the amplitudes are Gaussian:
-/// ⟨|h̃|⁴⟩ = 2⟨|h̃|²⟩² for a complex mode, 3⟨h̃²⟩² for a self-conjugate one.
+/// The mean square over many seeds is the given one, that of a single realisation is not, and the amplitudes are
+/// Gaussian: ⟨|h̃|⁴⟩ = 2⟨|h̃|²⟩² for a complex mode, 3⟨h̃²⟩² for a self-conjugate one.
 #[test]
 fn the_ensemble_has_the_size_asked_for_and_normal_amplitudes() {
     let grid = Grid::square(8, 1.0).unwrap();

@@ -147,7 +147,8 @@ pub(crate) fn nanoscope(bytes: usize) -> Vec<u8> {
     let header = format!(
         "\\*File list\r\n\\Version: 0x05120130\r\n\\Date: 10:11:12 AM Tue Mar 4 2014\r\n\\*Equipment list\r\n\
          \\Microscope: Test\r\n\\*Scanner list\r\n\\@Sens. Zsens: V 16.0 nm/V\r\n\\*Ciao scan list\r\n\
-         \\Operating mode: Image\r\n\\*Ciao image list\r\n\\Data offset: 1024\r\n\\Data length: {}\r\n\\Bytes/pixel: {bytes}\r\n\
+         \\Operating mode: Image\r\n\\*Ciao image list\r\n\\Data offset: 1024\r\n\\Data length: {}\r\n\
+         \\Bytes/pixel: {bytes}\r\n\
          \\Samps/line: {nx}\r\n\\Number of lines: {ny}\r\n\\Scan size: 10 5 ~m\r\n\
          \\@2:Image Data: S [Height] \"Height\"\r\n\\@2:Z scale: V [Sens. Zsens] (0.125 V/LSB) 8192.0 V\r\n\
          \\*File list end\r\n\x1a",
@@ -337,8 +338,9 @@ pub(crate) fn plux() -> Vec<(&'static str, Vec<u8>)> {
     let [nx, ny] = POINTS;
     let index = format!(
         "<?xml version='1.0' encoding='UTF-8'?><xml><GENERAL><DATE>2022-03-04</DATE><IMAGE_SIZE_X>{nx}</IMAGE_SIZE_X>\
-         <IMAGE_SIZE_Y>{ny}</IMAGE_SIZE_Y><FOV_X>0.5</FOV_X><FOV_Y>0.25</FOV_Y></GENERAL><INFO><ITEM_0><NAME>Device</NAME>\
-         <VALUE>Test</VALUE></ITEM_0></INFO><LAYER_0><FILENAME_Z>LAYER_0.raw</FILENAME_Z></LAYER_0></xml>"
+         <IMAGE_SIZE_Y>{ny}</IMAGE_SIZE_Y><FOV_X>0.5</FOV_X><FOV_Y>0.25</FOV_Y></GENERAL>\
+         <INFO><ITEM_0><NAME>Device</NAME><VALUE>Test</VALUE></ITEM_0></INFO>\
+         <LAYER_0><FILENAME_Z>LAYER_0.raw</FILENAME_Z></LAYER_0></xml>"
     );
     let value = |(index, value)| if is_undefined(index) { f32::NAN } else { f32::from(value) };
     let data = joined(lines().enumerate().map(value).map(f32::to_le_bytes));
@@ -388,7 +390,8 @@ pub(crate) fn nanosurf() -> Vec<u8> {
     let section = |number: usize, name: &str, unit: &str| {
         format!(
             "[DataSet-0:{number}]\r\nPoints={}\r\nLines={}\r\nFrame=Scan forward\r\nDim0Unit=m\r\nDim0Range=1e-05\r\n\
-             Dim1Unit=m\r\nDim1Range=5e-06\r\nDim2Name={name}\r\nDim2Unit={unit}\r\nDim2Range=0.0625\r\nDim2Min=-0.03125\r\n\
+             Dim1Unit=m\r\nDim1Range=5e-06\r\nDim2Name={name}\r\nDim2Unit={unit}\r\nDim2Range=0.0625\r\n\
+             Dim2Min=-0.03125\r\n\
              SaveMode=Binary\r\nSaveBits=16\r\nSaveSign=Signed\r\nSaveOrder=Intel\r\n",
             POINTS[0], POINTS[1]
         )

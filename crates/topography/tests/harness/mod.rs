@@ -1,5 +1,5 @@
-//! Hostile files: damaged copies of valid ones, in each of which a reader must find heights or an error, in bounded time
-//! and memory.
+//! Hostile files: damaged copies of valid ones, in each of which a reader must find heights or an error, in bounded
+//! time and memory.
 
 pub(crate) mod made;
 mod memory;
@@ -66,8 +66,8 @@ pub(crate) fn guard(limit: Duration) {
 /// Reads `inputs` damaged files of a format, the same for the same `first` number.
 ///
 /// # Errors
-/// The number of the first input that panics, takes too much memory or gives a height map that is not sound, and why. The
-/// input is written to `folder`.
+/// The number of the first input that panics, takes too much memory or gives a height map that is not sound, and why.
+/// The input is written to `folder`.
 pub(crate) fn attack(format: &str, seeds: &[Seed], first: u64, inputs: u64, folder: &Path) -> Result<Count, String> {
     let mut count = Count::default();
     for number in first..first + inputs {

@@ -81,11 +81,15 @@ fn texts() -> Vec<Vec<u8>> {
         npy,
         gsf,
         sdf,
-        b"aISO-1.0\nManufacID = by hand\nCreateDate = 010220200304\nModDate = 010220200304\nNumPoints = 3\nNumProfiles = 2\n\
-          Xscale = 1e-6\nYscale = 2e-6\nZscale = 1e-9\nZresolution = 1e-9\nCompression = 0\nDataType = 5\nCheckType = 0\n*\n\
+        b"aISO-1.0\nManufacID = by hand\nCreateDate = 010220200304\nModDate = 010220200304\nNumPoints = 3\n\
+          NumProfiles = 2\n\
+          Xscale = 1e-6\nYscale = 2e-6\nZscale = 1e-9\nZresolution = 1e-9\nCompression = 0\nDataType = 5\n\
+          CheckType = 0\n*\n\
           0 1 2\n3 BAD 5\n*\n"
             .to_vec(),
-        b"# Channel: Height\n# Width: 10 \xc2\xb5m\n# Height: 5 \xc2\xb5m\n# Value units: nm\n1.5e-003\t2\t-3\n4\t5\tnan\n".to_vec(),
+        b"# Channel: Height\n# Width: 10 \xc2\xb5m\n# Height: 5 \xc2\xb5m\n# Value units: nm\n1.5e-003\t2\t-3\n\
+          4\t5\tnan\n"
+            .to_vec(),
         b"1,5;2;3\n4;5,25;6\n".to_vec(),
         b"1 2 3\n4 5 6\n7 8 9\n1e3 nan -2.5\n".to_vec(),
         b"0 0 1\n1 0 2\n2 0 3\n0 1 4\n1 1 5\n2 1 6\n".to_vec(),

@@ -24,8 +24,8 @@ fn refusal(bytes: Vec<u8>) -> String {
     Topography::from_bytes("scan", bytes, None).unwrap_err().reason
 }
 
-/// Checks a map of all points: `at` gives the point whose height lies at a place of the picture, its lines counted from the
-/// top. In the map, y points up.
+/// Checks a map of all points: `at` gives the point whose height lies at a place of the picture, its lines counted from
+/// the top. In the map, y points up.
 fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [usize; 2]) {
     let &Expected { format, channel, lengths, unit, scale, undefined } = expected;
     assert_eq!((map.format, map.channel.as_deref().unwrap_or("")), (format, channel));

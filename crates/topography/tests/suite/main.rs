@@ -1,5 +1,6 @@
-//! The tests of `gfmd-topography` as one program: those of one file by `cargo test -p gfmd-topography --test suite FILE::`.
-//! Hostile files are read by a program of their own, whose memory is counted.
+//! The tests of `gfmd-topography` as one program: those of one file by
+//! `cargo test -p gfmd-topography --test suite FILE::`. Hostile files are read by a program of their own, whose memory
+//! is counted.
 
 mod formats;
 mod instruments;

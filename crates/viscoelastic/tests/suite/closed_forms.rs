@@ -51,8 +51,8 @@ fn creep_passes_through_the_statics_with_the_modulus_of_its_time() {
     }
 }
 
-/// The time t₁ of a loading to `turn` in unit time at which the area was that at the end of an unloading to `end` in some
-/// `duration` (Ting 1966).
+/// The time t₁ of a loading to `turn` in unit time at which the area was that at the end of an unloading to `end` in
+/// some `duration` (Ting 1966).
 fn equal_area(prony: &Prony, turn: f64, end: f64, duration: f64) -> f64 {
     let t = 1.0 + duration;
     // ∫_{t₁}^t ψ(t − t') δ̇ dt' = 0, with ∫ψ in closed form.
@@ -153,8 +153,8 @@ fn a_sphere_creeps_as_lee_and_radok_found() {
 
 #[test]
 fn a_sphere_is_loaded_and_unloaded_as_ting_found() {
-    // While the approach grows, a² = R δ and P = (4/3) E* √R ∫ ψ(t − t') d(δ^{3/2}); when it falls, a is that of the time t₁,
-    // at which the integral ends.
+    // While the approach grows, a² = R δ and P = (4/3) E* √R ∫ ψ(t − t') d(δ^{3/2}); when it falls, a is that of the
+    // time t₁, at which the integral ends.
     let (radius, side, turn, duration) = (1.0_f64, 0.4_f64, 0.012_f64, 0.6);
     let prony = Prony::from_fractions(&[(0.4, 0.6)]).unwrap();
     let force = |first: f64, t: f64| {

@@ -150,8 +150,8 @@ impl Case {
         }
     }
 
-    /// The response of the surface to fields of all components, `kernel` of each mode, by direct sums. Components are x, y,
-    /// z; all are multiplied by `unit` in between, so that no square is too large or too small.
+    /// The response of the surface to fields of all components, `kernel` of each mode, by direct sums. Components are
+    /// x, y, z; all are multiplied by `unit` in between, so that no square is too large or too small.
     pub(crate) fn direct(
         &self,
         fields: &[Vec<f64>; 3],
@@ -198,8 +198,8 @@ impl Case {
         32.0 * f64::EPSILON * softest * self.units[1] / self.units[0] * largest
     }
 
-    /// The compliance of the mean displacement, lateral and normal: of all slabs in series, against the mean level of what
-    /// does not hold the body (theory.md, section 4.1).
+    /// The compliance of the mean displacement, lateral and normal: of all slabs in series, against the mean level of
+    /// what does not hold the body (theory.md, section 4.1).
     pub(crate) fn mean_compliance(&self) -> [f64; 2] {
         let mut sum = [0.0; 2];
         let mut body = &self.plain.0;

@@ -122,16 +122,19 @@ impl AnyLoad {
              time limit is shorter than stated.\n\n"
         };
         let mut page = format!(
-            "<!-- Written by `cargo xtask bench-peers --any-load{flag} --write-docs`; change xtask/src/bench_peers/any_load instead. -->\n\
+            "<!-- Written by `cargo xtask bench-peers --any-load{flag} --write-docs`; change \
+             xtask/src/bench_peers/any_load instead. -->\n\
              # Any load: what each program reaches\n\n\
              Loads from first touch to full contact that each program solves with a certified result, with periodic \
              and free\n\
              boundaries and with a hardness. [Benchmarks](benchmarks.md) has times on larger grids.\n\n\
              {date}. {machine}. Commit {short}. {versions}.\n\n\
-             {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest wavelength = 2, shortest \
-             wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that a program computed (the iterations, it., if it does not \
-             count them), the residual of its pressure by the certificate below, at most {tolerance:e}{seconds}. ✗: not certified, with \
-             the residual reached and the deviation of the pressure (rms, relative to that of gfmd, if above 0.1 %), or no result within {patience} s.\n\n{busy}"
+             {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell length / longest \
+             wavelength = 2, shortest wavelength / grid spacing = 4, seed {seed}. A cell has the transform pairs that \
+             a program computed (the iterations, it., if it does not count them), the residual of its pressure by the \
+             certificate below, at most {tolerance:e}{seconds}. ✗: not certified, with the residual reached and the \
+             deviation of the pressure (rms, relative to that of gfmd, if above 0.1 %), or no result within {patience} \
+             s.\n\n{busy}"
         );
         for note in &self.notes {
             let _ = writeln!(page, "> {note}\n");

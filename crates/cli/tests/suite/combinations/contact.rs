@@ -118,8 +118,8 @@ fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
     both.map(|modes| plane.inverse(&modes))
 }
 
-/// The points that are repelled, surely and possibly, and the repulsive pressure: of a law with a wall what the wall adds, which the file
-/// may have.
+/// The points that are repelled, surely and possibly, and the repulsive pressure: of a law with a wall what the wall
+/// adds, which the file may have.
 pub(crate) fn repulsion(
     case: &Case,
     pressure: &[f64],
@@ -210,8 +210,8 @@ pub(crate) fn counted(
     }
 }
 
-/// The conditions of a wall: no tension, no penetration, pressure where the gap is closed. Returns complementarity and penetration over
-/// the scale of length.
+/// The conditions of a wall: no tension, no penetration, pressure where the gap is closed. Returns complementarity and
+/// penetration over the scale of length.
 pub(crate) fn wall(found: &mut Found, pressure: &[f64], gap: &[f64], scale: f64, tolerance: f64) -> [f64; 2] {
     let sum: f64 = pressure.iter().sum();
     let closed = pressure.iter().zip(gap).map(|(p, g)| p * g).sum::<f64>().abs() / (sum * scale);
@@ -298,7 +298,8 @@ fn one(
     let mean_pressure = mean(&pressure);
     let stress = largest(&pressure);
     // Loads.
-    // The pressure is that of the displacement, the mean pressure that of the law, from which it may differ by the tolerance.
+    // The pressure is that of the displacement, the mean pressure that of the law, from which it may differ by the
+    // tolerance.
     let unbalanced = if case.law.is_some() { 10.0 * case.tolerance } else { 1e-9 };
     found.near("mean_pressure", number(load, "mean_pressure"), mean_pressure, unbalanced * stress);
     let asked = case.loads[k];

@@ -219,8 +219,8 @@ impl Law {
     }
 }
 
-/// The cubics of Hermite through values at equal steps, with slopes of Fritsch and Butland; zero beyond the last one, the tangent before the
-/// first one.
+/// The cubics of Hermite through values at equal steps, with slopes of Fritsch and Butland; zero beyond the last one,
+/// the tangent before the first one.
 fn hermite(first: f64, step: f64, values: [f64; 5], x: f64) -> f64 {
     let secant = |k: usize| (values[k + 1] - values[k]) / step;
     let edge = |near: f64, next: f64| {
@@ -425,7 +425,8 @@ impl Case {
             let size = if is_line { format!("{}", n[0]) } else { format!("{},{}", n[0], n[1]) };
             let _ = write!(
                 text,
-                " --n {size}{dim} --eps-t-inv 1 --eps-f-inv {eps_f} --hurst {hurst} --seed {seed} --rms-gradient {gradient}"
+                " --n {size}{dim} --eps-t-inv 1 --eps-f-inv {eps_f} --hurst {hurst} --seed {seed} \
+                 --rms-gradient {gradient}"
             );
             // With one length the spacings are equal.
             if !is_line && (length[1] - length_x * n[1] as f64 / n[0] as f64).abs() > 1e-9 {

@@ -1,5 +1,5 @@
-//! Elasticity written anew: layered bodies wave by wave, by four functions a layer and the conditions between them; patches on a
-//! half-space by Love's formula; dense linear algebra. Nothing here is shared with the program.
+//! Elasticity written anew: layered bodies wave by wave, by four functions a layer and the conditions between them;
+//! patches on a half-space by Love's formula; dense linear algebra. Nothing here is shared with the program.
 
 use std::f64::consts::PI;
 
@@ -128,7 +128,8 @@ pub(crate) struct Stack {
     pub(crate) base: Base,
 }
 
-/// Displacement and stress of a wave: u_x = ux sin(q x), u_z = uz cos(q x), sxx, szz with the cosine, sxz with the sine.
+/// Displacement and stress of a wave: u_x = ux sin(q x), u_z = uz cos(q x), sxx, szz with the cosine, sxz with the
+/// sine.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wave {
     pub(crate) ux: f64,
@@ -304,8 +305,8 @@ impl Stack {
         1.0 / self.layers.iter().rev().fold(below, raised)
     }
 
-    /// The compliance of tractions along x, y, z (outward) on the surface of a periodic cell, of the mode at a place: the displacement is
-    /// `[row][column]` of the traction, each a complex number.
+    /// The compliance of tractions along x, y, z (outward) on the surface of a periodic cell, of the mode at a place:
+    /// the displacement is `[row][column]` of the traction, each a complex number.
     pub(crate) fn all_components(&self, plane: Plane, place: usize) -> [[Complex; 3]; 3] {
         let [x, y] = plane.wave(place);
         let q = x.hypot(y);
@@ -327,7 +328,8 @@ impl Stack {
                 let product = n[row] * n[column];
                 matrix[row][column][0] = product * along + (same - product) * across;
             }
-            // u_x = ux sin(q x) for a pressure cos(q x): -i; a traction along z is minus a pressure. uz cos for a shear sin: +i.
+            // u_x = ux sin(q x) for a pressure cos(q x): -i; a traction along z is minus a pressure. uz cos for a shear
+            // sin: +i.
             matrix[row][2][1] = n[row] * pressed.ux;
             matrix[2][row][1] = n[row] * sheared.uz;
         }
@@ -363,7 +365,8 @@ impl Solved<'_> {
     }
 }
 
-/// The compliance of all components whose stiffness has no entries with a sine along the axes of the shortest waves, which do not have one.
+/// The compliance of all components whose stiffness has no entries with a sine along the axes of the shortest waves,
+/// which do not have one.
 pub(crate) fn without_sines(matrix: [[Complex; 3]; 3], shortest: [bool; 2]) -> [[Complex; 3]; 3] {
     if shortest == [false; 2] {
         return matrix;
@@ -475,7 +478,8 @@ impl Dense {
         (0..pressure.len()).map(|a| loaded.iter().map(|(b, p)| self.entry(a, *b) * p).sum()).collect()
     }
 
-    /// The mean over all points of the pressure on `points` that displaces all of them by one; infinite if that has no solution.
+    /// The mean over all points of the pressure on `points` that displaces all of them by one; infinite if that has no
+    /// solution.
     pub(crate) fn stiffness(&self, points: &[usize]) -> f64 {
         if points.is_empty() {
             return 0.0;
@@ -490,8 +494,8 @@ impl Dense {
     }
 }
 
-/// Love's displacement at an offset by a unit pressure on a cell of a half-space of the modulus E*; of a line that of a strip, which is
-/// zero at the offset of the length.
+/// Love's displacement at an offset by a unit pressure on a cell of a half-space of the modulus E*; of a line that of a
+/// strip, which is zero at the offset of the length.
 pub(crate) fn love(plane: Plane, e_star: f64) -> impl Fn([f64; 2]) -> f64 {
     let ([dx, dy], is_line) = (plane.spacing(), plane.n[1] == 1);
     let length = plane.length[0];
@@ -533,9 +537,9 @@ fn bessel(x: f64) -> f64 {
     (0..steps).map(|k| (x * (PI * (k as f64 + 0.5) / (2.0 * steps as f64)).sin()).cos()).sum::<f64>() / steps as f64
 }
 
-/// The displacement by a unit pressure on a cell of layered bodies, whose compliance is that of the half-space of the modulus E* for
-/// short waves. The least height of the uppermost layers and the sum of all set the steps of the quadrature; `lowest` is the limit of q times the
-/// compliance of long waves.
+/// The displacement by a unit pressure on a cell of layered bodies, whose compliance is that of the half-space of the
+/// modulus E* for short waves. The least height of the uppermost layers and the sum of all set the steps of the
+/// quadrature; `lowest` is the limit of q times the compliance of long waves.
 pub(crate) fn layered(
     plane: Plane,
     e_star: f64,

@@ -39,7 +39,8 @@ impl Found {
         });
     }
 
-    /// Compares the number of a load or a step with its definition, within a relative tolerance. A null needs its reason.
+    /// Compares the number of a load or a step with its definition, within a relative tolerance. A null needs its
+    /// reason.
     pub(crate) fn is(&mut self, record: &Value, key: &str, expected: f64, tolerance: f64) {
         let found = number(record, key);
         if found.is_nan() {
@@ -58,8 +59,8 @@ impl Found {
         }
     }
 
-    /// Every null of a record has a reason, and every reason a null, by the names of the file. Those of `absent` have no meaning without
-    /// what the case does not have.
+    /// Every null of a record has a reason, and every reason a null, by the names of the file. Those of `absent` have
+    /// no meaning without what the case does not have.
     pub(crate) fn nulls(&mut self, record: &Value, absent: &[&str]) {
         let mut all = BTreeMap::new();
         super::outlets::flat(record, "", &mut all);

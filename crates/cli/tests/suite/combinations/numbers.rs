@@ -138,8 +138,9 @@ pub(crate) fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patc
     all
 }
 
-/// The mean flux along x and y (rows) by a unit mean gradient along x and y (columns) through cells of these conductivities, whose
-/// faces have their harmonic mean: by elimination. Without a channel along an axis nothing flows along it.
+/// The mean flux along x and y (rows) by a unit mean gradient along x and y (columns) through cells of these
+/// conductivities, whose faces have their harmonic mean: by elimination. Without a channel along an axis nothing flows
+/// along it.
 pub(crate) fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] {
     let [dx, dy] = plane.spacing();
     let open: Vec<bool> = conductivity.iter().map(|k| *k > 0.0).collect();

@@ -93,7 +93,8 @@ struct Shown {
 }
 
 impl Shown {
-    /// A cell such as `1.2000e-1`, `0.1014(12)`, `1230(30)`, `2.512(4)e-9` or `0.10~`; `None` for one that has no number.
+    /// A cell such as `1.2000e-1`, `0.1014(12)`, `1230(30)`, `2.512(4)e-9` or `0.10~`; `None` for one that has no
+    /// number.
     fn of(cell: &str) -> Option<Self> {
         let cell = cell.strip_suffix('~').unwrap_or(cell);
         let (mantissa, power) = cell.split_once('e').unwrap_or((cell, "0"));
@@ -354,7 +355,8 @@ fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: 
     let size = plane.len() * tensor;
     found.must(stress.len() == levels.len() * size, || format!("{} stresses", stress.len()));
     let (most, mean_pressure) = (largest(&pressure), mean(&pressure));
-    // Even numbers of points have shortest waves without a sine, whose lateral tractions are left out, here and there in another way.
+    // Even numbers of points have shortest waves without a sine, whose lateral tractions are left out, here and there
+    // in another way.
     let is_exact = plane.n.iter().all(|n| n % 2 == 1) && case.moved.is_none() && !case.is_steep;
     let parts = plane.transform(&pressure);
     for (level, reported) in levels.iter().enumerate() {

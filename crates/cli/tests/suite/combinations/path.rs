@@ -48,8 +48,8 @@ pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
     Vectors(modes.map(|modes| plane.inverse(&modes)))
 }
 
-/// Work of the mean tractions on the way between two states by the trapezoidal rule, and half of the product of the changes of both,
-/// which is left open where the tractions have any value between those of the states.
+/// Work of the mean tractions on the way between two states by the trapezoidal rule, and half of the product of the
+/// changes of both, which is left open where the tractions have any value between those of the states.
 fn work(last: &Value, step: &Value) -> [f64; 2] {
     let [p, q] = [last, step].map(|step| number(step, "mean_pressure"));
     let approach = number(step, "displacement") - number(last, "displacement");
@@ -139,7 +139,8 @@ fn one(
     found.nulls(step, &["stick_fraction", "interface_energy", "dissipated", "dissipated_error", "lowest_curvature"]);
     let modulus = case.body.contact_modulus();
     let stress = largest(&pressure);
-    // The pressure is that of the displacement, the mean pressure that of the wall or law, from which it may differ by the tolerance.
+    // The pressure is that of the displacement, the mean pressure that of the wall or law, from which it may differ by
+    // the tolerance.
     let unbalanced = 10.0 * case.tolerance;
     found.near("mean_pressure", number(step, "mean_pressure"), mean(&pressure), unbalanced * stress);
     let asked = case.loads[k];
@@ -347,7 +348,8 @@ fn energy(
     }
     let frictional = case.friction.is_some() || case.shear_strength.is_some();
     if let (true, Some(here), Some(there)) = (frictional, &state.displacement, &before.displacement) {
-        // Slip of the elastic surface over the rigid one, against the mean of the limits at both ends, if the step is not divided.
+        // Slip of the elastic surface over the rigid one, against the mean of the limits at both ends, if the step is
+        // not divided.
         if number(step, "increments") > 1.0 {
             return;
         }
