@@ -1,5 +1,6 @@
 """Area and pressure of independent asperities, in another way than the program: adaptive quadrature over the principal
-curvatures and the height of a summit (Longuet-Higgins 1957, Nayak 1971), Hertz contact with the elliptic integrals of SciPy.
+curvatures and the height of a summit (Longuet-Higgins 1957, Nayak 1971), Hertz contact with the elliptic integrals of
+SciPy.
 
     python3 asperity_theories.py > asperity_theories.json
 """

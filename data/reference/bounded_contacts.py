@@ -2,11 +2,11 @@
 
 Independent of gfmd: numpy and scipy only. Run: python3 bounded_contacts.py
 
-Minimise 1/2 p.G p + p.clearance over 0 <= p <= hardness, with the mean of p prescribed or less approach * sum(p). E* = 1.
-G is a dense matrix. Free: the displacement at the centres of the cells by a uniform pressure on one of them, Love (1929) in the
-form of Johnson, Contact Mechanics (1985), eq. 3.25. Periodic: 2/q for every wave of the grid, 0 for the mean.
-Active sets are changed by a semismooth Newton method until every condition holds; solved with LU and one step of refinement.
-"stiffness" is d(mean pressure)/d(approach) with the points at 0 and at the hardness kept.
+Minimise 1/2 p.G p + p.clearance over 0 <= p <= hardness, with the mean of p prescribed or less approach * sum(p).
+E* = 1. G is a dense matrix. Free: the displacement at the centres of the cells by a uniform pressure on one of them,
+Love (1929) in the form of Johnson, Contact Mechanics (1985), eq. 3.25. Periodic: 2/q for every wave of the grid, 0 for
+the mean. Active sets are changed by a semismooth Newton method until every condition holds; solved with LU and one step
+of refinement. "stiffness" is d(mean pressure)/d(approach) with the points at 0 and at the hardness kept.
 """
 
 import json
@@ -152,7 +152,10 @@ def main():
         )
         print(name, boundary, hardness, mean, approach, "->", found, delta, stiffness, (p > 0).mean(), full)
     surfaces = {k: {"points": p, "lengths": l, "heights": h.ravel().tolist()} for k, (p, l, h) in SURFACES.items()}
-    conventions = "E* = 1, nu = 0; peaks point at the body; arrays row by row, x first; pressures to 14 digits; made by bounded_contacts.py"
+    conventions = (
+        "E* = 1, nu = 0; peaks point at the body; arrays row by row, x first; pressures to 14 digits; made by"
+        " bounded_contacts.py"
+    )
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "bounded_contacts.json"), "w") as f:
         json.dump({"conventions": conventions, "surfaces": surfaces, "problems": problems}, f)
 

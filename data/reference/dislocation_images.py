@@ -2,12 +2,14 @@
 
 Independent of gfmd: numpy only. Run: python3 dislocation_images.py
 
-Half-space: the closed form of Head (1953) by the potentials of Kolosov and Muskhelishvili for one dislocation at z0 below a free surface,
+Half-space: the closed form of Head (1953) by the potentials of Kolosov and Muskhelishvili for one dislocation at z0
+below a free surface,
     phi = g ln(z - z0) - g ln(z - conj z0) - conj(g) (z - z0)/(z - conj z0),  g = mu B / (pi i (kappa + 1)),
-summed over the periodic copies, with the tail of the sum by Richardson's rule. Slab on a bonded base: the field of periodic rows in an
-unbounded body in closed form, in real space, and an image field found as a boundary-value problem of Navier's equations: Fourier series
-along x from samples of the boundary values, Chebyshev collocation across the thickness (no transfer matrix, no hyperbolic function).
-Frame: x to the right, z up, z = 0 at the surface. Units: mu = 1.
+summed over the periodic copies, with the tail of the sum by Richardson's rule. Slab on a bonded base: the field of
+periodic rows in an unbounded body in closed form, in real space, and an image field found as a boundary-value problem
+of Navier's equations: Fourier series along x from samples of the boundary values, Chebyshev collocation across the
+thickness (no transfer matrix, no hyperbolic function). Frame: x to the right, z up, z = 0 at the surface. Units:
+mu = 1.
 """
 
 import json
@@ -51,7 +53,8 @@ def head(edge, x, z, self_too):
 
 def head_row(edge, x, z, own):
     """All copies; without the unbounded field of the dislocation itself if `own`."""
-    # The field of a dislocation below a free surface decays like 1/x^2, and in pairs of copies faster: two terms of a tail.
+    # The field of a dislocation below a free surface decays like 1/x^2, and in pairs of copies faster: two terms of a
+    # tail.
     def upto(n):
         total = head(edge, x, z, not own)
         for sign in (1, -1):
@@ -162,10 +165,16 @@ def force(edge, stress):
 def main():
     result = {
         "title": "Edge dislocations in a half-space and in a slab on a bonded base, free surface, periodic along x",
-        "conventions": "plane strain; x right, z up, z = 0 the surface; Burgers vector: jump of u along a counter-clockwise path; "
-        "mean strain along x zero far below (at the base)",
-        "shear_modulus": 1.0, "poisson": NU, "length": LENGTH, "height": HEIGHT,
-        "edges": [list(e) for e in EDGES], "places": [list(p) for p in PLACES],
+        "conventions": (
+            "plane strain; x right, z up, z = 0 the surface; Burgers vector: jump of u along a counter-clockwise path; "
+            "mean strain along x zero far below (at the base)"
+        ),
+        "shear_modulus": 1.0,
+        "poisson": NU,
+        "length": LENGTH,
+        "height": HEIGHT,
+        "edges": [list(e) for e in EDGES],
+        "places": [list(p) for p in PLACES],
     }
     forces = []
     for i, edge in enumerate(EDGES):
@@ -185,7 +194,8 @@ def main():
         for j, other in enumerate(EDGES):
             if i != j:
                 total = total + row(other, edge[0], edge[1])
-        # The own row without the own member: half the uniform field far away cancels, and the rest is -pi^2/3 terms that are odd.
+        # The own row without the own member: half the uniform field far away cancels, and the rest is -pi^2/3 terms
+        # that are odd.
         forces.append(force(edge, total))
     result["slab"] = {
         "forces": forces,

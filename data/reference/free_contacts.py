@@ -1,13 +1,16 @@
-"""Contacts on a patch that does not repeat, with friction, on slabs, or with a law of adhesion, solved densely: writes free_contacts.json beside itself.
+"""Contacts on a patch that does not repeat, with friction, on slabs, or with a law of adhesion, solved densely: writes
+free_contacts.json beside itself.
 
 Independent of gfmd: numpy, scipy, mpmath and the scripts beside this one. Run: python3 free_contacts.py
 
-The compliance between two cells is an integral over the loaded one in polar coordinates about the displaced point, in which every kernel of Boussinesq and
-Cerruti is f(angle)/r: the integral of f times the length of the chord. What a slab adds is an integral over wavenumbers (4000 Gauss nodes) of its closed form
-less that of the half-space, averaged over the cell by 7 x 7 Gauss nodes. With all components, what layers add are integrals over wavenumbers (500 Gauss nodes) of
-boundary-value problems with 40 digits (layered_bodies.py). Friction: the Newton method of friction_contacts.py. Slabs: the active sets of
-bounded_contacts.py. Laws: Newton's method for u with dense stiffness and an active set at the wall; the energy is convex, since the least eigenvalue of the
-stiffness exceeds the steepness of the law; a load by a search for its approach.
+The compliance between two cells is an integral over the loaded one in polar coordinates about the displaced point, in
+which every kernel of Boussinesq and Cerruti is f(angle)/r: the integral of f times the length of the chord. What a slab
+adds is an integral over wavenumbers (4000 Gauss nodes) of its closed form less that of the half-space, averaged over
+the cell by 7 x 7 Gauss nodes. With all components, what layers add are integrals over wavenumbers (500 Gauss nodes) of
+boundary-value problems with 40 digits (layered_bodies.py). Friction: the Newton method of friction_contacts.py. Slabs:
+the active sets of bounded_contacts.py. Laws: Newton's method for u with dense stiffness and an active set at the wall;
+the energy is convex, since the least eigenvalue of the stiffness exceeds the steepness of the law; a load by a search
+for its approach.
 """
 
 import json
@@ -25,7 +28,9 @@ PI = np.pi
 
 
 def chord_integral(f, x, y, a, b, nodes=24):
-    """Integral of f(angle)/r over the rectangle |u| < a/2, |v| < b/2 as seen from (x, y), with f of the direction from the source to the point."""
+    """Integral of f(angle)/r over the rectangle |u| < a/2, |v| < b/2 as seen from (x, y), with f of the direction from
+    the source to the point.
+    """
     t, w = np.polynomial.legendre.leggauss(nodes)
     corners = [np.arctan2(v - y, u - x) for u in (-a / 2, a / 2) for v in (-b / 2, b / 2)]
     inside = abs(x) < a / 2 and abs(y) < b / 2
@@ -49,7 +54,8 @@ def chord_integral(f, x, y, a, b, nodes=24):
                 k = sorted(((-half - p) / d, (half - p) / d))
                 near, far = max(near, k[0]), min(far, k[1])
             length = far - max(near, 0.0)
-            # The ray leads from the point to the source; the direction from the source to the point is the opposite one.
+            # The ray leads from the point to the source; the direction from the source to the point is the opposite
+            # one.
             total += weight * f(-c, -s) * max(length, 0.0)
     return total
 
@@ -98,7 +104,9 @@ def layered_matrix(points, lengths, layers, base):
     t, w = np.polynomial.legendre.leggauss(500)
     last = 30.0 / height
     q, weight = 0.5 * last * (t + 1), 0.5 * last * w
-    terms = np.array([(blocks((layers, base), one) - half_space) * factor for one, factor in zip(q, weight)]).T / (2 * PI)
+    terms = np.array([(blocks((layers, base), one) - half_space) * factor for one, factor in zip(q, weight)]).T / (
+        2 * PI
+    )
     g, gw = np.polynomial.legendre.leggauss(7)
 
     def added(m, n):
@@ -140,8 +148,9 @@ def slab_quadrature(nu, height, base):
 
 
 def profile_matrix(points, lengths, nu, height, base):
-    """As slab_matrix, by pressures on strips, whose transform is that of a cell: G_zz of the slab less (1 - exp(-2 q h)) 2/q, whose
-    transform is ln(1 + 4 h^2/s^2)/pi, with the primitive s ln(1 + 4 h^2/s^2) + 4 h atan(s/(2 h))."""
+    """As slab_matrix, by pressures on strips, whose transform is that of a cell: G_zz of the slab less (1 - exp(-2 q
+    h)) 2/q, whose transform is ln(1 + 4 h^2/s^2)/pi, with the primitive s ln(1 + 4 h^2/s^2) + 4 h atan(s/(2 h)).
+    """
     n, a, depth = points[0], lengths[0] / points[0], 2 * height
     q, weight, ratio = slab_quadrature(nu, height, base)
     term = weight * 2 / q * (ratio + np.expm1(-q * depth)) / PI * 2 * np.sin(0.5 * q * a) / q
@@ -218,7 +227,11 @@ def with_law(G, clearance, law, approach):
     p = -K @ (clearance - gap - approach)
     force = p + law["pull"](gap)
     scale = np.abs(p).max()
-    worst = [np.abs(force[~held]).max() / scale, -min(0.0, *force[held]) / scale if held.any() else 0.0, -min(0.0, gap.min()) / clearance.max() if law["wall"] else 0.0]
+    worst = [
+        np.abs(force[~held]).max() / scale,
+        -min(0.0, *force[held]) / scale if held.any() else 0.0,
+        -min(0.0, gap.min()) / clearance.max() if law["wall"] else 0.0,
+    ]
     assert max(worst) < 1e-11, (step, worst)
     return p, gap, law["energy"](gap).mean(), 0.5 * (p * (gap + approach - clearance)).mean()
 
@@ -230,29 +243,85 @@ def rounded(values, digits=13):
 def main():
     rough24, rough20 = bounded_contacts.rough((24, 24), 11), bounded_contacts.rough((20, 17), 12)
     profile = bounded_contacts.rough((120, 1), 14)
-    result = {"conventions": "peaks point at the body; arrays row by row, x first; shear on the elastic surface [component, x, y]; made by free_contacts.py"}
+    result = {
+        "conventions": (
+            "peaks point at the body; arrays row by row, x first; shear on the elastic surface [component, x, y]; made"
+            " by free_contacts.py"
+        )
+    }
 
     cases = []
     for name, layers, base, mu, heights, lengths, path in [
-        ("rough", [(1.0, 0.3, None)], None, 0.4, bounded_contacts.rough((12, 11), 13), (1.0, 1.1), [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))]),
-        ("sphere", [(1.0, 0.1, None)], None, 0.3, friction_contacts.sphere(13), (1.0, 1.0), [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))]),
-        ("rough on a slab", [(1.0, 0.3, 0.2)], "bonded", 0.4, bounded_contacts.rough((12, 11), 13), (1.0, 1.1),
-         [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))]),
-        ("sphere on a coating", [(4.0, 0.25, 0.15), (1.0, 0.4, None)], None, 0.3, friction_contacts.sphere(13), (1.0, 1.0),
-         [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))]),
+        (
+            "rough",
+            [(1.0, 0.3, None)],
+            None,
+            0.4,
+            bounded_contacts.rough((12, 11), 13),
+            (1.0, 1.1),
+            [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))],
+        ),
+        (
+            "sphere",
+            [(1.0, 0.1, None)],
+            None,
+            0.3,
+            friction_contacts.sphere(13),
+            (1.0, 1.0),
+            [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))],
+        ),
+        (
+            "rough on a slab",
+            [(1.0, 0.3, 0.2)],
+            "bonded",
+            0.4,
+            bounded_contacts.rough((12, 11), 13),
+            (1.0, 1.1),
+            [(0.02, (0, 0)), (0.02, (0.004, 0.002)), (0.03, (-0.002, 0.004))],
+        ),
+        (
+            "sphere on a coating",
+            [(4.0, 0.25, 0.15), (1.0, 0.4, None)],
+            None,
+            0.3,
+            friction_contacts.sphere(13),
+            (1.0, 1.0),
+            [(0.004, (0, 0)), (0.004, (0.002, 0.001)), (0.004, (0.004, 0.0))],
+        ),
     ]:
         (young, nu, height), *below = layers
-        G = tangential_matrix(heights.shape, lengths, young, nu) if height is None else layered_matrix(heights.shape, lengths, layers, base)
+        G = (
+            tangential_matrix(heights.shape, lengths, young, nu)
+            if height is None
+            else layered_matrix(heights.shape, lengths, layers, base)
+        )
         clearance = (heights.max() - heights).ravel()
         states, before = [], None
         for mean, lateral in path:
             before = friction_contacts.increment(G, clearance, mean, mu, lateral, before)
-            states.append({
-                "mean_pressure": mean, "lateral": list(lateral), "approach": before["delta"], "contact_nodes": before["touch"],
-                "sticking_nodes": before["stick"], "pressure": rounded(before["p"]), "shear": rounded(before["tau"].ravel()),
-            })
-        cases.append({"name": name, "layers": [list(layer) for layer in layers], "base": base, "points": list(heights.shape), "lengths": list(lengths), "coefficient": mu,
-                      "heights": heights.ravel().tolist(), "states": states})
+            states.append(
+                {
+                    "mean_pressure": mean,
+                    "lateral": list(lateral),
+                    "approach": before["delta"],
+                    "contact_nodes": before["touch"],
+                    "sticking_nodes": before["stick"],
+                    "pressure": rounded(before["p"]),
+                    "shear": rounded(before["tau"].ravel()),
+                }
+            )
+        cases.append(
+            {
+                "name": name,
+                "layers": [list(layer) for layer in layers],
+                "base": base,
+                "points": list(heights.shape),
+                "lengths": list(lengths),
+                "coefficient": mu,
+                "heights": heights.ravel().tolist(),
+                "states": states,
+            }
+        )
     result["friction"] = cases
 
     cases = []
@@ -269,9 +338,22 @@ def main():
         clearance = (heights.max() - heights).ravel()
         p, delta, found, stiffness, _, _ = bounded_contacts.solve(G, clearance, None, mean, approach)
         print("slab", nu, height, base, found, delta, (p > 0).mean())
-        cases.append({"poisson": nu, "height": height, "base": base, "points": list(heights.shape), "lengths": list(lengths), "heights": heights.ravel().tolist(),
-                      "control": "mean_pressure" if approach is None else "approach", "mean_pressure": found if mean is None else mean,
-                      "approach": delta if approach is None else approach, "stiffness": stiffness, "contact_nodes": int((p > 0).sum()), "pressure": rounded(p)})
+        cases.append(
+            {
+                "poisson": nu,
+                "height": height,
+                "base": base,
+                "points": list(heights.shape),
+                "lengths": list(lengths),
+                "heights": heights.ravel().tolist(),
+                "control": "mean_pressure" if approach is None else "approach",
+                "mean_pressure": found if mean is None else mean,
+                "approach": delta if approach is None else approach,
+                "stiffness": stiffness,
+                "contact_nodes": int((p > 0).sum()),
+                "pressure": rounded(p),
+            }
+        )
     result["slabs"] = cases
 
     cases = []
@@ -291,13 +373,32 @@ def main():
         if mean is None:
             delta = approach
         else:
-            delta = brentq(lambda delta: with_law(G, clearance, made, delta)[0].mean() - mean, 0.0, 0.1, xtol=1e-16, rtol=1e-15)
+            delta = brentq(
+                lambda delta: with_law(G, clearance, made, delta)[0].mean() - mean, 0.0, 0.1, xtol=1e-16, rtol=1e-15
+            )
         p, gap, energy, elastic = with_law(G, clearance, made, delta)
         print(law, body, p.mean(), delta, (gap <= 0).mean(), energy, elastic)
         poisson, height, base = body or (0.0, None, "bonded")
-        cases.append({"law": law, "gamma": gamma, "range": reach, "poisson": poisson, "height": height, "base": base, "points": list(points), "lengths": list(lengths),
-                      "heights": heights.ravel().tolist(), "control": "mean_pressure" if approach is None else "approach", "mean_pressure": p.mean() if mean is None else mean,
-                      "approach": delta, "interface_energy": energy, "elastic_energy": elastic, "pressure": rounded(p), "gap": rounded(gap)})
+        cases.append(
+            {
+                "law": law,
+                "gamma": gamma,
+                "range": reach,
+                "poisson": poisson,
+                "height": height,
+                "base": base,
+                "points": list(points),
+                "lengths": list(lengths),
+                "heights": heights.ravel().tolist(),
+                "control": "mean_pressure" if approach is None else "approach",
+                "mean_pressure": p.mean() if mean is None else mean,
+                "approach": delta,
+                "interface_energy": energy,
+                "elastic_energy": elastic,
+                "pressure": rounded(p),
+                "gap": rounded(gap),
+            }
+        )
     result["laws"] = cases
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "free_contacts.json"), "w") as f:
         json.dump(result, f)

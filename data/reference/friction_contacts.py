@@ -1,12 +1,14 @@
-"""Contacts with Coulomb friction in which pressure and shear act on each other, solved densely: writes friction_contacts.json beside itself.
+"""Contacts with Coulomb friction in which pressure and shear act on each other, solved densely: writes
+friction_contacts.json beside itself.
 
 Independent of gfmd: numpy, mpmath and the scripts beside this one. Run: python3 friction_contacts.py
 
-The compliance of all components is a dense matrix whose waves are boundary-value problems with 40 digits (layered_bodies.py). Unknown are the pressure p,
-the shear tau and the approach of all points at once; the conditions
+The compliance of all components is a dense matrix whose waves are boundary-value problems with 40 digits
+(layered_bodies.py). Unknown are the pressure p, the shear tau and the approach of all points at once; the conditions
     p = max(0, p - c gap),   tau = P(tau - c slip; mu p),   mean p as prescribed,   P(.; r): projection on |.| <= r
-are solved by a semismooth Newton method (Alart and Curnier 1991) with a line search, one increment after another: in an increment the slip counts from the
-state before. Nothing alternates. Grids have an odd number of points along each axis. Strips are surfaces with two levels.
+are solved by a semismooth Newton method (Alart and Curnier 1991) with a line search, one increment after another: in an
+increment the slip counts from the state before. Nothing alternates. Grids have an odd number of points along each axis.
+Strips are surfaces with two levels.
 """
 
 import json
@@ -31,7 +33,9 @@ def matrix(body, points, lengths):
 
 
 def increment(G, clearance, mean, mu, lateral, before):
-    """One increment to the mean pressure and the lateral place of the rigid surface. State: p, tau [component, point], u, lateral."""
+    """One increment to the mean pressure and the lateral place of the rigid surface. State: p, tau [component, point],
+    u, lateral.
+    """
     n = len(clearance)
     k = len(G) // n - 1
     c = 1.0 / np.abs(np.diag(G)).mean()
@@ -93,7 +97,11 @@ def increment(G, clearance, mean, mu, lateral, before):
                 break
             part /= 2
         # Without descent a whole step changes the sets.
-        p, tau, delta = best[1] if best[0] < np.linalg.norm(F) else (p + x[k * n : -1], tau + x[: k * n].reshape(k, n), delta + x[-1])
+        p, tau, delta = (
+            best[1]
+            if best[0] < np.linalg.norm(F)
+            else (p + x[k * n : -1], tau + x[: k * n].reshape(k, n), delta + x[-1])
+        )
     F, u, gap, slip = residual(p, tau, delta)
     p = np.maximum(p, 0)
     size, limit = np.sqrt((tau**2).sum(0)), mu * p
@@ -110,7 +118,15 @@ def increment(G, clearance, mean, mu, lateral, before):
     assert worst < 1e-11, (step, worst)
     sticks = inside & (size < limit * (1 - 1e-9))
     print(step, worst, int(inside.sum()), int(sticks.sum()))
-    return {"p": p, "tau": tau, "delta": delta, "u": u, "lateral": lateral, "stick": int(sticks.sum()), "touch": int(inside.sum())}
+    return {
+        "p": p,
+        "tau": tau,
+        "delta": delta,
+        "u": u,
+        "lateral": lateral,
+        "stick": int(sticks.sum()),
+        "touch": int(inside.sum()),
+    }
 
 
 def wave(n):
@@ -128,7 +144,13 @@ def sphere(n):
 
 
 CASES = [
-    ("wave on a slab", SLAB, wave(63), 0.3, [(0.01, (0, 0)), (0.01, (0.004, 0)), (0.01, (-0.001, 0)), (0.015, (0.002, 0))]),
+    (
+        "wave on a slab",
+        SLAB,
+        wave(63),
+        0.3,
+        [(0.01, (0, 0)), (0.01, (0.004, 0)), (0.01, (-0.001, 0)), (0.015, (0.002, 0))],
+    ),
     ("wave on a half-space", SOLID, wave(63), 0.3, [(0.01, (0, 0)), (0.01, (0.003, 0)), (0.01, (-0.002, 0))]),
     ("wave on layers", SOFT, wave(45), 0.5, [(0.01, (0.002, 0)), (0.02, (0.004, 0))]),
     ("strip that sticks to a slab", SLAB, strip(63), 4.0, [(0.01, (0, 0)), (0.01, (0.003, 0))]),
@@ -147,17 +169,36 @@ def main():
         for mean, lateral in path:
             before = increment(G, clearance, mean, mu, lateral, before)
             number = lambda v: float("%.12e" % v)
-            states.append({
-                "mean_pressure": mean, "lateral": list(lateral), "approach": number(before["delta"]), "contact_nodes": before["touch"],
-                "sticking_nodes": before["stick"], "pressure": [number(v) for v in before["p"]], "shear": [number(v) for v in before["tau"].ravel()],
-            })
+            states.append(
+                {
+                    "mean_pressure": mean,
+                    "lateral": list(lateral),
+                    "approach": number(before["delta"]),
+                    "contact_nodes": before["touch"],
+                    "sticking_nodes": before["stick"],
+                    "pressure": [number(v) for v in before["p"]],
+                    "shear": [number(v) for v in before["tau"].ravel()],
+                }
+            )
         layers = [list(layer) for layer in body[0]]
-        cases.append({"name": name, "layers": layers, "base": body[1], "points": list(points), "lengths": list(lengths), "coefficient": mu,
-                      "heights": [float(v) for v in heights.ravel()], "states": states})
+        cases.append(
+            {
+                "name": name,
+                "layers": layers,
+                "base": body[1],
+                "points": list(points),
+                "lengths": list(lengths),
+                "coefficient": mu,
+                "heights": [float(v) for v in heights.ravel()],
+                "states": states,
+            }
+        )
     result = {
         "title": "Contacts with Coulomb friction, pressure and shear coupled, one increment after another",
-        "conventions": "heights: peaks point at the body; layers: [E, nu, height or null], from the top; pressure [x, y]; shear on the elastic surface [component, x, y]; "
-        "lateral: place of the rigid surface",
+        "conventions": (
+            "heights: peaks point at the body; layers: [E, nu, height or null], from the top; pressure [x, y]; shear on"
+            " the elastic surface [component, x, y]; lateral: place of the rigid surface"
+        ),
         "cases": cases,
     }
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "friction_contacts.json"), "w") as file:

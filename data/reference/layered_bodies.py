@@ -1,13 +1,15 @@
-"""Contacts, punches and stresses of layered bodies, on every base, solved densely: writes layered_bodies.json beside itself.
+"""Contacts, punches and stresses of layered bodies, on every base, solved densely: writes layered_bodies.json beside
+itself.
 
 Independent of gfmd: numpy, scipy and mpmath only. Run: python3 layered_bodies.py
 
-For every wavenumber the equations of elasticity are solved as a boundary-value problem with 40 digits: in each layer the general
-solution u = grad(phi) and 2 (1 - nu) 2 psi e_z - grad(z psi) with harmonic phi and psi ~ exp(+-q z) (Papkovich-Neuber; a half-space has
-the two that decay), with unknown factors, and one linear system of the conditions at the surface, at every interface and at the base.
-Contacts: active sets of bounded_contacts.py. Punches: dense system of the held points, all components. Grids have an odd number of
-points along each axis where components couple, so that no wave is its own mirror image but the uniform one.
-The uniform wave: layers in series, sum of h/C11 and h/C44, whatever they stand on; a half-space at the bottom adds nothing.
+For every wavenumber the equations of elasticity are solved as a boundary-value problem with 40 digits: in each layer
+the general solution u = grad(phi) and 2 (1 - nu) 2 psi e_z - grad(z psi) with harmonic phi and psi ~ exp(+-q z)
+(Papkovich-Neuber; a half-space has the two that decay), with unknown factors, and one linear system of the conditions
+at the surface, at every interface and at the base. Contacts: active sets of bounded_contacts.py. Punches: dense system
+of the held points, all components. Grids have an odd number of points along each axis where components couple, so that
+no wave is its own mirror image but the uniform one. The uniform wave: layers in series, sum of h/C11 and h/C44,
+whatever they stand on; a half-space at the bottom adds nothing.
 """
 
 import json
@@ -20,7 +22,8 @@ from bounded_contacts import rough, solve
 
 mp.mp.dps = 40
 
-# From the top down: Young's modulus, Poisson's ratio, height (None: half-space); the base below the last layer with a height.
+# From the top down: Young's modulus, Poisson's ratio, height (None: half-space); the base below the last layer with a
+# height.
 BODIES = {
     "sliding": ([(1.0, 0.3, 0.2)], "sliding"),
     "plate": ([(1.0, 0.3, 0.4)], "free"),
@@ -35,7 +38,9 @@ SECONDS = {"half-space": ([(0.7, 0.3, None)], None), "slab": ([(3.0, 0.45, 0.1)]
 
 
 class Wave:
-    """A body at one wavenumber: displacement (a, w) and traction (tau, s) with u_long = i a, u_z = w, sigma_xz = i tau, sigma_zz = s."""
+    """A body at one wavenumber: displacement (a, w) and traction (tau, s) with u_long = i a, u_z = w, sigma_xz = i tau,
+    sigma_zz = s.
+    """
 
     def __init__(self, body, q):
         self.layers, self.base = body
@@ -96,7 +101,10 @@ class Wave:
 
     def state(self, factors, layer, z):
         columns = self.states(layer, z)
-        return [sum(factors[int(self.first[layer]) + k] * column[what] for k, column in enumerate(columns)) for what in range(5)]
+        return [
+            sum(factors[int(self.first[layer]) + k] * column[what] for k, column in enumerate(columns))
+            for what in range(5)
+        ]
 
     def sagittal(self):
         """Compliance on (a, w): columns under tau = 1 and under s = 1."""
@@ -199,7 +207,9 @@ def punch(bodies, n, length, under, depth):
 
 
 def inside(body, q):
-    """The state under a unit normal traction wave, on both sides of every interface, and in the middle of every layer."""
+    """The state under a unit normal traction wave, on both sides of every interface, and in the middle of every
+    layer.
+    """
     wave = Wave(body, q)
     factors = wave.factors((0, 1))
     rows = []
@@ -234,12 +244,18 @@ def main():
     for name in BODIES:
         waves.append({"body": name, "q": 6 * np.pi, "states": inside(BODIES[name], 6 * np.pi)})
     points, lengths, heights = SURFACE
-    form = {k: {"layers": [[e, nu, h] for e, nu, h in layers], "base": base} for k, (layers, base) in {**BODIES, **SECONDS}.items()}
+    form = {
+        k: {"layers": [[e, nu, h] for e, nu, h in layers], "base": base}
+        for k, (layers, base) in {**BODIES, **SECONDS}.items()
+    }
     content = {
-        "conventions": "layers from the top down: Young's modulus, Poisson's ratio, height (null: half-space); base below the last one; peaks point "
-        "at the body; arrays row by row, x first. Contacts without friction: p >= 0, gap >= 0, p gap = 0. Punches hold u = (0, 0, -depth) on "
-        "the points `under`, traction component after component on these. Waves exp(i q x): u_x = i a, u_z = w, sigma_xz = i tau, sigma_zz = zz, "
-        "sigma_xx = xx under sigma_zz = 1 on the surface. Made by layered_bodies.py",
+        "conventions": (
+            "layers from the top down: Young's modulus, Poisson's ratio, height (null: half-space); base below the last"
+            " one; peaks point at the body; arrays row by row, x first. Contacts without friction: p >= 0, gap >= 0, p"
+            " gap = 0. Punches hold u = (0, 0, -depth) on the points `under`, traction component after component on"
+            " these. Waves exp(i q x): u_x = i a, u_z = w, sigma_xz = i tau, sigma_zz = zz, sigma_xx = xx under"
+            " sigma_zz = 1 on the surface. Made by layered_bodies.py"
+        ),
         "bodies": form,
         "surface": {"points": points, "lengths": lengths, "heights": heights.ravel().tolist()},
         "contacts": problems,

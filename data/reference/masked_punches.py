@@ -1,6 +1,8 @@
-"""Punches of any shape that stick and are shifted sideways, with a traction on the surface beside them: dense solutions.
+"""Punches of any shape that stick and are shifted sideways, with a traction on the surface beside them: dense
+solutions.
 
-The compliance of every wave is the boundary-value problem of layered_bodies.py with 40 digits. 15 points have no Nyquist mode.
+The compliance of every wave is the boundary-value problem of layered_bodies.py with 40 digits. 15 points have no
+Nyquist mode.
 Run: python masked_punches.py (NumPy, SciPy, mpmath); writes masked_punches.json beside itself.
 """
 import json
@@ -66,8 +68,11 @@ def main():
             })
             print(name, sticking, shaped[0].mean((0, 1)))
     content = {
-        "conventions": "u = (shift, -depth) on the points `under` (u_z = -depth alone if not sticking), traction `given` elsewhere; arrays "
-        "[x, y, component] row by row; bodies: layers from the top down (Young's modulus, Poisson's ratio, height), base. Made by masked_punches.py",
+        "conventions": (
+            "u = (shift, -depth) on the points `under` (u_z = -depth alone if not sticking), traction `given`"
+            " elsewhere; arrays [x, y, component] row by row; bodies: layers from the top down (Young's modulus,"
+            " Poisson's ratio, height), base. Made by masked_punches.py"
+        ),
         "points": [N, N],
         "lengths": [1.0, 1.0],
         "depth": DEPTH,

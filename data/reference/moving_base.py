@@ -2,9 +2,10 @@
 
 Independent of gfmd: numpy, mpmath and the scripts beside this one. Run: python3 moving_base.py
 
-For every wave the displacement of the unloaded surface by a displaced base, or by a traction on the lower face of a plate, is the boundary-value problem of
-layered_bodies.py with 40 digits, with the conditions at the base as its right-hand side. The contact is found by dense active sets on the sum of the compliance under
-pressure and of this displacement. 24 x 24 points; the field of the base has no shortest wave.
+For every wave the displacement of the unloaded surface by a displaced base, or by a traction on the lower face of a
+plate, is the boundary-value problem of layered_bodies.py with 40 digits, with the conditions at the base as its
+right-hand side. The contact is found by dense active sets on the sum of the compliance under pressure and of this
+displacement. 24 x 24 points; the field of the base has no shortest wave.
 """
 
 import json
@@ -64,7 +65,9 @@ def noise(components, seed):
         for m in range(-3, 4):
             for n in range(-3, 4):
                 if (m, n) != (0, 0):
-                    field[..., c] += 0.001 * random.standard_normal() * np.cos(2 * np.pi * (m * x + n * y + random.random()))
+                    field[..., c] += (
+                        0.001 * random.standard_normal() * np.cos(2 * np.pi * (m * x + n * y + random.random()))
+                    )
     return field
 
 
@@ -110,16 +113,33 @@ def main():
         p, delta, found, _, _, _ = solve(G, (under.max() - under).ravel(), None, mean, approach)
         u = lifted.ravel() - G @ p
         rounded = lambda values: [float("%.13e" % v) for v in np.ravel(values)]
-        cases.append({
-            "kind": kind, "layers": [list(layer) for layer in body[0]], "base": body[1], "components": components, "field": rounded(field), "lift": rounded(lifted),
-            "mean_pressure": mean or found, "approach": approach or delta, "control": "pressure" if mean else "approach",
-            "contact_nodes": int((p > 0).sum()), "pressure": rounded(p), "displacement_z": rounded(u),
-        })
+        cases.append(
+            {
+                "kind": kind,
+                "layers": [list(layer) for layer in body[0]],
+                "base": body[1],
+                "components": components,
+                "field": rounded(field),
+                "lift": rounded(lifted),
+                "mean_pressure": mean or found,
+                "approach": approach or delta,
+                "control": "pressure" if mean else "approach",
+                "contact_nodes": int((p > 0).sum()),
+                "pressure": rounded(p),
+                "displacement_z": rounded(u),
+            }
+        )
         print(kind, body[1], int((p > 0).sum()), np.abs(lifted).max(), u.min())
     result = {
         "title": "Frictionless contacts over a base that moves",
-        "conventions": "heights: peaks point at the body; field [x, y, component]: displacement of the base, or traction on the lower face; components 1: z",
-        "points": [N, N], "lengths": list(LENGTHS), "heights": rounded(heights), "cases": cases,
+        "conventions": (
+            "heights: peaks point at the body; field [x, y, component]: displacement of the base, or traction on the"
+            " lower face; components 1: z"
+        ),
+        "points": [N, N],
+        "lengths": list(LENGTHS),
+        "heights": rounded(heights),
+        "cases": cases,
     }
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "moving_base.json"), "w") as file:
         json.dump(result, file)

@@ -1,12 +1,13 @@
-"""Small contacts with a hardness that is a field, on layers, and along a path, solved densely: writes plastic_contacts.json beside itself.
+"""Small contacts with a hardness that is a field, on layers, and along a path, solved densely: writes
+plastic_contacts.json beside itself.
 
 Independent of gfmd: numpy, scipy and mpmath only. Run: python3 plastic_contacts.py
 
-Minimise 1/2 p.G p + p.clearance over 0 <= p <= P, P a number or one for each point, with the mean of p prescribed or less approach * sum(p).
-G is the dense matrix of bounded_contacts.py (E* = 1) or layered_bodies.py. Active sets are changed by a semismooth Newton method until every
-condition holds; LU and one step of refinement.
-"paths": the plastic depth stays. Each step is solved with the clearance plus the depth so far; where p = P the depth grows by -gap.
-"work" is the energy lost in a step, mean of P times the growth.
+Minimise 1/2 p.G p + p.clearance over 0 <= p <= P, P a number or one for each point, with the mean of p prescribed or
+less approach * sum(p). G is the dense matrix of bounded_contacts.py (E* = 1) or layered_bodies.py. Active sets are
+changed by a semismooth Newton method until every condition holds; LU and one step of refinement. "paths": the plastic
+depth stays. Each step is solved with the clearance plus the depth so far; where p = P the depth grows by -gap. "work"
+is the energy lost in a step, mean of P times the growth.
 """
 
 import json
@@ -59,7 +60,9 @@ def solve(G, clearance, P, mean=None, approach=None):
         gap = G @ p + clearance - delta
         gap[f] = 0.0
         # On the way back to a load the points at P are so with a gap of zero: they stay in either set.
-        new_free = (free & (p > 0) & (p < P + ROUND_OFF)) | (~free & ~full & (gap < -ROUND_OFF)) | (full & (gap > ROUND_OFF))
+        new_free = (
+            (free & (p > 0) & (p < P + ROUND_OFF)) | (~free & ~full & (gap < -ROUND_OFF)) | (full & (gap > ROUND_OFF))
+        )
         new_full = (full & (gap <= ROUND_OFF)) | (free & (p >= P + ROUND_OFF))
         if (new_free == free).all() and (new_full == full).all():
             break
@@ -89,7 +92,8 @@ def digits(values):
 
 
 CASES = [
-    # surface, body (a boundary of a half-space or a name of layered_bodies.py), hardness, grains, mean pressure, approach
+    # surface, body (a boundary of a half-space or a name of layered_bodies.py), hardness, grains, mean pressure,
+    # approach
     ("rough24", "periodic", 0.2, True, 0.03, None),
     ("rough24", "periodic", 0.2, True, 0.095, None),
     ("rough24", "periodic", 0.2, True, None, 0.03),
@@ -152,7 +156,12 @@ def main():
         P = grains(points, hardness) if grainy else np.full(heights.size, hardness)
         G, depth, steps = matrix(body, surfaces[name]), np.zeros(heights.size), []
         for value in values:
-            p, delta, gap, full = solve(G, (heights.max() - heights).ravel() + depth, P, **({"mean": value} if control == "mean_pressure" else {"approach": value}))
+            p, delta, gap, full = solve(
+                G,
+                (heights.max() - heights).ravel() + depth,
+                P,
+                **({"mean": value} if control == "mean_pressure" else {"approach": value}),
+            )
             growth = np.where(full, -gap, 0.0)
             depth = depth + growth
             steps.append(
@@ -181,12 +190,19 @@ def main():
         )
     used = {case[0] for case in CASES + PATHS}
     content = {
-        "conventions": "E* = 1, nu = 0 of half-spaces, bodies as in layered_bodies.json; peaks point at the body; arrays row by row, x first; "
-        "pressure and plastic_depth of a path after its last step; made by plastic_contacts.py",
+        "conventions": (
+            "E* = 1, nu = 0 of half-spaces, bodies as in layered_bodies.json; peaks point at the body; arrays row by"
+            " row, x first; pressure and plastic_depth of a path after its last step; made by plastic_contacts.py"
+        ),
         "bodies": {
-            name: {"layers": [[e, nu, h] for e, nu, h in BODIES[name][0]], "base": BODIES[name][1]} for name in ("coated", "layers")
+            name: {"layers": [[e, nu, h] for e, nu, h in BODIES[name][0]], "base": BODIES[name][1]}
+            for name in ("coated", "layers")
         },
-        "surfaces": {k: {"points": p, "lengths": l, "heights": h.ravel().tolist()} for k, (p, l, h) in surfaces.items() if k in used},
+        "surfaces": {
+            k: {"points": p, "lengths": l, "heights": h.ravel().tolist()}
+            for k, (p, l, h) in surfaces.items()
+            if k in used
+        },
         "problems": problems,
         "paths": paths,
     }

@@ -1,14 +1,16 @@
-"""The punch of the thesis by finite elements with its own nodes: trilinear elements on the 128 x 128 nodes of the surface.
+"""The punch of the thesis by finite elements with its own nodes: trilinear elements on the 128 x 128 nodes of the
+surface.
 
-A sticking square punch a quarter of the cell wide holds the nodes strictly inside its edge (eq. 4.7); all other nodes of the surface
-are free, the base is fixed, the cell repeats. The elements are bricks of the spacing of the surface, `layers` of them along the
-height. Since all cells of the lattice are equal, the elements are solved wave by wave: a block-tridiagonal system along the height,
-eliminated from the base up; the forces on the held nodes follow by conjugate gradients to 1e-12. No Green's function of a continuum
-is used. Stresses at nodes are the mean of those of the elements around them, that is central differences.
+A sticking square punch a quarter of the cell wide holds the nodes strictly inside its edge (eq. 4.7); all other nodes
+of the surface are free, the base is fixed, the cell repeats. The elements are bricks of the spacing of the surface,
+`layers` of them along the height. Since all cells of the lattice are equal, the elements are solved wave by wave: a
+block-tridiagonal system along the height, eliminated from the base up; the forces on the held nodes follow by conjugate
+gradients to 1e-12. No Green's function of a continuum is used. Stresses at nodes are the mean of those of the elements
+around them, that is central differences.
 
-Run: python punch_elements.py (NumPy); writes punch3d_elements/ beside itself: u_n128.npy [x, y, component]; section_y.npy and
-section_x.npy, the planes through the middle, [level from the surface down, point, (u_x, u_y, u_z, xx, yy, zz, yz, xz, xy)], every
-second node; summary.json.
+Run: python punch_elements.py (NumPy); writes punch3d_elements/ beside itself: u_n128.npy [x, y, component];
+section_y.npy and section_x.npy, the planes through the middle, [level from the surface down, point, (u_x, u_y, u_z, xx,
+yy, zz, yz, xz, xy)], every second node; summary.json.
 """
 import json
 import os
@@ -23,7 +25,9 @@ C11 = C12 + 2 * C44
 
 
 def element(h):
-    """Stiffness of a trilinear brick with sides h, [node (a, b, c), component, node, component], 2 x 2 x 2 Gauss points."""
+    """Stiffness of a trilinear brick with sides h, [node (a, b, c), component, node, component], 2 x 2 x 2 Gauss
+    points.
+    """
     C = np.zeros((6, 6))
     C[:3, :3] = C12
     C[range(3), range(3)] = C11
@@ -138,8 +142,10 @@ def main():
         for name, section in zip("yx", sections(u, down, layers)):
             np.save(os.path.join(folder, f"section_{name}.npy"), section[::2, ::2].astype("f4"))
     content = {
-        "conventions": "error: sqrt(<(u - u_spectral)^2>) / depth of u_x, u_y, u_z (eq. 4.13) against discrete_strict_u_n128.npy; mean pressure in GPa; "
-        "layers of elements along the height, 128 are cubes. Made by punch_elements.py",
+        "conventions": (
+            "error: sqrt(<(u - u_spectral)^2>) / depth of u_x, u_y, u_z (eq. 4.13) against discrete_strict_u_n128.npy;"
+            " mean pressure in GPa; layers of elements along the height, 128 are cubes. Made by punch_elements.py"
+        ),
         "runs": runs,
     }
     with open(os.path.join(folder, "summary.json"), "w") as out:

@@ -2,13 +2,15 @@
 
 Independent of gfmd: numpy, scipy, mpmath. Run: python3 squeezed_slabs.py
 
-For every wave, displacements and stresses U sin(qx), W cos(qx), tau sin(qx), sigma cos(qx) obey d/dz (U, W, tau, sigma) = A (U, W, tau, sigma)
-in each layer. The product of the matrix exponentials of the layers, with 50 digits and more, leads from the lower face to the upper one; no shear
-traction on either and the pressures p_t, p_b give the indentations d_t = -W_top and d_b = W_bottom: the 2 x 2 compliance. The uniform wave
-compresses the slab by p sum(height/C11), half on either face, and cannot move it as a whole.
+For every wave, displacements and stresses U sin(qx), W cos(qx), tau sin(qx), sigma cos(qx) obey d/dz (U, W, tau,
+sigma) = A (U, W, tau, sigma) in each layer. The product of the matrix exponentials of the layers, with 50 digits and
+more, leads from the lower face to the upper one; no shear traction on either and the pressures p_t, p_b give the
+indentations d_t = -W_top and d_b = W_bottom: the 2 x 2 compliance. The uniform wave compresses the slab by p
+sum(height/C11), half on either face, and cannot move it as a whole.
 
-The contacts: minimise 1/2 p.C p + p.clearance over p >= 0 with both means prescribed, by active sets (semismooth Newton) on the dense matrix
-of both faces, solved with LU and refinement, until every condition holds. If the approach is prescribed, the mean that gives it is sought.
+The contacts: minimise 1/2 p.C p + p.clearance over p >= 0 with both means prescribed, by active sets (semismooth
+Newton) on the dense matrix of both faces, solved with LU and refinement, until every condition holds. If the approach
+is prescribed, the mean that gives it is sought.
 """
 
 import json
@@ -143,20 +145,43 @@ def main():
         clearance = np.concatenate([(h.max() - h).ravel() for h in (upper, lower)])
         p, gap, parts = pressed(dense(layers, points, lengths), clearance, mean, approach)
         N = len(p) // 2
-        print(f"{name}: mean {p[:N].mean():.6g}, approach {sum(parts):.6g}, contact {(p[:N] > 0).mean():.3f} {(p[N:] > 0).mean():.3f}")
+        print(
+            f"{name}: mean {p[:N].mean():.6g}, approach {sum(parts):.6g}, contact {(p[:N] > 0).mean():.3f}"
+            f" {(p[N:] > 0).mean():.3f}"
+        )
         cases.append(
-            dict(name=name, layers=layers, points=points, lengths=lengths, control="approach" if mean is None else "mean_pressure",
-                 upper=upper.ravel().tolist(), lower=lower.ravel().tolist(), mean_pressure=float(p[:N].mean()), approach=float(sum(parts)),
-                 approaches=[float(part) for part in parts],
-                 upper_pressure=[float(f"{v:.13g}") for v in p[:N]], lower_pressure=[float(f"{v:.13g}") for v in p[N:]],
-                 upper_gap=[float(f"{v:.11g}") for v in gap[:N]], lower_gap=[float(f"{v:.11g}") for v in gap[N:]]))
+            dict(
+                name=name,
+                layers=layers,
+                points=points,
+                lengths=lengths,
+                control="approach" if mean is None else "mean_pressure",
+                upper=upper.ravel().tolist(),
+                lower=lower.ravel().tolist(),
+                mean_pressure=float(p[:N].mean()),
+                approach=float(sum(parts)),
+                approaches=[float(part) for part in parts],
+                upper_pressure=[float(f"{v:.13g}") for v in p[:N]],
+                lower_pressure=[float(f"{v:.13g}") for v in p[N:]],
+                upper_gap=[float(f"{v:.11g}") for v in gap[:N]],
+                lower_gap=[float(f"{v:.11g}") for v in gap[N:]],
+            )
+        )
     conventions = (
-        "layers from the top down: Young's modulus, Poisson's ratio, height; both surfaces with their peaks pointing at the slab; arrays row by "
-        "row, x first; approach: of the two surfaces beyond the distance at which both touch the undeformed slab, approaches: its parts at the "
-        "upper and the lower face. Made by squeezed_slabs.py")
-    waves = [dict(layers=layers, q=q, compliance=wave(layers, mp.mpf(q)))
-             for layers in ([(1.0, 0.3, 0.1)], [(1.0, 0.5, 0.6)], [(1.0, 0.3, 0.08), (5.0, 0.45, 0.1)], [(2.0, -0.3, 0.2), (1.0, 0.5, 0.1), (4.0, 0.1, 0.05)])
-             for q in (0.5, 6.0, 20.0, 200.0)]
+        "layers from the top down: Young's modulus, Poisson's ratio, height; both surfaces with their peaks pointing at"
+        " the slab; arrays row by row, x first; approach: of the two surfaces beyond the distance at which both touch"
+        " the undeformed slab, approaches: its parts at the upper and the lower face. Made by squeezed_slabs.py"
+    )
+    waves = [
+        dict(layers=layers, q=q, compliance=wave(layers, mp.mpf(q)))
+        for layers in (
+            [(1.0, 0.3, 0.1)],
+            [(1.0, 0.5, 0.6)],
+            [(1.0, 0.3, 0.08), (5.0, 0.45, 0.1)],
+            [(2.0, -0.3, 0.2), (1.0, 0.5, 0.1), (4.0, 0.1, 0.05)],
+        )
+        for q in (0.5, 6.0, 20.0, 200.0)
+    ]
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "squeezed_slabs.json")
     with open(path, "w") as file:
         json.dump(dict(conventions=conventions, cases=cases, waves=waves), file)

@@ -2,10 +2,12 @@
 
 Independent of gfmd: numpy and scipy. Run: python3 steep_contacts.py
 
-A rigid surface of clearance c(x) is lowered by d onto a linearly elastic half-space. A point x of the body touches where c(x + u_x) - d - u_z = 0, and the
-traction there is p (grad c(x + u_x), -1), the force that the constraint exerts. Displacements follow from tractions by the closed forms for a half-space, wave by
-wave (Johnson 1985, sections 2.3 and 3.2), as a dense matrix; c is scipy's spline, periodic (profiles) or through several copies of the cell (surfaces). The unknowns
-u_x, u_y, p and d are found together by Newton's method with differences for the Jacobian, and the set of points in contact by exchange. Odd grids have no shortest wave.
+A rigid surface of clearance c(x) is lowered by d onto a linearly elastic half-space. A point x of the body touches
+where c(x + u_x) - d - u_z = 0, and the traction there is p (grad c(x + u_x), -1), the force that the constraint exerts.
+Displacements follow from tractions by the closed forms for a half-space, wave by wave (Johnson 1985, sections 2.3 and
+3.2), as a dense matrix; c is scipy's spline, periodic (profiles) or through several copies of the cell (surfaces). The
+unknowns u_x, u_y, p and d are found together by Newton's method with differences for the Jacobian, and the set of
+points in contact by exchange. Odd grids have no shortest wave.
 """
 
 import json
@@ -80,7 +82,9 @@ def spline(clearance, lengths):
     """Returns a function: positions -> c, dc/dx, dc/dy."""
     nx, ny = clearance.shape
     if ny == 1:
-        line = CubicSpline(np.arange(nx + 1) * lengths[0] / nx, np.append(clearance[:, 0], clearance[0, 0]), bc_type="periodic")
+        line = CubicSpline(
+            np.arange(nx + 1) * lengths[0] / nx, np.append(clearance[:, 0], clearance[0, 0]), bc_type="periodic"
+        )
         return lambda x, y: (line(x % lengths[0]), line(x % lengths[0], 1), 0 * x)
     copies = 7
     tiled = np.tile(clearance, (copies, copies))
@@ -100,7 +104,10 @@ def solve(points, lengths, nu, heights, load):
     matrix = compliance(points, lengths, nu)
     clearance = heights.max() - heights
     c = spline(clearance, lengths)
-    x, y = (field.ravel() for field in np.meshgrid(*(np.arange(m) * length / m for m, length in zip(points, lengths)), indexing="ij"))
+    x, y = (
+        field.ravel()
+        for field in np.meshgrid(*(np.arange(m) * length / m for m, length in zip(points, lengths)), indexing="ij")
+    )
     kind, value = load
 
     def state(unknown):
@@ -143,7 +150,13 @@ def solve(points, lengths, nu, heights, load):
         raise ValueError("the points in contact do not settle")
     residual = abs(equations(unknown, touching)).max()
     assert residual < 1e-13, residual
-    return {"pressure": p.tolist(), "displacement": u.reshape(3, n).tolist(), "gap": gap.tolist(), "approach": unknown[3 * n], "touching": int(touching.sum())}
+    return {
+        "pressure": p.tolist(),
+        "displacement": u.reshape(3, n).tolist(),
+        "gap": gap.tolist(),
+        "approach": unknown[3 * n],
+        "touching": int(touching.sum()),
+    }
 
 
 def main():
@@ -151,8 +164,19 @@ def main():
     for points, lengths, nu, gradient, seed, load in CASES:
         heights = surface(points, lengths, gradient, seed)
         found = solve(points, lengths, nu, heights, load)
-        print(points, nu, gradient, load, found["touching"], "mean p", np.mean(found["pressure"]), "d", found["approach"])
-        cases.append({"points": points, "lengths": lengths, "poisson": nu, "heights": heights.ravel().tolist(), "load": dict([load]), **found})
+        print(
+            points, nu, gradient, load, found["touching"], "mean p", np.mean(found["pressure"]), "d", found["approach"]
+        )
+        cases.append(
+            {
+                "points": points,
+                "lengths": lengths,
+                "poisson": nu,
+                "heights": heights.ravel().tolist(),
+                "load": dict([load]),
+                **found,
+            }
+        )
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "steep_contacts.json")
     with open(path, "w") as file:
         json.dump({"origin": "steep_contacts.py: half-spaces of E* = 1, dense Newton solutions", "cases": cases}, file)

@@ -1,5 +1,6 @@
-"""The coefficients of crates/measure/src/self_affine.rs: COEFFICIENTS and COVARIANCE from the limits of ladders.json, BAND and
-EDGE from its points, and the error of the formula on those and on the other surfaces of ladders-2.json. Needs numpy, scipy.
+"""The coefficients of crates/measure/src/self_affine.rs: COEFFICIENTS and COVARIANCE from the limits of ladders.json,
+BAND and EDGE from its points, and the error of the formula on those and on the other surfaces of ladders-2.json. Needs
+numpy, scipy.
 
     python3 data/results/formula.py
 """
@@ -64,7 +65,9 @@ def shown(name, errors):
 
 def main():
     h, p, wanted, error = limits("ladders")
-    found = least_squares(lambda c: (kappa(c, 0.0, h, p) / wanted - 1) / error, [0.44, 0.65, 8, 5, 15, 0.1], x_scale="jac")
+    found = least_squares(
+        lambda c: (kappa(c, 0.0, h, p) / wanted - 1) / error, [0.44, 0.65, 8, 5, 15, 0.1], x_scale="jac"
+    )
     c = found.x
     stretch = max(1.0, 2 * found.cost / (len(h) - len(c)))
     covariance = np.linalg.inv(found.jac.T @ found.jac) * stretch

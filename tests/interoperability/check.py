@@ -4,11 +4,13 @@
 
 For every file, whatever it contains:
 - the root has its attributes and the configuration is TOML;
-- every variable has `units` and `long_name`, and one dimension scale per dimension, in its own group, of the right length;
+- every variable has `units` and `long_name`, and one dimension scale per dimension, in its own group, of the right
+  length;
 - xarray and netCDF4 find in each group the same dimension names, coordinates, attributes and values as h5py.
 
-With --expect, a JSON object {"/group/name": {"dims": ["load", "x"], "units": "stress", "values": [...]}, ...} is compared
-with the (single) file as well; "dims", "units", "long_name" and "values" (flattened, row-major) are all optional.
+With --expect, a JSON object {"/group/name": {"dims": ["load", "x"], "units": "stress", "values": [...]}, ...} is
+compared with the (single) file as well; "dims", "units", "long_name" and "values" (flattened, row-major) are all
+optional.
 
 Needs: h5py xarray h5netcdf netCDF4 numpy. Exit status 0 if all is well; otherwise the first difference, and 1.
 """

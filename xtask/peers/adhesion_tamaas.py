@@ -1,7 +1,7 @@
 """Follows loads with an exponential adhesion by Tamaas (PolonskyKeerRey on the gap, ExponentialAdhesionFunctional).
 
-    adhesion_tamaas.py '{"heights": FILE.npy, "pressures": [P, ...], "tolerance": T, "threads": N, "gamma": W, "range": R,
-                         "most": K, "fftw": {"library": NAME, "threads": NAME}}'
+    adhesion_tamaas.py '{"heights": FILE.npy, "pressures": [P, ...], "tolerance": T, "threads": N, "gamma": W,
+                         "range": R, "most": K, "fftw": {"library": NAME, "threads": NAME}}'
 
 E* = 1, cell length 1. Prints one JSON object: for each load, which starts from the last one, the wall time, the largest
 residual of docs/interface.md (recomputed from the pressure), contact area and mean gap.

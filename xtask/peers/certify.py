@@ -3,10 +3,10 @@
     certify.py '{"heights": FILE.npy, "mean_pressure": P, "fields": {NAME: FILE.npy, ...}, "reference": NAME,
                  "boundary": "periodic" or "free", "hardness": P or null}'
 
-Half-space with E* = 1 in a cell of length 1, or, with free boundaries, loaded on this cell alone; heights have their peaks
-pointing at the body. Prints one JSON object: for every
-name the residuals (defined below), contact area fraction, approach beyond first touch, elastic energy per area, and the
-differences from the reference. A field that has a point that is no number, or carries no load, is left out.
+Half-space with E* = 1 in a cell of length 1, or, with free boundaries, loaded on this cell alone; heights have their
+peaks pointing at the body. Prints one JSON object: for every name the residuals (defined below), contact area fraction,
+approach beyond first touch, elastic energy per area, and the differences from the reference. A field that has a point
+that is no number, or carries no load, is left out.
 """
 
 import json
@@ -48,8 +48,8 @@ def judge(heights, pressure, task):
     asked, hardness = task["mean_pressure"], task.get("hardness") or np.inf
     inwards = (free if task.get("boundary") == "free" else periodic)(pressure)
     rms_height = heights.std()
-    # The gap is known up to a constant, the approach, which makes its mean over the contact zero, but for the points at the
-    # hardness, which are pressed in further.
+    # The gap is known up to a constant, the approach, which makes its mean over the contact zero, but for the points at
+    # the hardness, which are pressed in further.
     yields = pressure >= hardness * (1 - ROUNDING)
     contact = (pressure > 0) & ~yields
     gap = heights.max() - heights + inwards

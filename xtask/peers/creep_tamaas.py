@@ -3,10 +3,10 @@
     creep_tamaas.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "threads": N, "step": DT, "steps": K,
                       "branches": [[TAU, C], ...], "fftw": {"library": NAME, "threads": NAME}, "out": FILE.npy}'
 
-C is the modulus of a branch over the long-term one; E* = 1, Poisson's ratio 0. Prints one JSON object: the wall times of
-the steps, the contact areas, and "held": the pressure of a wave in full contact, whose displacement does not change, over
-that of the long-term modulus, for each of as many steps. A Maxwell model has 1 + C exp(-t/TAU) there, and backward Euler
-1 + C/(1 + DT/TAU)^k.
+C is the modulus of a branch over the long-term one; E* = 1, Poisson's ratio 0. Prints one JSON object: the wall times
+of the steps, the contact areas, and "held": the pressure of a wave in full contact, whose displacement does not change,
+over that of the long-term modulus, for each of as many steps. A Maxwell model has 1 + C exp(-t/TAU) there, and backward
+Euler 1 + C/(1 + DT/TAU)^k.
 """
 
 import ctypes

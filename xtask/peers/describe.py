@@ -1,8 +1,8 @@
 """Prints the version of Python, the available FFTW, and the versions of the packages of the peers that are installed:
 {"python": .., "fftw": {"library": .., "threads": .., "needs": [..], "source": ..}, "versions": {"Tamaas": .., ..}}.
 
-The FFTW is that of the system, else that of pyFFTW, else null. The FFTW inside the package of Tamaas is not used, since it
-has no vector code. The names can be loaded and preloaded; the libraries in "needs" must be loaded first.
+The FFTW is that of the system, else that of pyFFTW, else null. The FFTW inside the package of Tamaas is not used, since
+it has no vector code. The names can be loaded and preloaded; the libraries in "needs" must be loaded first.
 """
 
 import ctypes
@@ -46,7 +46,18 @@ def of_pyfftw():
     return {"library": libraries[0], "threads": threads[0], "needs": needs, "source": "pyFFTW"}
 
 
-PACKAGES = ["Tamaas", "ContactMechanics", "NuMPI", "muGrid", "SurfaceTopography", "aspher", "hertzian", "numpy", "scipy", "h5py"]
+PACKAGES = [
+    "Tamaas",
+    "ContactMechanics",
+    "NuMPI",
+    "muGrid",
+    "SurfaceTopography",
+    "aspher",
+    "hertzian",
+    "numpy",
+    "scipy",
+    "h5py",
+]
 
 
 def versions():

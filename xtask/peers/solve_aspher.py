@@ -1,12 +1,12 @@
 """Runs one solve of ASPHER (solve_nested).
 
-    solve_aspher.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "threads": N, "solver": S, "out": FILE.npy,
-                      "boundary": "periodic" or "free"}'
+    solve_aspher.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "threads": N, "solver": S,
+                      "out": FILE.npy, "boundary": "periodic" or "free"}'
 
-S is "default", with the operators without approximation: "periodic", and "fft" with free boundaries; or "active" (its active
-set, which leaves out points that are no candidates), with the operator "h2", an approximation, which that needs. Prints one JSON object. The timed call contains the set-up, which
-the package does not offer by itself. If the tolerance was not reached, "failure" has its status, and the pressure so far is
-written.
+S is "default", with the operators without approximation: "periodic", and "fft" with free boundaries; or "active" (its
+active set, which leaves out points that are no candidates), with the operator "h2", an approximation, which that needs.
+Prints one JSON object. The timed call contains the set-up, which the package does not offer by itself. If the tolerance
+was not reached, "failure" has its status, and the pressure so far is written.
 """
 
 import json

@@ -4,10 +4,10 @@
                                  "boundary": "periodic" or "free", "hardness": P or null, "answer": FILE.npy}'
 
 S is the solver. "default" is the constrained conjugate gradient method of the package, under a load. "no-restart" and
-"no-restart-load" are those of NuMPI without restart (Bugnicourt et al. 2018) with the operator of the package: the first at
-a prescribed displacement, as offered by the package, which is computed from the answer; the second under a load. T is the
-largest allowed gap in contact, relative to the rms height. Prints one JSON object. Only the call of the solver is timed. If the
-solver gives up, "failure" has its message, and the pressure so far is written.
+"no-restart-load" are those of NuMPI without restart (Bugnicourt et al. 2018) with the operator of the package: the
+first at a prescribed displacement, as offered by the package, which is computed from the answer; the second under a
+load. T is the largest allowed gap in contact, relative to the rms height. Prints one JSON object. Only the call of the
+solver is timed. If the solver gives up, "failure" has its message, and the pressure so far is written.
 """
 
 import contextlib
@@ -92,7 +92,9 @@ def main():
     started = time.perf_counter()
     # Both solvers print warnings to stdout. The cell has unit area, so that the force equals the mean pressure.
     with contextlib.redirect_stdout(sys.stderr):
-        result, forces, iterations, pairs = solve(system, task["mean_pressure"], tolerance, offset, task.get("most", 100_000))
+        result, forces, iterations, pairs = solve(
+            system, task["mean_pressure"], tolerance, offset, task.get("most", 100_000)
+        )
     seconds = time.perf_counter() - started
     peak = peak_bytes()
     nx, ny = heights.shape

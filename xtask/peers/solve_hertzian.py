@@ -2,8 +2,8 @@
 
     solve_hertzian.py '{"heights": FILE.npy, "mean_pressure": P, "tolerance": T, "threads": N, "out": FILE.npy}'
 
-Prints one JSON object. The timed call contains the set-up, which the package does not offer by itself. If the tolerance was
-not reached, "failure" has the reason, and the pressure so far is written if there is one.
+Prints one JSON object. The timed call contains the set-up, which the package does not offer by itself. If the tolerance
+was not reached, "failure" has the reason, and the pressure so far is written if there is one.
 """
 
 import json
@@ -39,7 +39,9 @@ def main():
     report = {"seconds": seconds, "iterations": int(reported.iterations), "transform_pairs": None}
     report |= {"peak_bytes": peak, "baseline_bytes": baseline}
     if not reported.converged:
-        report["failure"] = f"no convergence to {task['tolerance']:.0e}: {reported.residual:.0e} after {reported.iterations} iterations"
+        report["failure"] = (
+            f"no convergence to {task['tolerance']:.0e}: {reported.residual:.0e} after {reported.iterations} iterations"
+        )
     print(json.dumps(report))
 
 

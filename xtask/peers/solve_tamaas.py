@@ -4,10 +4,10 @@
                       "boundary": "periodic" or "free", "hardness": P or null, "solver": S,
                       "fftw": {"library": NAME, "threads": NAME}, "plans": "estimated" or "measured"}'
 
-The libraries in "fftw" must be preloaded; they then replace the FFTW in the package. With free boundaries S is "default"
-(the operator without periodicity is registered, as its documentation says) or "dcfft" (the solver is told to use it, too).
-Prints one JSON object. Only the call of the solver is timed: model, operators and plans are made before. If the tolerance
-was not reached, "failure" has the reason, and the pressure so far is written.
+The libraries in "fftw" must be preloaded; they then replace the FFTW in the package. With free boundaries S is
+"default" (the operator without periodicity is registered, as its documentation says) or "dcfft" (the solver is told to
+use it, too). Prints one JSON object. Only the call of the solver is timed: model, operators and plans are made before.
+If the tolerance was not reached, "failure" has the reason, and the pressure so far is written.
 """
 
 import contextlib

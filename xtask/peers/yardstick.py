@@ -1,9 +1,11 @@
-"""Measures the yardstick: wall time of one forward and one inverse real transform of n x n doubles by FFTW, measured plans.
+"""Measures the yardstick: wall time of one forward and one inverse real transform of n x n doubles by FFTW, measured
+plans.
 
     yardstick.py '{"sizes": [N, ...], "threads": [T, ...], "fftw": {...}, "wisdom": FILE, "seconds": S}'
 
 Prints {"version": .., "pairs": [{"n": .., "threads": .., "seconds": [one mean per batch], "share": ..}, ...]}. Plans
-are kept in FILE, since measuring them takes long. A share below 1 on one thread means that other processes were running.
+are kept in FILE, since measuring them takes long. A share below 1 on one thread means that other processes were
+running.
 """
 
 import ctypes
@@ -31,7 +33,9 @@ class Fftw:
         self.version = ctypes.string_at(ctypes.addressof(ctypes.c_char.in_dll(self.functions, "fftw_version"))).decode()
 
     def pair(self, n, threads, budget):
-        """Returns the mean times of a pair in batches over `budget` seconds, and processor time over wall time and threads."""
+        """Returns the mean times of a pair in batches over `budget` seconds, and processor time over wall time and
+        threads.
+        """
         if self.parallel:
             self.parallel.fftw_plan_with_nthreads(threads)
         real, spectrum = self.functions.fftw_malloc(8 * n * n), self.functions.fftw_malloc(16 * n * (n // 2 + 1))

@@ -1,4 +1,6 @@
-"""Relaxation by dynamics: the residual of Verlet and FIRE after so many steps, from the states of searches cut short."""
+"""Relaxation by dynamics: the residual of Verlet and FIRE after so many steps, from the states of searches cut
+short.
+"""
 
 import sys
 

@@ -98,15 +98,21 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.contact(SMALL, BODY, mean_pressure=np.nan), "mean_pressure is nan"),
         (lambda: gfmd.contact(SMALL, BODY, approach=1e9), "approach: the approach is 1000000000"),
         (lambda: gfmd.contact(SMALL, 1.0, p_star=1), "body is float"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="best"), "solver is \"best\": it must be one of auto, cg"),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="best"), 'solver is "best": it must be one of auto, cg'),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, solver="newton"), "solver: the solver is newton"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, tolerance=1.0), "tolerance: the tolerance is 1e0; it must be between"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, dt=0.1), "dt is 0.1; it must be left out without solver verlet-critical"),
+        (
+            lambda: gfmd.contact(SMALL, BODY, p_star=1, tolerance=1.0),
+            "tolerance: the tolerance is 1e0; it must be between",
+        ),
+        (
+            lambda: gfmd.contact(SMALL, BODY, p_star=1, dt=0.1),
+            "dt is 0.1; it must be left out without solver verlet-critical",
+        ),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=-1), "threads is -1"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=10**9), "threads is 1000000000"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, max_iterations=1.5), "max_iterations is 1.5"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, law=3), "law is 3"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=1, law="glue"), "the law is \"glue\""),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=1, law="glue"), 'the law is "glue"'),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, start=3), "start is int"),
         (lambda: gfmd.contact(np.zeros((8, 8)), BODY, p_star=1), "surface: "),
         (lambda: gfmd.contacts(SMALL, BODY, p_star=[]), "p_star is empty"),
@@ -129,8 +135,11 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.read("nowhere.npy"), "nowhere.npy"),
         (lambda: gfmd.read(3), "name is 3"),
         (lambda: SMALL.detrend("cubic"), "the trend is"),
-        (lambda: gfmd.kappa_sweep("nothing"), "preset is \"nothing\": it must be one of smoke, default"),
-        (lambda: gfmd.kappa_sweep({"loads": {"p_star": 2**63}}), "p_star is 9223372036854775808; it must be between -9223372036854775808 and 9223372036854775807"),
+        (lambda: gfmd.kappa_sweep("nothing"), 'preset is "nothing": it must be one of smoke, default'),
+        (
+            lambda: gfmd.kappa_sweep({"loads": {"p_star": 2**63}}),
+            "p_star is 9223372036854775808; it must be between -9223372036854775808 and 9223372036854775807",
+        ),
         (lambda: gfmd.load("nowhere.h5"), "cannot open nowhere.h5"),
         (lambda: gfmd.green(BODY, qx=np.nan), "qx is nan"),
         (lambda: gfmd.punch(n=2**40), ""),
@@ -164,7 +173,14 @@ def test_results_are_frozen_and_pickle():
         contact.pressure[0, 0] = 1.0
     with pytest.raises(ValueError):
         contact.surface.heights[0, 0] = 1.0
-    for result in (contact, gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.02]), SMALL, BODY, gfmd.law("morse", gamma=1, range=1), SMALL.statistics()):
+    for result in (
+        contact,
+        gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.02]),
+        SMALL,
+        BODY,
+        gfmd.law("morse", gamma=1, range=1),
+        SMALL.statistics(),
+    ):
         again = pickle.loads(pickle.dumps(result))
         assert repr(again) == repr(result) and type(again) is type(result)
     assert gfmd.Body(e_star=2.0, poisson=0.2) == pickle.loads(pickle.dumps(gfmd.Body(e_star=2.0, poisson=0.2)))
@@ -230,12 +246,21 @@ def test_files_come_back(tmp_path):
     apart = gfmd.contact(SMALL, BODY, approach=-0.001, law=law)
     apart.save(tmp_path / "e.h5")
     again = gfmd.load(tmp_path / "e.h5")
-    assert again.law == law and again.interface_energy == apart.interface_energy and repr(again.kappa) == repr(apart.kappa)
+    assert (
+        again.law == law and again.interface_energy == apart.interface_energy and repr(again.kappa) == repr(apart.kappa)
+    )
 
 
 def test_warnings_of_the_libraries_are_warnings():
     with pytest.warns(UserWarning, match="trap|grid|range") as reported:
-        gfmd.contact(SMALL, BODY, approach=0.0005, law=gfmd.law("exponential", gamma=2e-4, range=1e-4), max_iterations=10**4, coarse=True)
+        gfmd.contact(
+            SMALL,
+            BODY,
+            approach=0.0005,
+            law=gfmd.law("exponential", gamma=2e-4, range=1e-4),
+            max_iterations=10**4,
+            coarse=True,
+        )
     assert reported[0].filename == __file__
 
 
@@ -260,15 +285,24 @@ def test_the_overhead_of_a_call_is_small():
 def test_every_option_of_the_description_is_one_of_python(tmp_path):
     slab, base = gfmd.Body(young=1.0, poisson=0.3, height=0.5), np.zeros((32, 32, 3))
     base[..., 2] = 1e-3
-    moved, still = (gfmd.contact(SMALL, slab, p_star=0.05, tolerance=1e-10, **given) for given in ({"base_displacement": base}, {}))
+    moved, still = (
+        gfmd.contact(SMALL, slab, p_star=0.05, tolerance=1e-10, **given) for given in ({"base_displacement": base}, {})
+    )
     # A base that moves as a whole takes the slab along.
-    assert np.abs(moved.displacement_z - still.displacement_z - 1e-3).max() < 1e-8 and np.allclose(moved.gap, still.gap, atol=1e-8)
+    assert np.abs(moved.displacement_z - still.displacement_z - 1e-3).max() < 1e-8 and np.allclose(
+        moved.gap, still.gap, atol=1e-8
+    )
     base[:, 0, 2] += 1e-4
     moved = gfmd.contact(SMALL, slab, p_star=0.05, base_displacement=base)
     moved.save(tmp_path / "moved.h5")
     again = gfmd.load(tmp_path / "moved.h5")
     assert np.array_equal(again.displacement_z, moved.displacement_z)
-    warm, cold = (gfmd.contact(SMALL, slab, p_star=0.0501, base_displacement=base, start=start) for start in (again, None))
+    warm, cold = (
+        gfmd.contact(SMALL, slab, p_star=0.0501, base_displacement=base, start=start) for start in (again, None)
+    )
     assert warm.iterations < cold.iterations and abs(warm.area_fraction - cold.area_fraction) < 1e-3
-    damped = [gfmd.contact(SMALL, slab, p_star=0.05, components="all", solver="verlet-critical", **options) for options in ({}, {"damping": [1.0, 1.0, 0.9]})]
+    damped = [
+        gfmd.contact(SMALL, slab, p_star=0.05, components="all", solver="verlet-critical", **options)
+        for options in ({}, {"damping": [1.0, 1.0, 0.9]})
+    ]
     assert damped[0].iterations != damped[1].iterations

@@ -1,4 +1,6 @@
-"""Beside other packages: SurfaceTopography, xarray, matplotlib, pyvista, notebooks, progress bars; and files of instruments."""
+"""Beside other packages: SurfaceTopography, xarray, matplotlib, pyvista, notebooks, progress bars; and files of
+instruments.
+"""
 
 import struct
 import subprocess
@@ -59,7 +61,9 @@ def test_topographies_that_are_no_whole_grid_are_refused():
 def test_undefined_points_are_refused_or_filled():
     heights = np.array(SMALL.heights)
     heights[3:5, 7] = np.nan
-    with pytest.raises(gfmd.InputError, match=r"heights has 2 undefined points of 1024, the first at \[3, 7\]; .* fill='harmonic'"):
+    with pytest.raises(
+        gfmd.InputError, match=r"heights has 2 undefined points of 1024, the first at \[3, 7\]; .* fill='harmonic'"
+    ):
         gfmd.Surface(heights)
     for fill in ("harmonic", "nearest"):
         surface = gfmd.Surface(heights, fill=fill)
@@ -95,7 +99,14 @@ def test_figures_and_notebooks():
     matplotlib = pytest.importorskip("matplotlib")
     contacts = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.05])
     loop = gfmd.path(SMALL, BODY, p_star=[0.01, 0.05], steps=2)
-    for drawn in (SMALL.plot(), contacts.plot(), contacts[0].plot(), contacts[0].plot("gap"), gfmd.self_affine(n=32, dim=2).plot(), loop.plot()):
+    for drawn in (
+        SMALL.plot(),
+        contacts.plot(),
+        contacts[0].plot(),
+        contacts[0].plot("gap"),
+        gfmd.self_affine(n=32, dim=2).plot(),
+        loop.plot(),
+    ):
         assert isinstance(drawn, matplotlib.axes.Axes)
         matplotlib.pyplot.close(drawn.figure)
     assert "data:image/png;base64" in SMALL._repr_html_() and "<img" not in gfmd.self_affine(n=32, dim=2)._repr_html_()
@@ -140,7 +151,10 @@ def test_pyvista():
     grid = contact.to_pyvista()
     assert grid.dimensions == (32, 16, 1) and grid.spacing[:2] == (1 / 32, 2 / 16)
     at = grid.find_closest_point((3 / 32, 5 * 2 / 16, 0.0))
-    assert grid.point_data["gap"][at] == contact.gap[3, 5] and grid.point_data["height"][at] == contact.surface.heights[3, 5]
+    assert (
+        grid.point_data["gap"][at] == contact.gap[3, 5]
+        and grid.point_data["height"][at] == contact.surface.heights[3, 5]
+    )
     assert contact.surface.to_pyvista().dimensions == (32, 16, 1)
 
 
@@ -155,15 +169,22 @@ def test_packages_that_are_not_installed_are_named(call):
     assert "needs" in done.stdout and "pip install" in done.stdout, done.stderr
 
 
-LONG = "gfmd.contact(gfmd.self_affine(n=64), gfmd.Body(), p_star=0.02, solver='verlet-critical', tolerance=1e-15, max_iterations=10**9)"
+LONG = (
+    "gfmd.contact(gfmd.self_affine(n=64), gfmd.Body(), p_star=0.02, solver='verlet-critical', tolerance=1e-15,"
+    " max_iterations=10**9)"
+)
 
 
-@pytest.mark.parametrize("shown, tqdm, wanted", [("True", True, "contact"), ("True", False, "contact: 0 of 1, iteration"), ("False", True, ""), ("None", True, "")])
+@pytest.mark.parametrize(
+    "shown, tqdm, wanted",
+    [("True", True, "contact"), ("True", False, "contact: 0 of 1, iteration"), ("False", True, ""), ("None", True, "")],
+)
 def test_progress_is_shown_after_a_second(shown, tqdm, wanted):
     if tqdm:
         pytest.importorskip("tqdm")
     code = (
-        f"import gfmd, os, signal, threading, time\nimport sys\n{'' if tqdm else 'sys.modules[chr(116) + chr(113) + chr(100) + chr(109)] = None'}\n"
+        "import gfmd, os, signal, threading, time\nimport sys\n"
+        f"{'' if tqdm else 'sys.modules[chr(116) + chr(113) + chr(100) + chr(109)] = None'}\n"
         f"signal.signal(signal.SIGINT, signal.default_int_handler)\ngfmd.progress({shown})\n"
         f"threading.Timer(2.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
         f"try:\n    {LONG}\nexcept gfmd.Interrupted:\n    pass\n"
@@ -191,7 +212,8 @@ def test_height_parameters_and_spectrum_are_those_of_surface_topography():
         assert found.ssk == pytest.approx((distance**3).mean() / distance.std() ** 3, rel=1e-9, abs=1e-12)
         assert found.sku == pytest.approx((distance**4).mean() / distance.std() ** 4, rel=1e-12)
         assert (found.sp, found.sv) == pytest.approx((distance.max(), -distance.min()))
-        # The spectrum, of which theirs is an average over rings of another width; its integral over q is (2 pi)^2 times the mean square.
+        # The spectrum, of which theirs is an average over rings of another width; its integral over q is (2 pi)^2 times
+        # the mean square.
         q, density = other.power_spectrum_from_area()
         own = surface.psd()
         band = (own.wavenumber > 8.0) & (own.wavenumber < 16.0)
@@ -206,8 +228,14 @@ def test_both_directions_of_a_loop_and_the_contact_in_a_gap_are_told_apart():
     loop = gfmd.path(surface, gfmd.Body(e_star="1 GPa"), p_star=[0.01, 0.1, 0.01], steps=3)
     ax = loop.plot("displacement", "area_fraction")
     there, back = ax.lines
-    assert [line.get_label() for line in ax.lines] == ["rising", "falling"] and there.get_linestyle() != back.get_linestyle()
-    assert there.get_xdata()[-1] == back.get_xdata()[0] and len(there.get_xdata()) + len(back.get_xdata()) == len(loop.steps["displacement"]) + 1
+    assert [line.get_label() for line in ax.lines] == [
+        "rising",
+        "falling",
+    ] and there.get_linestyle() != back.get_linestyle()
+    assert (
+        there.get_xdata()[-1] == back.get_xdata()[0]
+        and len(there.get_xdata()) + len(back.get_xdata()) == len(loop.steps["displacement"]) + 1
+    )
     assert ax.get_xlabel() == "displacement (nm)" and ax.get_ylabel() == "area fraction"
     contact = gfmd.contact(surface, gfmd.Body(e_star="1 GPa"), p_star=0.1)
     ax = contact.plot("gap")

@@ -13,11 +13,18 @@ BELOW = gfmd.self_affine(n=32, seed=2)
 NARROW = gfmd.law("exponential", gamma=1e-4, range=1e-4)
 
 KINDS = {"finite slopes": dict(finite_slope=True), "squeezed": dict(lower_surface=BELOW)}
-OTHERS = {"plain": {}, "hardness": dict(hardness=0.1), "held": dict(components="held"), "law": dict(law=gfmd.law("morse", gamma=1e-4, range=5e-3))}
+OTHERS = {
+    "plain": {},
+    "hardness": dict(hardness=0.1),
+    "held": dict(components="held"),
+    "law": dict(law=gfmd.law("morse", gamma=1e-4, range=5e-3)),
+}
 
 
 @pytest.mark.parametrize("kind", OTHERS)
-@pytest.mark.parametrize("load", [dict(p_star=0.05), dict(approach=0.01), dict(mean_pressure=0.004)], ids=["p_star", "approach", "pressure"])
+@pytest.mark.parametrize(
+    "load", [dict(p_star=0.05), dict(approach=0.01), dict(mean_pressure=0.004)], ids=["p_star", "approach", "pressure"]
+)
 def test_the_program_finds_in_a_saved_file_what_it_computes_itself(kind, load, tmp_path, run_program):
     gfmd.contact(SMALL, BODY, **OTHERS[kind], **load).save(tmp_path / "c.h5")
     assert run_program("check", str(tmp_path / "c.h5"))["differences"] == []
@@ -46,7 +53,9 @@ def test_finite_slopes_change_the_contact_and_vanish_with_the_slope():
     gaps = []
     for scale in (1.0, 0.01):
         s = gfmd.Surface(scale * SMALL.heights)
-        steep, small = (gfmd.contact(s, BODY, p_star=0.1, finite_slope=finite, tolerance=1e-10) for finite in (True, False))
+        steep, small = (
+            gfmd.contact(s, BODY, p_star=0.1, finite_slope=finite, tolerance=1e-10) for finite in (True, False)
+        )
         gaps.append(abs(steep.projected_area_fraction / small.area_fraction - 1.0))
         assert steep.residual.lateral_displacement <= 1e-10 and np.isnan(steep.stiffness) and not small.finite_slope
         # The mean shear is that of the pressure along the normal; it balances no load.
@@ -61,10 +70,14 @@ def test_a_slab_between_two_surfaces_is_in_equilibrium_and_knows_which_face_is_w
     c = gfmd.contact(SMALL, BODY, p_star=0.05, lower_surface=BELOW)
     assert c.lower.mean_pressure == pytest.approx(c.mean_pressure, rel=1e-8) and float(c.lower.residual) <= 1e-8
     assert np.all(c.lower_pressure * c.lower_gap == 0.0) or c.lower.residual.complementarity <= 1e-8
-    assert np.mean(c.lower_pressure > 0.0) == c.lower.area_fraction and c.lower_gap.mean() == pytest.approx(c.lower.mean_gap, rel=1e-12)
+    assert np.mean(c.lower_pressure > 0.0) == c.lower.area_fraction and c.lower_gap.mean() == pytest.approx(
+        c.lower.mean_gap, rel=1e-12
+    )
     turned = gfmd.contact(BELOW, BODY, mean_pressure=c.mean_pressure, lower_surface=SMALL)
     assert np.allclose(turned.pressure, c.lower_pressure, atol=1e-6 * c.max_pressure, rtol=0)
-    assert np.allclose(turned.lower_displacement_z, -c.displacement_z, atol=1e-6 * np.abs(c.displacement_z).max(), rtol=0)
+    assert np.allclose(
+        turned.lower_displacement_z, -c.displacement_z, atol=1e-6 * np.abs(c.displacement_z).max(), rtol=0
+    )
     assert turned.approach == pytest.approx(c.approach, rel=1e-7) and c.lower_surface is BELOW
     flat = gfmd.contact(SMALL, BODY, p_star=0.05, lower_surface=np.zeros((32, 32)))
     assert flat.lower.area_fraction > 0.9 and flat.lower_surface.size == SMALL.size
@@ -72,15 +85,26 @@ def test_a_slab_between_two_surfaces_is_in_equilibrium_and_knows_which_face_is_w
 
 def test_several_loads_have_arrays_of_everything(tmp_path):
     cs = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.1], lower_surface=BELOW)
-    assert cs.lower_gap.shape == (2, 32, 32) and cs.lower.area_fraction.shape == (2,) and cs.lower.residual.max() <= 1e-8
+    assert (
+        cs.lower_gap.shape == (2, 32, 32) and cs.lower.area_fraction.shape == (2,) and cs.lower.residual.max() <= 1e-8
+    )
     cs.save(tmp_path / "cs.h5")
     again = gfmd.load(tmp_path / "cs.h5")
-    assert np.array_equal(again.lower.mean_gap, cs.lower.mean_gap) and np.array_equal(again.lower_pressure, cs.lower_pressure)
-    assert np.array_equal(again[0].lower_surface.heights, BELOW.heights) and isinstance(again[0].lower.contact_nodes, int)
+    assert np.array_equal(again.lower.mean_gap, cs.lower.mean_gap) and np.array_equal(
+        again.lower_pressure, cs.lower_pressure
+    )
+    assert np.array_equal(again[0].lower_surface.heights, BELOW.heights) and isinstance(
+        again[0].lower.contact_nodes, int
+    )
     steep = gfmd.contacts(SMALL, BODY, p_star=[0.01, 0.1], finite_slope=True)
     assert steep.mean_shear.shape == (2, 2) and steep.displacement_y.shape == (2, 32, 32)
     xarray = pytest.importorskip("xarray")
-    for contacts, name in ((cs, "lower_residual_load"), (cs, "lower_displacement_z"), (steep, "mean_shear"), (steep, "displacement_x")):
+    for contacts, name in (
+        (cs, "lower_residual_load"),
+        (cs, "lower_displacement_z"),
+        (steep, "mean_shear"),
+        (steep, "displacement_x"),
+    ):
         assert isinstance(contacts.to_xarray()[name], xarray.DataArray), name
 
 
@@ -102,7 +126,10 @@ def test_what_does_not_go_together_is_named():
         (dict(finite_slope=1), "finite_slope is 1"),
         (dict(finite_slope=True, law=law), "law is morse; it must be hard-wall with finite_slope"),
         (dict(finite_slope=True, hardness=1.0), "hardness is given"),
-        (dict(finite_slope=True, boundary="free", body=half_space), "boundary is free; it must be periodic with finite_slope"),
+        (
+            dict(finite_slope=True, boundary="free", body=half_space),
+            "boundary is free; it must be periodic with finite_slope",
+        ),
         (dict(finite_slope=True, components="all"), "components is all"),
         (dict(finite_slope=True, solver="cg"), "solver: "),
         (dict(finite_slope=True, lower_surface=BELOW), "finite_slope is given; it must be left out with lower_surface"),
@@ -118,7 +145,7 @@ def test_what_does_not_go_together_is_named():
         (dict(start=steep), "start has finite_slope=True"),
         (dict(start=squeezed), "start has a lower_surface"),
         (dict(start=plain, lower_surface=BELOW), "start has no lower_surface"),
-        (dict(coarse="no"), "coarse is \"no\""),
+        (dict(coarse="no"), 'coarse is "no"'),
         (dict(range_continuation=True), "range_continuation: the law hard-wall has no range"),
         (dict(range_continuation=True, law=law, start=plain), "range_continuation and start are both given"),
     ]:

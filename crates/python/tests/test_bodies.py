@@ -7,7 +7,16 @@ import gfmd
 import numpy as np
 import pytest
 
-COATED = dict(young=2.0, poisson=0.3, height=0.05, layers=[(1.0, 0.4, 0.1)], base="half-space", base_young=10.0, base_poisson=0.2, second_body=(3.0, 0.3))
+COATED = dict(
+    young=2.0,
+    poisson=0.3,
+    height=0.05,
+    layers=[(1.0, 0.4, 0.1)],
+    base="half-space",
+    base_young=10.0,
+    base_poisson=0.2,
+    second_body=(3.0, 0.3),
+)
 
 
 def test_a_body_has_its_layers_and_the_modulus_of_p_star():

@@ -1,7 +1,7 @@
 """Sentences of README and docs with numbers in them are those that the data of the repository make.
 
-The tables between `<!-- results: NAME -->` are compared by `cargo xtask results --check`; here are the numbers in running text. A
-sentence that is reworded is changed here, too; a number that changes fails here first.
+The tables between `<!-- results: NAME -->` are compared by `cargo xtask results --check`; here are the numbers in
+running text. A sentence that is reworded is changed here, too; a number that changes fails here first.
 """
 
 import json
@@ -60,7 +60,9 @@ def ratios(column):
 
 def pairs():
     """The fewest and the most transform pairs of gfmd in docs/benchmarks.md."""
-    counts = [float(row[4].split("/")[1]) for row in rows("docs/benchmarks.md", "Iterations / transform pairs computed")]
+    counts = [
+        float(row[4].split("/")[1]) for row in rows("docs/benchmarks.md", "Iterations / transform pairs computed")
+    ]
     return min(counts), max(counts)
 
 
@@ -89,7 +91,9 @@ def claims():
     falls = f"κ falls with H towards Persson's {PERSSON:.3f}"
     yield "docs/results.md", f"{falls}; Bush, Gibson and Thomas have {BUSH:.3f} for any H"
     points = [ladder(hurst) for hurst in HURSTS]
-    yield "docs/results.md", "at 1/ε_f = 128 κ is " + ", ".join(f"{point['kappa'] - point['edge']:.3f}" for point in points)
+    yield "docs/results.md", "at 1/ε_f = 128 κ is " + ", ".join(
+        f"{point['kappa'] - point['edge']:.3f}" for point in points
+    )
     yield "docs/results.md", f"κ is higher by {ladder(0.8)['edge']:.2f} (H = 0.8) to {ladder(0.0)['edge']:.2f} (H = 0)"
     yield "README.md", f"{cited['kappa']:.3f} ± {half(cited):.3f} for H = 0.8"
 

@@ -1,8 +1,9 @@
-"""Combinations at random: every attribute of Python is the number of the program, of its JSON and of its HDF5, bit for bit.
+"""Combinations at random: every attribute of Python is the number of the program, of its JSON and of its HDF5, bit for
+bit.
 
-`GFMD_COMBINATIONS=1000 pytest -s crates/python/tests/test_combinations.py` takes so many (default: 40) and prints counts;
-`GFMD_COMBINATION=N` takes the case N alone. The numbers themselves are compared with their definitions by the test of that name of the program
-(docs/reliability.md, "Random combinations").
+`GFMD_COMBINATIONS=1000 pytest -s crates/python/tests/test_combinations.py` takes so many (default: 40) and prints
+counts; `GFMD_COMBINATION=N` takes the case N alone. The numbers themselves are compared with their definitions by the
+test of that name of the program (docs/reliability.md, "Random combinations").
 """
 
 import collections
@@ -33,7 +34,10 @@ def draw(index, folder):
     length = [round(dice.uniform(0.7, 1.5), 3), 1.0 if is_line else round(dice.uniform(0.7, 1.5), 3)]
     x, y = np.meshgrid(np.arange(n[0]) / n[0], np.arange(n[1]) / n[1], indexing="ij")
     heights = sum(
-        0.005 * dice.random() * np.cos(2 * np.pi * (dice.randint(0, 2) * x + (0 if is_line else dice.randint(0, 2)) * y) + dice.uniform(0, 6)) for _ in range(5)
+        0.005
+        * dice.random()
+        * np.cos(2 * np.pi * (dice.randint(0, 2) * x + (0 if is_line else dice.randint(0, 2)) * y) + dice.uniform(0, 6))
+        for _ in range(5)
     )
     heights = heights + 0.001 * np.random.default_rng(index).random(n)
     heights = heights[:, 0] if is_line else heights
@@ -49,7 +53,9 @@ def draw(index, folder):
     if kind == "lower" or chance(0.5):
         body["height"] = round(dice.uniform(0.3, 0.8), 3)
         if chance(0.4):
-            body["layers"] = [(round(dice.uniform(0.5, 3), 3), dice.choice([0.0, 0.3, 0.5]), round(dice.uniform(0.1, 0.4), 3))]
+            body["layers"] = [
+                (round(dice.uniform(0.5, 3), 3), dice.choice([0.0, 0.3, 0.5]), round(dice.uniform(0.1, 0.4), 3))
+            ]
         base = "bonded" if kind == "lower" or is_free else dice.choice(["bonded", "sliding", "free", "half-space"])
         if base != "bonded":
             body["base"] = base
@@ -71,7 +77,10 @@ def draw(index, folder):
         options["boundary"] = "free"
     has_friction = False
     if kind in ("plain", "path"):
-        choice = dice.choice(["wall", "wall", "exponential", "morse", "dugdale", "hardness", "field"] + ["friction"] * 2 * (kind == "path"))
+        choice = dice.choice(
+            ["wall", "wall", "exponential", "morse", "dugdale", "hardness", "field"]
+            + ["friction"] * 2 * (kind == "path")
+        )
         if choice in ("exponential", "morse", "dugdale"):
             gamma = round(1e-4 * dice.uniform(0.5, 2), 7)
             scale = 0.01 if n[1] > 1 else 0.005
@@ -104,8 +113,12 @@ def draw(index, folder):
     if tolerance != 1e-8:
         words.append("--tol=1e-6")
         options["tolerance"] = 1e-6
-    is_floating = is_free and is_line and body.get("base", "bonded" if "height" in body else None) in (None, "half-space")
-    control = dice.choice(["pressure", "p-star"] if kind == "all" or is_floating else ["pressure", "p-star", "displacement"])
+    is_floating = (
+        is_free and is_line and body.get("base", "bonded" if "height" in body else None) in (None, "half-space")
+    )
+    control = dice.choice(
+        ["pressure", "p-star"] if kind == "all" or is_floating else ["pressure", "p-star", "displacement"]
+    )
     count = dice.randint(2, 3) if is_path else dice.randint(1, 3)
     scale = {"pressure": 0.02, "p-star": 0.3, "displacement": 0.003}[control]
     loads = [round(scale * dice.uniform(0.1, 1), 6) for _ in range(count)]
@@ -161,9 +174,17 @@ def compare_contacts(found, report, file, folder):
                 equal(table[name].transpose("load", "x", "y").values, values[...], f"{name} of xarray")
         for key in set(loads[0]) - set(BESIDE):
             if not isinstance(loads[0][key], (dict, list)):
-                equal(table[key].values, [math.nan if load[key] is None else load[key] for load in loads], f"{key} of xarray")
+                equal(
+                    table[key].values,
+                    [math.nan if load[key] is None else load[key] for load in loads],
+                    f"{key} of xarray",
+                )
                 stored = made["loads"][key][...]
-                equal(np.where(np.isfinite(stored), stored, math.nan), [math.nan if load[key] is None else load[key] for load in loads], f"{key} of HDF5")
+                equal(
+                    np.where(np.isfinite(stored), stored, math.nan),
+                    [math.nan if load[key] is None else load[key] for load in loads],
+                    f"{key} of HDF5",
+                )
     read = gfmd.load(file)
     for contact, written in zip(found, [read] if isinstance(read, gfmd.Contact) else read):
         equal(written, {key: value for key, value in contact.items() if not isinstance(value, gfmd.Record)}, "read")
@@ -175,7 +196,16 @@ def compare_path(found, report, file):
         assert set(step) - set(BESIDE) == set(found.steps) - set(BESIDE)
         for key in set(step) - set(BESIDE):
             equal(found.steps[key][index], step[key], f"step {index}: {key}")
-    for key in ("dissipated", "dissipated_error", "extra_solves", "lowest_mean_pressure", "direction", "e_star", "rms_gradient", "rms_height"):
+    for key in (
+        "dissipated",
+        "dissipated_error",
+        "extra_solves",
+        "lowest_mean_pressure",
+        "direction",
+        "e_star",
+        "rms_gradient",
+        "rms_height",
+    ):
         equal(found[key], report[key], key)
     assert found.parted_at == report["parted_at"]
     with h5py.File(file) as made:
@@ -203,11 +233,17 @@ def test_python_has_the_numbers_of_the_program(tmp_path):
                 found, raised = None, error
             if status == 0:
                 assert raised is None, f"Python: {raised}"
-                compare_path(found, report, file) if command == "path" else compare_contacts(found, report, file, tmp_path)
+                (
+                    compare_path(found, report, file)
+                    if command == "path"
+                    else compare_contacts(found, report, file, tmp_path)
+                )
             elif status == 2:
                 assert isinstance(raised, gfmd.InputError), f"Python: {raised!r}; the program refuses: {reported}"
             else:
-                assert status == 1 and isinstance(raised, gfmd.NotConverged), f"Python: {raised!r}; the program: {reported}"
+                assert status == 1 and isinstance(
+                    raised, gfmd.NotConverged
+                ), f"Python: {raised!r}; the program: {reported}"
             ends["solved" if status == 0 else "refused" if status == 2 else "not converged"] += 1
         except (AssertionError, AttributeError, KeyError) as error:
             bad.append(f"GFMD_COMBINATION={index}: {command} {' '.join(words)}\n    {type(error).__name__}: {error}")

@@ -42,12 +42,17 @@ def test_a_surface_that_is_held_sideways_is_stiffer():
 def test_components_that_cannot_be_unknown_are_named():
     law = gfmd.law("morse", gamma=1e-4, range=5e-3)
     for call, words in [
-        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="both"), "components is \"both\""),
+        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="both"), 'components is "both"'),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", law=law), "components is all"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", hardness=1.0), "components is all"),
         (lambda: gfmd.contact(SMALL, BODY, approach=0.01, components="all"), "approach"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="all", solver="cg"), "solver"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, components="held", start=gfmd.contact(SMALL, BODY, p_star=0.1)), "start has components='normal'"),
+        (
+            lambda: gfmd.contact(
+                SMALL, BODY, p_star=0.1, components="held", start=gfmd.contact(SMALL, BODY, p_star=0.1)
+            ),
+            "start has components='normal'",
+        ),
     ]:
         with pytest.raises(gfmd.InputError) as reported:
             call()
@@ -56,7 +61,11 @@ def test_components_that_cannot_be_unknown_are_named():
 
 def test_a_punch_has_dynamics_of_its_own_and_their_history():
     wanted = gfmd.punch(n=12, tolerance=1e-9).mean_pressure
-    given = [dict(solver="verlet-modes", dt=0.5), dict(solver="verlet-critical", dt=0.5, damping=2.0), dict(solver="verlet-critical", damping=[1.0, 1.0, 0.8])]
+    given = [
+        dict(solver="verlet-modes", dt=0.5),
+        dict(solver="verlet-critical", dt=0.5, damping=2.0),
+        dict(solver="verlet-critical", damping=[1.0, 1.0, 0.8]),
+    ]
     for options in given:
         modes, points = [(1, 0, "x"), (-1, 2, "z")], [(0.635, 0.635, "z")]
         punch = gfmd.punch(n=12, tolerance=1e-9, history=True, history_modes=modes, history_points=points, **options)

@@ -45,8 +45,12 @@ def words(tmp_path_factory):
         "c": contacts[1],
         "cs": contacts,
         "punch": gfmd.punch(n=32),
-        "loop": gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=law, approach=[-0.004, 0.004, -0.007], steps=4),
-        "k": gfmd.kappa_sweep({"points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}}),
+        "loop": gfmd.path(
+            gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=law, approach=[-0.004, 0.004, -0.007], steps=4
+        ),
+        "k": gfmd.kappa_sweep(
+            {"points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}}
+        ),
     }
 
 
@@ -61,12 +65,28 @@ def test_it_is_documented(name):
     if not (isinstance(NAMES[name], property) or isinstance(NAMES[name], type) and issubclass(NAMES[name], ERRORS)):
         assert ">>> " in text, "an example"
     if isinstance(NAMES[name], property):
-        assert any(word in text for word in ("[x, y]", "length", "stress", "without unit", "points", "unit", "origin", "of the file", "in the file", "by name")), "shape or unit"
+        assert any(
+            word in text
+            for word in (
+                "[x, y]",
+                "length",
+                "stress",
+                "without unit",
+                "points",
+                "unit",
+                "origin",
+                "of the file",
+                "in the file",
+                "by name",
+            )
+        ), "shape or unit"
 
 
 @pytest.mark.parametrize("name", CALLED)
 def test_arguments_and_errors_are_documented(name):
-    text, parameters = inspect.getdoc(CALLED[name]), [key for key in inspect.signature(CALLED[name]).parameters if key != "self"]
+    text, parameters = inspect.getdoc(CALLED[name]), [
+        key for key in inspect.signature(CALLED[name]).parameters if key != "self"
+    ]
     reported = text.split("Args:")[1].split("Raises:")[0] if "Args:" in text else ""
     for key in parameters:
         assert f"{key}:" in reported or f"{key}," in reported or f"`{key}`" in reported, key
@@ -102,10 +122,14 @@ def test_the_module_and_the_page_of_the_package_run(words, tmp_path, monkeypatch
 
 def test_results_have_the_attributes_that_are_documented(words):
     adhesive = gfmd.contact(words["s"], gfmd.Body(), approach=0.001, law=gfmd.law("morse", gamma=1e-4, range=5e-3))
-    rubbed = gfmd.friction(gfmd.self_affine(n=16), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1)
+    rubbed = gfmd.friction(
+        gfmd.self_affine(n=16), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1
+    )
     indented = gfmd.path(gfmd.self_affine(n=16), gfmd.Body(), p_star=[0.1], hardness=0.05, steps=1)
     steep = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, finite_slope=True)
-    squeezed = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(height=0.5), p_star=0.05, lower_surface=np.zeros((16, 16)))
+    squeezed = gfmd.contact(
+        gfmd.self_affine(n=16), gfmd.Body(height=0.5), p_star=0.05, lower_surface=np.zeros((16, 16))
+    )
     slab = gfmd.self_affine(n=16)
     rubber = gfmd.Body(prony=[(0.1, 0.3)])
     creeping = gfmd.path(slab, rubber, p_star=0.05, time=[0, 1], steps=1, flow=True, grid_error="refine")
@@ -116,8 +140,17 @@ def test_results_have_the_attributes_that_are_documented(words):
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm)]
     examples = [
-        (gfmd.Contact, [words["c"], adhesive, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
-                        gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1), steep, squeezed]),
+        (
+            gfmd.Contact,
+            [
+                words["c"],
+                adhesive,
+                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
+                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1),
+                steep,
+                squeezed,
+            ],
+        ),
         (gfmd.Path, [words["loop"], rubbed, indented]),
         (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn)]),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
@@ -129,12 +162,21 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.KappaSweep, [words["k"]]),
         (gfmd.Statistics, [words["s"].statistics()]),
         (gfmd.Body, [gfmd.Body()]),
-        (gfmd.Residual, [words["c"].residual, gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1).residual,
-                         gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, components="all").residual, steep.residual]),
+        (
+            gfmd.Residual,
+            [
+                words["c"].residual,
+                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1).residual,
+                gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, components="all").residual,
+                steep.residual,
+            ],
+        ),
     ]
     for kind, results in examples:
         typed = {key for key in kind.__annotations__ if not key.startswith("_")} | set(kind._declared())
-        found = {key for result in results for key in result} | {key for key in typed if all(hasattr(result, key) for result in results)}
+        found = {key for result in results for key in result} | {
+            key for key in typed if all(hasattr(result, key) for result in results)
+        }
         extra = {"refinement"} if kind is gfmd.Punch else set()
         assert found == typed | extra, (kind, found ^ typed)
         text = inspect.getdoc(kind)

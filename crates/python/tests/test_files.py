@@ -18,7 +18,9 @@ CASES = {
         ("path", "--surface", "h.npy", "--p-star", "0.05,0.01", "--steps", "2"),
     ),
     "friction": (
-        lambda **more: gfmd.friction(ROUGH, gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1, **more),
+        lambda **more: gfmd.friction(
+            ROUGH, gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.001], steps=1, **more
+        ),
         ("path", "--surface", "h.npy", "--p-star", "0.05", "--friction", "0.3", "--lateral", "0,0.001", "--steps", "1"),
     ),
     "creep": (
@@ -38,14 +40,43 @@ CASES = {
         ("slide", "--surface", "h.npy", *PRONY, "--velocity", "0.01,1", "--p-star", "0.05"),
     ),
     "heat": (
-        lambda **more: gfmd.slide(ROUGH, gfmd.Body(), velocity=1.0, p_star=0.05, heat=(1, 0.01, 0.2, 0.1), friction=0.3, **more),
-        ("slide", "--surface", "h.npy", "--velocity", "1", "--p-star", "0.05", "--heat", "1,0.01,0.2,0.1", "--friction", "0.3"),
+        lambda **more: gfmd.slide(
+            ROUGH, gfmd.Body(), velocity=1.0, p_star=0.05, heat=(1, 0.01, 0.2, 0.1), friction=0.3, **more
+        ),
+        (
+            "slide",
+            "--surface",
+            "h.npy",
+            "--velocity",
+            "1",
+            "--p-star",
+            "0.05",
+            "--heat",
+            "1,0.01,0.2,0.1",
+            "--friction",
+            "0.3",
+        ),
     ),
     "punch": (lambda **more: gfmd.punch(n=16, history=True, **more), ("punch", "--n", "16", "--history")),
-    "strip": (lambda **more: gfmd.punch(n=16, dim=2, refine=2, **more), ("punch", "--n", "16", "--dim", "2", "--refine", "2")),
+    "strip": (
+        lambda **more: gfmd.punch(n=16, dim=2, refine=2, **more),
+        ("punch", "--n", "16", "--dim", "2", "--refine", "2"),
+    ),
 }
 # Words about the run, and about the surface, which is a file of one and an array of the other.
-OWN = {"command", "created", "config", "content_sha256", "description", "file", "file_sha256", "format", "notes", "details", "threads"}
+OWN = {
+    "command",
+    "created",
+    "config",
+    "content_sha256",
+    "description",
+    "file",
+    "file_sha256",
+    "format",
+    "notes",
+    "details",
+    "threads",
+}
 
 
 def contents(path):
@@ -56,7 +87,10 @@ def contents(path):
 
         def see(name, thing):
             about = {key: value for key, value in thing.attrs.items() if key not in OWN and "LIST" not in key}
-            found[name] = (thing[()] if isinstance(thing, h5py.Dataset) and not name.endswith("seconds") else None, about)
+            found[name] = (
+                thing[()] if isinstance(thing, h5py.Dataset) and not name.endswith("seconds") else None,
+                about,
+            )
 
         see("", file)
         file.visititems(see)
@@ -87,12 +121,17 @@ def test_the_file_is_that_of_the_program(case, folder, run_program):
     # Saved later, and after a pickle: the same bytes.
     result.save("later.h5")
     pickle.loads(pickle.dumps(result)).save("pickled.h5")
-    assert (folder / "later.h5").read_bytes() == (folder / "ours.h5").read_bytes() == (folder / "pickled.h5").read_bytes()
+    assert (
+        (folder / "later.h5").read_bytes() == (folder / "ours.h5").read_bytes() == (folder / "pickled.h5").read_bytes()
+    )
     run_program("check", "later.h5")
     # The page and its figures.
     run_program("report", "theirs.h5", "--out", "theirs.html")
     result.report("ours.html")
-    drawn = [[re.sub(r"figure\d+", "", svg) for svg in re.findall("<svg.*?</svg>", (folder / name).read_text(), re.S)] for name in ("ours.html", "theirs.html")]
+    drawn = [
+        [re.sub(r"figure\d+", "", svg) for svg in re.findall("<svg.*?</svg>", (folder / name).read_text(), re.S)]
+        for name in ("ours.html", "theirs.html")
+    ]
     assert drawn[0] == drawn[1] and len(drawn[0]) == len(result.figures()) > 1
 
 
@@ -127,7 +166,10 @@ def test_fields_below_have_the_units_of_their_contact(folder):
     contact = gfmd.contact(surface, gfmd.Body(young="3 MPa"), p_star=0.05)
     below = contact.interior(depths=["0.5 um"], out="below.h5")
     assert (below.unit, below.stress_unit) == ("µm", "Pa")
-    units = {name: contents("below.h5")[f"fields/{name}"][1]["units"] for name in ("displacement", "stress", "strain", "energy_density", "x")}
+    units = {
+        name: contents("below.h5")[f"fields/{name}"][1]["units"]
+        for name in ("displacement", "stress", "strain", "energy_density", "x")
+    }
     assert units == {"displacement": "µm", "stress": "Pa", "strain": "1", "energy_density": "Pa", "x": "µm"}
 
 

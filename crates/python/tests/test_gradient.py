@@ -15,7 +15,14 @@ def number(c):
     """A number that depends on everything."""
     # A law without a wall leaves a gap where it repels.
     open_gap = c.gap if c.law.name == "morse" else np.where(c.pressure > 0, 0.0, c.gap)
-    return (PRESSURE * c.pressure).sum() + (GAP * open_gap).sum() + 3 * c.approach + 5 * open_gap.mean() + 7 * c.elastic_energy - 2 * c.mean_pressure
+    return (
+        (PRESSURE * c.pressure).sum()
+        + (GAP * open_gap).sum()
+        + 3 * c.approach
+        + 5 * open_gap.mean()
+        + 7 * c.elastic_energy
+        - 2 * c.mean_pressure
+    )
 
 
 COTANGENTS = dict(pressure=PRESSURE, gap=GAP, approach=3.0, mean_gap=5.0, elastic_energy=7.0, mean_pressure=-2.0)
@@ -57,7 +64,9 @@ def test_derivatives_are_difference_quotients(load, options):
         moved[i, j] = step
         quotient = (number(solve(HEIGHTS + moved)) - number(solve(HEIGHTS - moved))) / (2 * step)
         assert found.heights[i, j] == pytest.approx(quotient, rel=1e-4, abs=1e-4)
-    quotient = (number(solve(**{kind: value * (1 + 1e-6)})) - number(solve(**{kind: value * (1 - 1e-6)}))) / (2e-6 * value)
+    quotient = (number(solve(**{kind: value * (1 + 1e-6)})) - number(solve(**{kind: value * (1 - 1e-6)}))) / (
+        2e-6 * value
+    )
     assert found.load == pytest.approx(quotient, rel=1e-5)
     bodies = [gfmd.Body(e_star=own.e_star * (1 + change), poisson=0.3, height=own.height) for change in (1e-6, -1e-6)]
     quotient = (number(solve(body=bodies[0])) - number(solve(body=bodies[1]))) / (2e-6 * own.e_star)
@@ -127,8 +136,12 @@ def test_torch_differentiates_through_a_contact():
     found = gfmd.torch.contact(heights, BODY, mean_pressure=load, tolerance=1e-12)
     value = (torch.tensor(PRESSURE) * found.pressure).sum() + 3 * found.approach + (found.gap * torch.tensor(GAP)).sum()
     value.backward()
-    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(pressure=PRESSURE, gap=GAP, approach=3.0)
-    assert heights.grad.numpy() == pytest.approx(wanted.heights, rel=1e-9) and float(load.grad) == pytest.approx(wanted.load)
+    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(
+        pressure=PRESSURE, gap=GAP, approach=3.0
+    )
+    assert heights.grad.numpy() == pytest.approx(wanted.heights, rel=1e-9) and float(load.grad) == pytest.approx(
+        wanted.load
+    )
 
 
 def test_jax_differentiates_through_a_contact():
@@ -140,7 +153,11 @@ def test_jax_differentiates_through_a_contact():
         found = gfmd.jax.contact(heights, BODY, mean_pressure=load, tolerance=1e-12)
         return (PRESSURE * found.pressure).sum() + 3 * found.approach + (found.gap * GAP).sum()
 
-    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(pressure=PRESSURE, gap=GAP, approach=3.0)
+    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(
+        pressure=PRESSURE, gap=GAP, approach=3.0
+    )
     for differentiate in (jax.grad(value, argnums=(0, 1)), jax.jit(jax.grad(value, argnums=(0, 1)))):
         by_heights, by_load = differentiate(HEIGHTS.copy(), 0.02)
-        assert np.asarray(by_heights) == pytest.approx(wanted.heights, rel=1e-9) and float(by_load) == pytest.approx(wanted.load)
+        assert np.asarray(by_heights) == pytest.approx(wanted.heights, rel=1e-9) and float(by_load) == pytest.approx(
+            wanted.load
+        )

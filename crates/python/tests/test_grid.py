@@ -17,7 +17,9 @@ def agree(coarse, fine, names=NAMES):
 
 def test_two_grids_tell_the_error_of_the_first_also_where_one_does_not():
     [surface, fine] = [gfmd.self_affine(n=n, **ROUGH) for n in (48, 192)]
-    estimate, refined, none = [gfmd.contact(surface, BODY, p_star=0.1, grid_error=way) for way in ("estimate", "refine", "none")]
+    estimate, refined, none = [
+        gfmd.contact(surface, BODY, p_star=0.1, grid_error=way) for way in ("estimate", "refine", "none")
+    ]
     assert estimate.area_fraction == refined.area_fraction == none.area_fraction
     assert "area_fraction_limit" not in none
     agree(estimate, gfmd.contact(fine, BODY, p_star=0.1))
@@ -27,7 +29,9 @@ def test_two_grids_tell_the_error_of_the_first_also_where_one_does_not():
     assert np.isnan(gfmd.contact(surface, slab, p_star=0.1).area_fraction_limit)
     agree(*[gfmd.contact(s, slab, p_star=0.1, grid_error="refine") for s in (surface, fine)])
     several = gfmd.contacts(surface, slab, p_star=[0.05, 0.1], grid_error="refine")
-    assert several[1].area_fraction_limit == pytest.approx(gfmd.contact(surface, slab, p_star=0.1, grid_error="refine").area_fraction_limit, rel=1e-6)
+    assert several[1].area_fraction_limit == pytest.approx(
+        gfmd.contact(surface, slab, p_star=0.1, grid_error="refine").area_fraction_limit, rel=1e-6
+    )
 
 
 def test_the_grid_is_made_finer_until_all_numbers_are_that_exact():
@@ -52,7 +56,9 @@ def test_a_path_on_a_finer_grid_tells_the_error_of_the_pull_off():
     assert np.isnan(one.steps.area_fraction_limit).all() and np.isfinite(two.steps.area_fraction_limit).all()
     assert "not with a law" in one.undefined["area_fraction_limit"]
     wall = gfmd.path(surface, BODY, p_star=[0.1], steps=1, lateral=0.001)
-    assert wall.steps.mean_shear_limit.shape == wall.steps.mean_shear.shape and np.isnan(wall.steps.mean_shear_limit).all()
+    assert (
+        wall.steps.mean_shear_limit.shape == wall.steps.mean_shear.shape and np.isnan(wall.steps.mean_shear_limit).all()
+    )
 
 
 @pytest.mark.parametrize(

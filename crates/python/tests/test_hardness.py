@@ -30,7 +30,10 @@ def test_a_hardness_that_cannot_be_used_is_named():
     for call, words in [
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=-1), "hardness is -1; it must be positive"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness="x"), "hardness is 'x'"),
-        (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=1, law=gfmd.law("morse", gamma=1e-4, range=5e-3)), "hardness is given"),
+        (
+            lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=1, law=gfmd.law("morse", gamma=1e-4, range=5e-3)),
+            "hardness is given",
+        ),
         (lambda: gfmd.contact(SMALL, BODY, mean_pressure=0.2, hardness=0.1), "mean_pressure: the mean pressure is 0.2"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=1, solver="cg"), "solver: "),
     ]:

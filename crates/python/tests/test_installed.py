@@ -65,7 +65,10 @@ def test_it_lives_beside_h5py(first, second, tmp_path):
 
 @needs_wheel
 def test_the_wheel_brings_its_hdf5_and_shows_nothing_of_it(tmp_path):
-    code = "import gfmd\nc = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.1)\nc.save('c.h5')\nassert gfmd.load('c.h5').p_star > 0\nprint(open('/proc/self/maps').read())"
+    code = (
+        "import gfmd\nc = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.1)\nc.save('c.h5')\nassert"
+        " gfmd.load('c.h5').p_star > 0\nprint(open('/proc/self/maps').read())"
+    )
     if Path("/proc/self/maps").exists():
         assert "hdf5" not in python(code, cwd=tmp_path).lower()
     with zipfile.ZipFile(WHEEL) as wheel:
@@ -77,7 +80,9 @@ def test_the_wheel_brings_its_hdf5_and_shows_nothing_of_it(tmp_path):
         licences = [name for name in names if "/licenses/" in name]
         assert any("HDF5" in name for name in licences) and any("MIT" in name for name in licences), names
     if sys.platform == "linux" and shutil.which("nm"):
-        shown = subprocess.run(["nm", "-D", "--defined-only", tmp_path / native], capture_output=True, text=True, check=True).stdout
+        shown = subprocess.run(
+            ["nm", "-D", "--defined-only", tmp_path / native], capture_output=True, text=True, check=True
+        ).stdout
         assert [line.split()[-1] for line in shown.splitlines()] == ["PyInit__gfmd"]
         needed = subprocess.run(["ldd", tmp_path / native], capture_output=True, text=True, check=True).stdout
         assert not re.search("hdf5|libz|stdc", needed), needed
@@ -94,18 +99,39 @@ def test_the_program_is_installed(tmp_path):
     assert done.returncode == 0 and done.stdout.split() == ["gfmd", gfmd.__version__]
     done = subprocess.run([program(), "contact", "--n=16", "--p-star=-1"], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 2 and done.stdout == "" and done.stderr.startswith("error: --p-star is -1;")
-    done = subprocess.run([program(), "contact", "--n=32", "--p-star=0.1", "--out=c.h5", "--plots=c"], capture_output=True, text=True, cwd=tmp_path)
+    done = subprocess.run(
+        [program(), "contact", "--n=32", "--p-star=0.1", "--out=c.h5", "--plots=c"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
     assert done.returncode == 0, done.stderr
-    assert gfmd.load(tmp_path / "c.h5").area_fraction == gfmd.contact(gfmd.self_affine(n=32), gfmd.Body(), p_star=0.1).area_fraction
+    assert (
+        gfmd.load(tmp_path / "c.h5").area_fraction
+        == gfmd.contact(gfmd.self_affine(n=32), gfmd.Body(), p_star=0.1).area_fraction
+    )
     assert (tmp_path / "c-map.png").stat().st_size > 1000
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 def test_ctrl_c_ends_the_program_with_its_state_saved(tmp_path):
-    words = ["contact", "--n=64", "--p-star=0.02", "--solver=verlet-critical", "--tol=1e-15", "--max-iter=1000000000", "--out=c.h5"]
+    words = [
+        "contact",
+        "--n=64",
+        "--p-star=0.02",
+        "--solver=verlet-critical",
+        "--tol=1e-15",
+        "--max-iter=1000000000",
+        "--out=c.h5",
+    ]
     # A shell in the background has the signal ignored.
-    start = f"import os, signal; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv({program()!r}, {['gfmd', *words]!r})"
-    process = subprocess.Popen([sys.executable, "-c", start], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    start = (
+        f"import os, signal; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv({program()!r},"
+        f" {['gfmd', *words]!r})"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", start], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     try:
         while not (tmp_path / "c.h5.part").exists():
             assert process.poll() is None

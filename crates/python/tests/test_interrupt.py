@@ -22,7 +22,9 @@ ENDLESS = dict(solver="verlet-critical", tolerance=1e-15, max_iterations=10**9)
 
 @pytest.fixture
 def ctrl_c():
-    """Presses Ctrl-C some time after it is called. A shell in the background has the signal ignored, Python then too."""
+    """Presses Ctrl-C some time after it is called. A shell in the background has the signal ignored, Python then
+    too.
+    """
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     over = threading.Event()
     # Python loses an exception that a signal raises in a finaliser, such as those of figures of other tests.
@@ -73,7 +75,13 @@ def test_contacts_keep_the_loads_that_are_done(ctrl_c):
     assert np.allclose(done[:-1].p_star, loads[: len(done) - 1])
 
 
-@pytest.mark.parametrize("options", [dict(law=gfmd.law("exponential", gamma=1e-4, range=5e-3), approach=[-0.003, 0.01]), dict(friction=0.3, p_star=0.05, lateral=[0.0, 0.01])])
+@pytest.mark.parametrize(
+    "options",
+    [
+        dict(law=gfmd.law("exponential", gamma=1e-4, range=5e-3), approach=[-0.003, 0.01]),
+        dict(friction=0.3, p_star=0.05, lateral=[0.0, 0.01]),
+    ],
+)
 def test_a_path_keeps_the_steps_that_are_done(options, ctrl_c):
     ctrl_c(3.0)
     error = interrupted(lambda: gfmd.path(SMALL, BODY, steps=200_000, **options))
@@ -84,7 +92,10 @@ def test_a_path_keeps_the_steps_that_are_done(options, ctrl_c):
     assert "kept in" not in str(error)  # a file of ours, which is gone
 
 
-SWEEP = {"points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}, "statistics": {"realisations": 5000}}
+SWEEP = {
+    "points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]},
+    "statistics": {"realisations": 5000},
+}
 
 
 @pytest.mark.parametrize("named", [True, False])
@@ -109,7 +120,14 @@ def test_a_sweep_that_goes_on_ends_as_one_in_one_go(ctrl_c, tmp_path):
     assert found.fit.kappa_tfc == wanted.fit.kappa_tfc and not journal.exists()
 
 
-@pytest.mark.parametrize("call", [lambda: gfmd.contact(SMALL, BODY, p_star=0.02, **ENDLESS), lambda: gfmd.path(SMALL, BODY, p_star=[0.01, 0.1], steps=500_000)], ids=["contact", "path"])
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: gfmd.contact(SMALL, BODY, p_star=0.02, **ENDLESS),
+        lambda: gfmd.path(SMALL, BODY, p_star=[0.01, 0.1], steps=500_000),
+    ],
+    ids=["contact", "path"],
+)
 def test_exceptions_of_other_signals_come_as_they_are(call):
     class Late(Exception):
         pass

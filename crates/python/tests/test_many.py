@@ -20,7 +20,10 @@ def test_they_have_the_bits_of_one_after_the_other_whatever_the_workers():
     alone = [gfmd.contact(surface, BODY, p_star=0.05) for surface in surfaces]
     for workers in (1, 3, 16, None):
         found = list(gfmd.many(surfaces, BODY, p_star=0.05, workers=workers))
-        assert all(np.array_equal(a.pressure, b.pressure) and a.stiffness == b.stiffness for a, b in zip(alone, found, strict=True))
+        assert all(
+            np.array_equal(a.pressure, b.pressure) and a.stiffness == b.stiffness
+            for a, b in zip(alone, found, strict=True)
+        )
     several = list(gfmd.many(surfaces[:2], BODY, p_star=[0.01, 0.05]))
     assert [[c.p_star for c in cs] for cs in several] == [pytest.approx([0.01, 0.05])] * 2
     assert list(gfmd.many([], BODY, p_star=0.05)) == []

@@ -53,7 +53,9 @@ def test_the_lines_of_python_run(page, folder, monkeypatch):
             exec(block, {})
 
 
-@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/site/README.md", "packaging/README.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/site/README.md", "packaging/README.md"]
+)
 def test_links_of_pages_outside_the_site_lead_somewhere(page):
     text = re.sub(r"```.*?```", "", (ROOT / page).read_text(encoding="utf-8"), flags=re.S)
     for link in re.findall(r"\]\(([^)#\s]+)", text):

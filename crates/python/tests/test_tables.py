@@ -43,7 +43,9 @@ def test_a_table_has_units():
     scan = gfmd.self_affine(n=32, size="1 um", unit="um", eps_f_inv=4)
     in_units = gfmd.law(1e3 * GAPS, exponential(GAPS), units=("nm", "MPa"))
     sticky = gfmd.contact(scan, gfmd.Body(young="1 MPa"), law=in_units, mean_pressure="3 kPa")
-    bare = gfmd.contact(scan, gfmd.Body(young="1 MPa"), law=gfmd.law(GAPS, 1e6 * exponential(GAPS)), mean_pressure="3 kPa")
+    bare = gfmd.contact(
+        scan, gfmd.Body(young="1 MPa"), law=gfmd.law(GAPS, 1e6 * exponential(GAPS)), mean_pressure="3 kPa"
+    )
     assert sticky.approach == pytest.approx(bare.approach, rel=1e-9)
     assert sticky.law.table[1][0] == pytest.approx(GAPS[1], rel=1e-12)
 
@@ -71,7 +73,10 @@ def test_a_body_from_a_table_or_a_function_is_the_body_that_it_samples(surface, 
     waves = np.geomspace(5.0, 300.0, 300)
     half_space = gfmd.Body(e_star=2.0)
     bodies = [gfmd.Body(e_star=2.0, compliance=(waves, given)) for given in (1.0 / waves, lambda q: 1.0 / q)]
-    assert bodies[0] == bodies[1] == pickle.loads(pickle.dumps(bodies[0])) != half_space and len(bodies[0]["compliance"]) == 300
+    assert (
+        bodies[0] == bodies[1] == pickle.loads(pickle.dumps(bodies[0])) != half_space
+        and len(bodies[0]["compliance"]) == 300
+    )
     found, wanted = (gfmd.contact(surface, body, p_star=0.05, stiffness_tol=1e-9) for body in (bodies[0], half_space))
     for name in ("displacement", "mean_gap", "elastic_energy", "stiffness", "kappa"):
         assert found[name] == pytest.approx(wanted[name], rel=1e-6)
@@ -87,7 +92,11 @@ def test_a_body_from_a_table_or_a_function_is_the_body_that_it_samples(surface, 
     assert run_program("check", str(tmp_path / "b.h5"), "--rerun")["differing"] == 0
     loop = gfmd.path(surface, tabulated, mean_pressure=[0.001, 0.003], steps=1)
     assert loop.steps.mean_gap[-1] < loop.steps.mean_gap[0]
-    for ask in (lambda: found.interior(depths=[0.01]), lambda: gfmd.punch(tabulated, n=32), lambda: gfmd.green(tabulated, qx=1.0)):
+    for ask in (
+        lambda: found.interior(depths=[0.01]),
+        lambda: gfmd.punch(tabulated, n=32),
+        lambda: gfmd.green(tabulated, qx=1.0),
+    ):
         with pytest.raises(gfmd.InputError, match="compliance"):
             ask()
 
@@ -135,7 +144,9 @@ def test_a_body_by_direction_presses_waves_as_their_directions_do(tmp_path, run_
         assert np.abs(pressed.pressure - 1.5 * full - heights / softness).max() < 1e-6 * full
         # The area of a wave below the pressure of full contact, to the points of its crest.
         part = gfmd.contact(surface, body, mean_pressure=0.4 * full)
-        assert part.area_fraction == pytest.approx(2.0 / np.pi * np.arcsin(np.sqrt(0.4)), abs=2.0 * max(abs(p), abs(q)) / n)
+        assert part.area_fraction == pytest.approx(
+            2.0 / np.pi * np.arcsin(np.sqrt(0.4)), abs=2.0 * max(abs(p), abs(q)) / n
+        )
     part.save(tmp_path / "a.h5")
     assert gfmd.load(tmp_path / "a.h5").body == body
     assert run_program("check", str(tmp_path / "a.h5"), "--rerun")["differing"] == 0

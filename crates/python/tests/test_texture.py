@@ -1,4 +1,6 @@
-"""The functions that describe a surface, beside SurfaceTopography's with its conventions, and NumPy's where that has none."""
+"""The functions that describe a surface, beside SurfaceTopography's with its conventions, and NumPy's where that has
+none.
+"""
 
 import re
 
@@ -31,7 +33,10 @@ def close(found, wanted, tolerance=1e-9):
 def test_a_surface_knows_whether_it_repeats():
     assert PERIODIC.is_periodic and not SCAN.is_periodic and SCAN.periodise().is_periodic
     assert gfmd.Surface(topography(PERIODIC)).is_periodic and not gfmd.Surface(topography(SCAN)).is_periodic
-    assert PERIODIC.flip().finer(2).is_periodic and not PERIODIC.against(SCAN.heights[:1, :1] + np.zeros((96, 64))).is_periodic
+    assert (
+        PERIODIC.flip().finer(2).is_periodic
+        and not PERIODIC.against(SCAN.heights[:1, :1] + np.zeros((96, 64))).is_periodic
+    )
     assert not gfmd.self_affine(n=64, method="rmd").is_periodic
     for name in ("autocorrelation", "distributions", "scale_dependence"):
         with pytest.raises(gfmd.InputError, match="boundary is 'open'; it must be 'periodic' or 'free'"):
@@ -73,9 +78,13 @@ def test_the_areal_autocorrelation_of_a_scan():
 
 
 def test_correlation_lengths():
-    """Sal is the shortest distance to the line of 0.2, Str is one of an isotropic surface, and half of one stretched twice."""
+    """Sal is the shortest distance to the line of 0.2, Str is one of an isotropic surface, and half of one stretched
+    twice.
+    """
     found = gfmd.self_affine(n=256, eps_t_inv=8, eps_f_inv=8, seed=4)
-    once, twice = found.autocorrelation(), gfmd.Surface(found.heights, size=(1.0, 2.0)).autocorrelation(boundary="periodic")
+    once, twice = found.autocorrelation(), gfmd.Surface(found.heights, size=(1.0, 2.0)).autocorrelation(
+        boundary="periodic"
+    )
     first = np.interp(0.2, once.x.autocorrelation[:16][::-1], once.x.distance[:16][::-1])
     assert 0.75 * first < once.sal <= first * (1 + 1e-9) and 0.7 < once.str <= 1.0
     assert twice.sal == pytest.approx(once.sal, rel=0.3) and 0.35 < twice.str < 0.72
@@ -85,13 +94,17 @@ def test_correlation_lengths():
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_the_roughness_against_distance(name):
-    """Distances and values are those of `scale_dependent_statistical_property`, with the mean square as its func, of every line of points."""
+    """Distances and values are those of `scale_dependent_statistical_property`, with the mean square as its func, of
+    every line of points.
+    """
     package = pytest.importorskip("SurfaceTopography")
     surface = SURFACES[name]
     found = surface.scale_dependence()
     for axis, along in enumerate("xy"[: 1 if surface.n[1] == 1 else 2]):
         lines = np.moveaxis(np.array(surface.heights), axis, -1)
-        lines = [package.UniformLineScan(np.array(line), surface.size[axis], periodic=surface.is_periodic) for line in lines]
+        lines = [
+            package.UniformLineScan(np.array(line), surface.size[axis], periodic=surface.is_periodic) for line in lines
+        ]
         for order, quantity in ((1, "slope"), (2, "curvature")):
             own = found[f"{quantity}_{along}"]
             assert len(own.distance) >= 6 and own.distance[-1] <= surface.size[axis] / 2 * (1 + 1e-12)
@@ -101,7 +114,9 @@ def test_the_roughness_against_distance(name):
                 return property_of(lambda dx: np.mean(dx**2), n=n, distance=[distance], reliable=False)[1][0]
 
             for distance, value in list(zip(own.distance, own[quantity]))[::4]:
-                assert value == pytest.approx(np.sqrt(np.mean([mean_square(line, distance) for line in lines])), rel=1e-9)
+                assert value == pytest.approx(
+                    np.sqrt(np.mean([mean_square(line, distance) for line in lines])), rel=1e-9
+                )
 
 
 @pytest.mark.parametrize("name", SURFACES)
@@ -127,7 +142,9 @@ def test_distributions(name):
             close(values["slope_x"][:, : first[0].shape[1]], first[0])
     for part, all_values in values.items():
         own, all_values = found[part], np.ravel(all_values)
-        assert own.mean == pytest.approx(all_values.mean(), abs=1e-9 * all_values.std()) and own.deviation == pytest.approx(all_values.std())
+        assert own.mean == pytest.approx(
+            all_values.mean(), abs=1e-9 * all_values.std()
+        ) and own.deviation == pytest.approx(all_values.std())
         half = (own.value[1] - own.value[0]) / 2
         low, high = own.value[0] - half, own.value[-1] + half
         assert low == pytest.approx(max(all_values.min(), own.mean - 6 * own.deviation), abs=1e-9 * own.deviation)
@@ -140,7 +157,9 @@ def test_distributions(name):
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_the_bearing_curve(name):
-    """SurfaceTopography joins the points by triangles, of which the ratio of points is a sum with an error of the grid."""
+    """SurfaceTopography joins the points by triangles, of which the ratio of points is a sum with an error of the
+    grid.
+    """
     surface = SURFACES[name]
     found, other = surface.bearing_curve(), topography(surface)
     heights = np.sort(np.ravel(surface.heights))[::-1] - surface.heights.mean()
@@ -155,13 +174,21 @@ def test_the_core_of_a_gaussian_surface():
     """Of the normal distribution Sk is 2 z(0.7)/0.4, and the rest follows from its integrals."""
     heights = np.random.default_rng(1).standard_normal((600, 600))
     core = gfmd.Surface(heights).bearing_curve()
-    for found, wanted in ((core.sk, 2.6220), (core.spk, 0.9377), (core.svk, 0.9377), (core.smr1, 0.0949), (core.smr2, 0.9051)):
+    for found, wanted in (
+        (core.sk, 2.6220),
+        (core.spk, 0.9377),
+        (core.svk, 0.9377),
+        (core.smr1, 0.0949),
+        (core.smr2, 0.9051),
+    ):
         assert found == pytest.approx(wanted, abs=0.03)
 
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_the_spectrum(name):
-    """SurfaceTopography's density is (2 pi)^2 times ours, of a profile 2 pi times; the rings are those of multiples of 2 pi over the side."""
+    """SurfaceTopography's density is (2 pi)^2 times ours, of a profile 2 pi times; the rings are those of multiples of
+    2 pi over the side.
+    """
     surface = SURFACES[name]
     found, other = surface.psd(), topography(surface)
     if surface.n[1] == 1:
@@ -184,7 +211,9 @@ def test_heights_of_iso_25178():
     other, found = topography(SCAN), SCAN.statistics()
     assert found.rms_height == pytest.approx(other.rms_height_from_area(), rel=1e-12)
     heights = SCAN.heights - SCAN.heights.mean()
-    assert found.sa == pytest.approx(np.abs(heights).mean()) and found.sku == pytest.approx((heights**4).mean() / found.rms_height**4)
+    assert found.sa == pytest.approx(np.abs(heights).mean()) and found.sku == pytest.approx(
+        (heights**4).mean() / found.rms_height**4
+    )
 
 
 def test_the_page_of_a_surface(tmp_path):
@@ -193,7 +222,8 @@ def test_the_page_of_a_surface(tmp_path):
         surface.report(page)
         text = page.read_text()
         figures = 7 if surface.n[1] == 1 else 11
-        # Curves: heights, profile, spectrum, autocorrelation, its map, three or four distributions, slopes, curvatures, bearing.
+        # Curves: heights, profile, spectrum, autocorrelation, its map, three or four distributions, slopes, curvatures,
+        # bearing.
         assert text.startswith("<!DOCTYPE html>") and text.count("<figure>") == len(re.findall("<figcaption>", text))
         assert text.count("<figure>") >= figures and "<script" not in text and "certificates" not in text
         assert ("not periodic" in text) == (not surface.is_periodic)

@@ -82,7 +82,12 @@ def test_what_does_not_go_together_is_refused():
         gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, heat=(1, 1))
     with pytest.raises(gfmd.InputError, match="friction is given; it must be left out without heat"):
         gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, friction=0.3)
-    for heat, words in [((1,), "heat has 1 numbers"), (1, "heat is 1;"), ((1, 0), "diffusivity is 0"), ("1,1", "heat is '1,1'")]:
+    for heat, words in [
+        ((1,), "heat has 1 numbers"),
+        (1, "heat is 1;"),
+        ((1, 0), "diffusivity is 0"),
+        ("1,1", "heat is '1,1'"),
+    ]:
         with pytest.raises(gfmd.InputError, match=words):
             gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05, heat=heat, friction=0.3)
     table = gfmd.Body(young=1.0, compliance=([1.0, 10.0, 100.0, 1e3, 1e4], [2.0, 0.2, 0.02, 2e-3, 2e-4]))

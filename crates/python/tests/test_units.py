@@ -33,11 +33,15 @@ def test_a_quantity_is_its_number(scan, pressed):
     bare = gfmd.contact(scan, body, mean_pressure=1e8, stress_unit="Pa")
     assert bare == pressed and bare.body == pressed.body and pressed.units == ("µm", "Pa")
     assert gfmd.contact(scan, body, mean_pressure=1e8).units == ("µm", None)
-    layers = dict(height="20 um", layers=[("2GPa", 0.3, "3 um")], base="half-space", base_young="9 GPa", base_poisson=0.2)
+    layers = dict(
+        height="20 um", layers=[("2GPa", 0.3, "3 um")], base="half-space", base_young="9 GPa", base_poisson=0.2
+    )
     numbers = dict(height=20.0, layers=[(2e9, 0.3, 3.0)], base="half-space", base_young=9e9, base_poisson=0.2)
     with_units = gfmd.contact(scan, gfmd.Body(young="1GPa", **layers), approach="100 nm", hardness="2 GPa")
     assert with_units.body == gfmd.Body(young=1e9, **numbers) and with_units.hardness == 2e9
-    assert with_units == gfmd.contact(scan, gfmd.Body(young=1e9, **numbers), approach=0.1, hardness=2e9, stress_unit="Pa")
+    assert with_units == gfmd.contact(
+        scan, gfmd.Body(young=1e9, **numbers), approach=0.1, hardness=2e9, stress_unit="Pa"
+    )
     law = gfmd.law("exponential", gamma="0.05 J/m^2", range="1 um")
     sticky = gfmd.contact(scan, gfmd.Body(e_star="10 MPa"), law=law, approach="1 nm")
     assert sticky.law == gfmd.law("exponential", gamma=0.05e6, range=1.0)
@@ -61,7 +65,9 @@ def test_a_path_and_the_interior_take_units(scan, pressed):
     plain = gfmd.law("exponential", gamma=0.05e6, range=1.0)
     bare = gfmd.path(scan, gfmd.Body(e_star=1e7), law=plain, approach=[-0.01, 0.005], steps=2)
     assert np.array_equal(with_units.steps.mean_pressure, bare.steps.mean_pressure)
-    pushed = gfmd.path(scan, gfmd.Body(young="1GPa"), friction=0.3, mean_pressure="10 MPa", lateral=[0, "2 nm"], steps=2)
+    pushed = gfmd.path(
+        scan, gfmd.Body(young="1GPa"), friction=0.3, mean_pressure="10 MPa", lateral=[0, "2 nm"], steps=2
+    )
     assert pushed.steps.lateral[-1][0] == 2e-3
     assert np.array_equal(pressed.interior(depths=["500 nm"]).von_mises, pressed.interior(depths=[0.5]).von_mises)
 
@@ -88,12 +94,15 @@ def test_surfaces_are_converted(scan, tmp_path):
         (lambda s: gfmd.contact(s, gfmd.Body(), p_star=0.1), "young is missing; lengths are in µm"),
         (lambda s: gfmd.contact(s.heights, gfmd.Body(young="1 GPa"), p_star=0.1), "the lengths have none"),
         (lambda s: gfmd.contact(s.heights, gfmd.Body(), mean_pressure="1 MPa"), "the lengths have none"),
-        (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), mean_pressure="1 nm"), "mean_pressure is \"1 nm\": it is a length"),
-        (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), approach="1 MPa"), "approach is \"1 MPa\": it is a stress"),
+        (
+            lambda s: gfmd.contact(s, gfmd.Body(young=1e9), mean_pressure="1 nm"),
+            'mean_pressure is "1 nm": it is a length',
+        ),
+        (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), approach="1 MPa"), 'approach is "1 MPa": it is a stress'),
         (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), p_star="1 MPa"), "it must be a number without a unit"),
-        (lambda s: gfmd.Body(young="70 GPaa"), "\"GPaa\" is no unit"),
+        (lambda s: gfmd.Body(young="70 GPaa"), '"GPaa" is no unit'),
         (lambda s: gfmd.Body(young="seventy"), "young is 'seventy'; it must be a number, or a text with a unit"),
-        (lambda s: gfmd.law("morse", gamma="1 Pa", range=1.0), "gamma is \"1 Pa\": it is a stress"),
+        (lambda s: gfmd.law("morse", gamma="1 Pa", range=1.0), 'gamma is "1 Pa": it is a stress'),
         (lambda s: gfmd.green(gfmd.Body(young="1 GPa"), qx=1.0), "the lengths of green have none"),
         (lambda s: gfmd.punch(gfmd.Body(height="1 um"), n=16), "the lengths of punch have none"),
         (lambda s: gfmd.Surface(s.heights, size="3 um"), "the lengths have none"),
@@ -130,7 +139,11 @@ def test_tables_and_datasets_have_units(pressed):
     data = pressed.to_xarray()
     assert isinstance(data, xarray.Dataset) and data.pressure.dims == ("y", "x")
     assert np.array_equal(data.pressure.values, pressed.pressure.T)
-    assert data.pressure.attrs["units"] == "Pa" and data.x.attrs["units"] == "µm" and data.stiffness.attrs["units"] == "Pa/µm"
+    assert (
+        data.pressure.attrs["units"] == "Pa"
+        and data.x.attrs["units"] == "µm"
+        and data.stiffness.attrs["units"] == "Pa/µm"
+    )
     bare = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.1).to_xarray()
     assert "units" not in bare.pressure.attrs and "units" not in bare.x.attrs
     pandas = pytest.importorskip("pandas")
@@ -158,7 +171,10 @@ def test_flow_and_conductance_in_si(scan, pressed):
 def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", pressed.surface.heights)
-    words = f"contact --surface {tmp_path}/h.npy --unit um --length 50 --young 70GPa --poisson 0.3 --pressure 100MPa --statistics --flow --out {tmp_path}/c.h5"
+    words = (
+        f"contact --surface {tmp_path}/h.npy --unit um --length 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
+        f" --statistics --flow --out {tmp_path}/c.h5"
+    )
     gfmd._gfmd.report_of(words.split())
     patches, distributions, flow = pressed.patches, pressed.distributions, pressed.flow()
     with h5py.File(tmp_path / "c.h5") as file:
@@ -167,18 +183,24 @@ def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
         for name in ("pressure", "pressure_at", "gap", "gap_at"):
             assert np.array_equal(file["distributions"][name][0], distributions[name]), name
         assert np.array_equal(file["spectra/pressure"][0], distributions.pressure_spectrum)
-        assert file["loads/flow_xx"][0] == flow.conductivity[0, 0] and file["loads/flow_yx"][0] == flow.conductivity[1, 0]
+        assert (
+            file["loads/flow_xx"][0] == flow.conductivity[0, 0] and file["loads/flow_yx"][0] == flow.conductivity[1, 0]
+        )
         assert file["loads/conductance"].attrs["units"] in ("1/µm", b"1/\xc2\xb5m")
     assert patches.force.sum() == pytest.approx(pressed.mean_pressure * 2500.0)
     assert (patches.area.sum() / 2500.0) == pytest.approx(pressed.area_fraction)
     pressed.save(tmp_path / "p.h5")
     stored = gfmd.load(tmp_path / "p.h5")
-    assert np.array_equal(stored.patches.force, patches.force) and stored.flow().conductivity[0, 0] == pytest.approx(flow.conductivity[0, 0])
+    assert np.array_equal(stored.patches.force, patches.force) and stored.flow().conductivity[0, 0] == pytest.approx(
+        flow.conductivity[0, 0]
+    )
 
 
 def test_a_reason_stands_where_a_number_is_none():
     full = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=10.0)
-    assert np.isnan(full.stiffness) and full.reason("stiffness").startswith("infinite") and full.reason("mean_gap") is None
+    assert (
+        np.isnan(full.stiffness) and full.reason("stiffness").startswith("infinite") and full.reason("mean_gap") is None
+    )
     with pytest.raises(gfmd.InputError, match="name is 'stifness'"):
         full.reason("stifness")
 

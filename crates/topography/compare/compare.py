@@ -9,8 +9,8 @@ later, builds the example program `heights`, and reads every file of the folders
 
 - the shapes are equal, and each point is undefined in both or in neither;
 - the sizes agree within 4 units in the last place (1e-15), after conversion to one unit;
-- each height has the same bits; or, where one of them has been converted to another unit, agrees within 1e-15 of itself:
-  the order of the factors is then not the same. The table says which of the two it was.
+- each height has the same bits; or, where one of them has been converted to another unit, agrees within 1e-15 of
+  itself: the order of the factors is then not the same. The table says which of the two it was.
 
 Exit status 1 if a file differs and is not listed in EXPLAINED, or if nothing was compared.
 """
@@ -33,30 +33,66 @@ TOLERANCE = 1e-15
 
 # Differences with their reason: patterns of the file's name, pattern of the result, reason.
 EXPLAINED = [
-    (["sur-compressed.sur", "sur-streams.sur", "test_RGBSURFACE.sur"], "read here*", "it does not read compressed files"),
+    (
+        ["sur-compressed.sur", "sur-streams.sur", "test_RGBSURFACE.sur"],
+        "read here*",
+        "it does not read compressed files",
+    ),
     (["sur-series.sur"], "no such*", "it reads the first object of a series only"),
     (["sur-series.sur"], "a height map there*", "it reads the first object of a series only"),
     (["*-version2.ibw", "*-double.ibw"], "read here*", "it does not read waves before version 5"),
     (["*-zeroPointWave.ibw"], "refused*", "the wave has no point"),
-    (["*.jpk", "*.jpk-qi-image", "*.stp", "*.top", "*.bcrf", "*.tiff", "*.frt", "*.xlsx", "*.mnt", "*.nms", "*.tmd"], "refused: the format is unknown*", "a format that is not read here"),
-    (["*.h5-jpk", "*.topostats", "*.h5"], "no such*", "here every dataset of numbers is listed, also those of integers and lines"),
+    (
+        ["*.jpk", "*.jpk-qi-image", "*.stp", "*.top", "*.bcrf", "*.tiff", "*.frt", "*.xlsx", "*.mnt", "*.nms", "*.tmd"],
+        "refused: the format is unknown*",
+        "a format that is not read here",
+    ),
+    (
+        ["*.h5-jpk", "*.topostats", "*.h5"],
+        "no such*",
+        "here every dataset of numbers is listed, also those of integers and lines",
+    ),
     (["*.h5-jpk"], "differs: unit*", "it does not look at the attribute `unit`"),
-    (["*.h5-jpk", "*.topostats"], "a height map there*", "datasets of three dimensions, and of one line, are not listed here"),
+    (
+        ["*.h5-jpk", "*.topostats"],
+        "a height map there*",
+        "datasets of three dimensions, and of one line, are not listed here",
+    ),
     (["csv-1.csv"], "read here*", "its distances are equal within the digits that it gives"),
     (["csv-2.csv", "csv-3.csv"], "differs: unit*", "it does not find the unit in the title of the column"),
-    (["test.yaml"], "read here*", "lines that begin with a dash look like a matrix with undefined points, which are refused later"),
+    (
+        ["test.yaml"],
+        "read here*",
+        "lines that begin with a dash look like a matrix with undefined points, which are refused later",
+    ),
     (["container.zip"], "read here*", "it refuses the whole container, since one of its files is no height map"),
     (["four.nc"], "*", "it reads NetCDF-4 as HDF5 of any program, without the mask"),
     (["compressed.mat"], "a height map there*", "complex numbers are no heights"),
     (["small.mat"], "a height map there*", "one number is no height map"),
     (["small.mat"], "differs: shape*", "a line is a profile [n, 1]"),
-    (["container-2.zip"], "differs: 262144*", "it multiplies by the factor of meta.yml and by the same factor of the data file"),
+    (
+        ["container-2.zip"],
+        "differs: 262144*",
+        "it multiplies by the factor of meta.yml and by the same factor of the data file",
+    ),
 ]
 
 # Formats whose maps begin with the top line in SurfaceTopography; here y points up.
 TOP_FIRST = {
-    "Gwyddion", "Gwyddion simple field", "Digital Surf", "Nanoscope", "Wyko OPD", "Dektak OPDx", "Alicona AL3D", "Zygo MetroPro", "Zygo Mx",
-    "Igor binary wave", "Molecular Imaging", "Nanosurf", "Sensofar PLUX", "Sensofar PLu",
+    "Gwyddion",
+    "Gwyddion simple field",
+    "Digital Surf",
+    "Nanoscope",
+    "Wyko OPD",
+    "Dektak OPDx",
+    "Alicona AL3D",
+    "Zygo MetroPro",
+    "Zygo Mx",
+    "Igor binary wave",
+    "Molecular Imaging",
+    "Nanosurf",
+    "Sensofar PLUX",
+    "Sensofar PLu",
 }
 
 UNITS = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "um": 1e-6, "nm": 1e-9, "Å": 1e-10, "pm": 1e-12}
@@ -216,7 +252,9 @@ def compare(file, program):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--examples", nargs="+", type=pathlib.Path, default=[], metavar="FOLDER")
-    parser.add_argument("--made", action="store_true", help="add the files of make_examples.py and of crates/topography/tests/data")
+    parser.add_argument(
+        "--made", action="store_true", help="add the files of make_examples.py and of crates/topography/tests/data"
+    )
     parser.add_argument("--environment", type=pathlib.Path, help="folder of the virtual environment")
     parser.add_argument("--program", help="the example program, built")
     parser.add_argument("--markdown", action="store_true", help="print the table as Markdown")
@@ -243,14 +281,23 @@ def main():
             for row in compare(file, executable):
                 result = row[-1]
                 agrees = result == "same bits" or result.startswith("within") or result.startswith("refused by both")
-                reason = next((why for names, what, why in EXPLAINED
-                               if any(fnmatch.fnmatch(file.name, name) for name in names) and fnmatch.fnmatch(result, what)), None)
+                reason = next(
+                    (
+                        why
+                        for names, what, why in EXPLAINED
+                        if any(fnmatch.fnmatch(file.name, name) for name in names) and fnmatch.fnmatch(result, what)
+                    ),
+                    None,
+                )
                 kind = "refused by both" if result.startswith("refused by both") else (
                     "agree" if agrees else "explained" if reason else "NOT EXPLAINED")
                 counts[kind] += 1
                 bad += kind == "NOT EXPLAINED"
-                cells = (f"{file.parent.name}/{file.name}" if file.parent != pathlib.Path(made) else f"made/{file.name}",
-                         *row[:-1], result if agrees or not reason else f"{result} [{reason}]")
+                cells = (
+                    f"{file.parent.name}/{file.name}" if file.parent != pathlib.Path(made) else f"made/{file.name}",
+                    *row[:-1],
+                    result if agrees or not reason else f"{result} [{reason}]",
+                )
                 if not agrees and not reason:
                     cells = (*cells[:-1], "NOT EXPLAINED: " + cells[-1])
                 cells = tuple(str(cell).replace("\n", " ").replace("|", "/")[:300] for cell in cells)

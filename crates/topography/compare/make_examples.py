@@ -70,20 +70,48 @@ def sur(bits=32, compressed=False, inversion=0, units=("mm", "mm", "µm"), shape
 # Nanoscope
 
 
-def nanoscope(size=2, version="0x05120130", bits=None, sensitivity="V 12.5 nm/V", scale="V [Sens. Zsens] (0.006 V/LSB) 440.0 V",
-              scan="10 5 ~m", more="", points=(6, 4)):
+def nanoscope(
+    size=2,
+    version="0x05120130",
+    bits=None,
+    sensitivity="V 12.5 nm/V",
+    scale="V [Sens. Zsens] (0.006 V/LSB) 440.0 V",
+    scan="10 5 ~m",
+    more="",
+    points=(6, 4),
+):
     nx, ny = points
     stored = bits or 8 * size
     data = integers((ny, nx), f"<i{stored // 8}")
     start = 4096
 
     def header(offset):
-        lines = ["\\*File list", f"\\Version: {version}", "\\Date: 10:11:12 AM Tue Mar 4 2014", "\\*Equipment list",
-                 "\\Microscope: Test", "\\*Scanner list", f"\\@Sens. Zsens: {sensitivity}", "\\*Ciao scan list",
-                 "\\Operating mode: Image", f"\\Samps/line: {nx}", f"\\Lines: {ny}", *more.split("|"), "\\*Ciao image list",
-                 f"\\Data offset: {offset}", f"\\Data length: {data.nbytes}", f"\\Bytes/pixel: {size}",
-                 f"\\Samps/line: {nx}", f"\\Number of lines: {ny}", f"\\Scan size: {scan}", "\\Aspect ratio: 1:1",
-                 '\\@2:Image Data: S [Height] "Height"', f"\\@2:Z scale: {scale}", "\\*File list end", ""]
+        lines = [
+            "\\*File list",
+            f"\\Version: {version}",
+            "\\Date: 10:11:12 AM Tue Mar 4 2014",
+            "\\*Equipment list",
+            "\\Microscope: Test",
+            "\\*Scanner list",
+            f"\\@Sens. Zsens: {sensitivity}",
+            "\\*Ciao scan list",
+            "\\Operating mode: Image",
+            f"\\Samps/line: {nx}",
+            f"\\Lines: {ny}",
+            *more.split("|"),
+            "\\*Ciao image list",
+            f"\\Data offset: {offset}",
+            f"\\Data length: {data.nbytes}",
+            f"\\Bytes/pixel: {size}",
+            f"\\Samps/line: {nx}",
+            f"\\Number of lines: {ny}",
+            f"\\Scan size: {scan}",
+            "\\Aspect ratio: 1:1",
+            '\\@2:Image Data: S [Height] "Height"',
+            f"\\@2:Z scale: {scale}",
+            "\\*File list end",
+            "",
+        ]
         return "\r\n".join(line for line in lines if line is not None and line != "\\").encode("latin-1")
 
     head = b"\r\n".join(line for line in header(start).split(b"\r\n") if line)
@@ -98,9 +126,13 @@ def opd(kind="<i2", undefined=32767, aspect=1.25, name="RAW_DATA", mult=8):
     data[2, 3] = undefined
     raster = struct.pack("<3H", 5, 7, data.itemsize) + data.tobytes()
     blocks = [
-        (name, 3, raster), ("Image", 3, struct.pack("<3H", 5, 7, 1) + bytes(35)), ("Title", 5, fixed("made by hand", 20)),
-        ("Wavelength", 7, struct.pack("<f", 632.8)), ("Mult", 6, struct.pack("<h", mult)),
-        ("Aspect", 7, struct.pack("<f", aspect)), ("Pixel_size", 7, struct.pack("<f", 0.00125)),
+        (name, 3, raster),
+        ("Image", 3, struct.pack("<3H", 5, 7, 1) + bytes(35)),
+        ("Title", 5, fixed("made by hand", 20)),
+        ("Wavelength", 7, struct.pack("<f", 632.8)),
+        ("Mult", 6, struct.pack("<h", mult)),
+        ("Aspect", 7, struct.pack("<f", aspect)),
+        ("Pixel_size", 7, struct.pack("<f", 0.00125)),
     ]
     entries = [("Directory", 1, 24 * (len(blocks) + 1))] + [(name, kind, len(body)) for name, kind, body in blocks]
     directory = b"".join(fixed(name, 16) + struct.pack("<hlH", kind, length, 0xFFFF) for name, kind, length in entries)
@@ -152,8 +184,13 @@ def opdx(units=("mm", "mm", "um"), anonymous=False):
         item("Stamp", 0x15, bytes(9)), text("PrimaryData2D", "Second"),
         container("2D_Channels", 0x7D, names("Height", "Raw", "Second")),
         container("MeasurementSettings", 0x7D, text("InstrumentName", "Test")))
-    return b"VCA DATA\x01\x00\x00\x55" + meta + container("2D_Data", 0x7D, data("Raw", (5, 6)), data("Second", (4, 3))) \
-        + name("") + b"\x7f"
+    return (
+        b"VCA DATA\x01\x00\x00\x55"
+        + meta
+        + container("2D_Data", 0x7D, data("Raw", (5, 6)), data("Second", (4, 3)))
+        + name("")
+        + b"\x7f"
+    )
 
 
 # Alicona
@@ -163,9 +200,18 @@ def al3d(shape=(4, 5), invalid="1e10"):
     ny, nx = shape
     data = (RNG.normal(size=shape) * 1e-6).astype("<f4")
     data[1, 2] = float(invalid)
-    tags = [("Cols", nx), ("Rows", ny), ("DepthImageOffset", 2048), ("TextureImageOffset", 0), ("IconOffset", 0),
-            ("NumberOfPlanes", 0), ("InvalidPixelValue", invalid), ("PixelSizeXMeter", 4.5e-7), ("PixelSizeYMeter", 5.5e-7),
-            ("CreatingApplication", "by hand")]
+    tags = [
+        ("Cols", nx),
+        ("Rows", ny),
+        ("DepthImageOffset", 2048),
+        ("TextureImageOffset", 0),
+        ("IconOffset", 0),
+        ("NumberOfPlanes", 0),
+        ("InvalidPixelValue", invalid),
+        ("PixelSizeXMeter", 4.5e-7),
+        ("PixelSizeYMeter", 5.5e-7),
+        ("CreatingApplication", "by hand"),
+    ]
     tags = [("Version", 1), ("TagCount", len(tags)), *tags]
     head = b"AliconaImaging\0\r\n" + b"".join(fixed(key, 20) + fixed(str(value), 30) + b"\r\n" for key, value in tags)
     padding = bytes(-4 * nx % 8)
@@ -230,9 +276,10 @@ def plux(layers=1, method=zipfile.ZIP_DEFLATED):
         entries = "".join(f"<LAYER_{k}><FILENAME_Z>LAYER_{k}.raw</FILENAME_Z></LAYER_{k}>" for k in range(layers))
         archive.writestr(
             "index.xml",
-            "<?xml version='1.0' encoding='UTF-8'?><xml><GENERAL><DATE>2022-03-04 05:06:07</DATE><IMAGE_SIZE_X>6</IMAGE_SIZE_X>"
-            "<IMAGE_SIZE_Y>5</IMAGE_SIZE_Y><FOV_X>0.645</FOV_X><FOV_Y>0.75</FOV_Y></GENERAL><INFO><ITEM_0><NAME>Device</NAME>"
-            f"<VALUE>S neox</VALUE></ITEM_0></INFO>{entries}</xml>")
+            "<?xml version='1.0' encoding='UTF-8'?><xml><GENERAL><DATE>2022-03-04 05:06:07</DATE>"
+            "<IMAGE_SIZE_X>6</IMAGE_SIZE_X><IMAGE_SIZE_Y>5</IMAGE_SIZE_Y>"
+            "<FOV_X>0.645</FOV_X><FOV_Y>0.75</FOV_Y></GENERAL>"
+            f"<INFO><ITEM_0><NAME>Device</NAME><VALUE>S neox</VALUE></ITEM_0></INFO>{entries}</xml>")
         archive.writestr("recipe.txt", "<?xml version='1.0'?><xml><RECIPE>none</RECIPE></xml>")
         for k in range(layers):
             data = RNG.normal(size=(5, 6)).astype("<f4")
@@ -270,25 +317,45 @@ def datx(path, kind="<f8", variable=False, compression=None):
 def main():
     folder = pathlib.Path(sys.argv[1])
     files = {
-        "sur-16.sur": sur(bits=16), "sur-32.sur": sur(units=("nm", "\xb5m", "m")), "sur-undefined.sur": sur(special=1),
-        "sur-inverted.sur": sur(inversion=1), "sur-flipped.sur": sur(inversion=2), "sur-flopped.sur": sur(inversion=3, bits=16),
-        "sur-units.sur": sur(units=("\xe6m", "\xe6m", "nm")), "sur-compressed.sur": sur(compressed=True, special=1),
-        "sur-streams.sur": sur(compressed=True, bits=16, streams=3), "sur-series.sur": sur(kind=5, objects=3),
+        "sur-16.sur": sur(bits=16),
+        "sur-32.sur": sur(units=("nm", "\xb5m", "m")),
+        "sur-undefined.sur": sur(special=1),
+        "sur-inverted.sur": sur(inversion=1),
+        "sur-flipped.sur": sur(inversion=2),
+        "sur-flopped.sur": sur(inversion=3, bits=16),
+        "sur-units.sur": sur(units=("\xe6m", "\xe6m", "nm")),
+        "sur-compressed.sur": sur(compressed=True, special=1),
+        "sur-streams.sur": sur(compressed=True, bits=16, streams=3),
+        "sur-series.sur": sur(kind=5, objects=3),
         "sur-profile.pro": sur(kind=1, shape=(1, 9)),
-        "di-16.spm": nanoscope(), "di-32.spm": nanoscope(size=4), "di-9.2.spm": nanoscope(version="0x09200103", bits=32),
+        "di-16.spm": nanoscope(),
+        "di-32.spm": nanoscope(size=4),
+        "di-9.2.spm": nanoscope(version="0x09200103", bits=32),
         "di-mV.spm": nanoscope(scale="V [Sens. Zsens] (0.006 V/LSB) 440.0 mV"),
         "di-slow.spm": nanoscope(more="\\Scan Size: 10 ~m|\\Slow Axis Size: 2500 nm"),
-        "di-square.spm": nanoscope(scan="10 nm"), "di-angstrom.spm": nanoscope(sensitivity="V 12.5 A/V", scan="100 80 A"),
-        "opd-16.opd": opd(), "opd-float.opd": opd(kind="<f4", undefined=1e38, mult=1), "opd-nan.opd": opd(kind="<f4", undefined=np.nan),
-        "opd-bytes.opd": opd(kind="u1", undefined=255, name="OPD"), "opd-32766.opd": opd(undefined=32766, name="SAMPLE_DATA"),
-        "opdx-2d.opdx": opdx(), "opdx-units.opdx": opdx(units=("um", "mm", "nm"), anonymous=True),
-        "al3d-odd.al3d": al3d(), "al3d-even.al3d": al3d(shape=(3, 4), invalid="-1e10"), "al3d-nan.al3d": al3d(invalid="nan"),
-        "metropro-3.dat": metropro(), "metropro-2.dat": metropro(version=2, sign=1, resolution=1, intensities=2),
-        "metropro-1.dat": metropro(version=1, resolution=0), "metropro-lateral.dat": metropro(lateral=0.0),
-        "ibw-little.ibw": ibw(), "ibw-big.ibw": ibw(order=">"), "ibw-double.ibw": ibw(kind="f8", order=">", labels=(), note=""),
+        "di-square.spm": nanoscope(scan="10 nm"),
+        "di-angstrom.spm": nanoscope(sensitivity="V 12.5 A/V", scan="100 80 A"),
+        "opd-16.opd": opd(),
+        "opd-float.opd": opd(kind="<f4", undefined=1e38, mult=1),
+        "opd-nan.opd": opd(kind="<f4", undefined=np.nan),
+        "opd-bytes.opd": opd(kind="u1", undefined=255, name="OPD"),
+        "opd-32766.opd": opd(undefined=32766, name="SAMPLE_DATA"),
+        "opdx-2d.opdx": opdx(),
+        "opdx-units.opdx": opdx(units=("um", "mm", "nm"), anonymous=True),
+        "al3d-odd.al3d": al3d(),
+        "al3d-even.al3d": al3d(shape=(3, 4), invalid="-1e10"),
+        "al3d-nan.al3d": al3d(invalid="nan"),
+        "metropro-3.dat": metropro(),
+        "metropro-2.dat": metropro(version=2, sign=1, resolution=1, intensities=2),
+        "metropro-1.dat": metropro(version=1, resolution=0),
+        "metropro-lateral.dat": metropro(lateral=0.0),
+        "ibw-little.ibw": ibw(),
+        "ibw-big.ibw": ibw(order=">"),
+        "ibw-double.ibw": ibw(kind="f8", order=">", labels=(), note=""),
         "ibw-integers.ibw": ibw(kind="i2", shape=(5, 5), labels=(), note="", sides=("um", "um"), unit="nm"),
         "ibw-curves.ibw": ibw(shape=(7, 2), labels=("Height", "ZSensor"), sides=("m", "")),
-        "plux-1.plux": plux(), "plux-2.plux": plux(layers=2, method=zipfile.ZIP_STORED),
+        "plux-1.plux": plux(),
+        "plux-2.plux": plux(layers=2, method=zipfile.ZIP_STORED),
     }
     for name, content in files.items():
         (folder / name).write_bytes(content)

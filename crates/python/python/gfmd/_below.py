@@ -27,7 +27,8 @@ class Punch(Computed):
     """A flat punch on a body. `components` are x, y, z (x, z of a strip).
 
     Attributes:
-        displacement, traction: on the elastic surface [x, y, component], length and stress; a strip has [x, 1, component].
+        displacement, traction: on the elastic surface [x, y, component], length and stress; a strip has
+            [x, 1, component].
         under_punch: 1 under the punch, else 0 [x, y].
         mean_pressure, max_pressure: stress; mean_traction: by component, stress.
         elastic_energy: per area, stress * length.
@@ -36,8 +37,8 @@ class Punch(Computed):
         residual, converged, iterations, transform_pairs, seconds: the solve; the residual is over the depth.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
-        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and `modes` and `points` if asked for, each
-            a Record with `mode` or `point`, `component`, and `re` and `im` (length) or `u` (length).
+        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and `modes` and `points` if
+            asked for, each a Record with `mode` or `point`, `component`, and `re` and `im` (length) or `u` (length).
 
     Example:
         >>> punch.displacement.shape, punch.components
@@ -93,16 +94,18 @@ class FieldsBelow(Computed):
 
     Attributes:
         displacement: [depth, x, y, component], length.
-        strain, stress: [depth, x, y, tensor] with xx, yy, zz, yz, xz, xy (xx, yy, zz, xz below a line); engineering shear
-            strains; stress.
+        strain, stress: [depth, x, y, tensor] with xx, yy, zz, yz, xz, xy (xx, yy, zz, xz below a line); engineering
+            shear strains; stress.
         von_mises: [depth, x, y], stress.
         energy_density: [depth, x, y], stress.
         levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
-        mean_traction: by component, stress: the mean of xz, yz, zz (xz, zz below a line) on the surface and at every depth.
+        mean_traction: by component, stress: the mean of xz, yz, zz (xz, zz below a line) on the surface and at every
+            depth.
         n, length: points and lengths along x and y.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
-    If the surface of the contact has units, `unit` and `stress_unit` are their names. On a slice (along=), the axis across it is missing; below a line, y is.
+    If the surface of the contact has units, `unit` and `stress_unit` are their names. On a slice (along=), the axis
+    across it is missing; below a line, y is.
 
     Example:
         >>> gfmd.interior(punch, depths=[0.0, 0.1], along="y=0.5", quantities=["von-mises"]).von_mises.shape
@@ -190,17 +193,18 @@ def punch(
         traction: traction where the punch does not hold, stress, [n, n, 3], or [n, 2] of a strip.
         solver: "auto", "cg", "verlet", "verlet-critical", "verlet-modes" or "fire".
         dt: time step over its stability limit without damping, of "verlet-critical" and "verlet-modes".
-        damping: damping of "verlet-critical" over the critical one of the softest mode; or three numbers, that of each component
-            over the critical one of its own uniform mode.
-        history: record every step, in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves no
-            displacement).
+        damping: damping of "verlet-critical" over the critical one of the softest mode; or three numbers, that of each
+            component over the critical one of its own uniform mode.
+        history: record every step, in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves
+            no displacement).
         history_modes: modes (m, n, component) of the displacement to record, in `history.modes`, as (1, 0, "x").
         history_points: points (x, y, component) whose displacement to record, in `history.points`; lengths.
         tolerance: largest residual, 1e-15 to 0.1.
         max_iterations: iterations after which the search is given up.
         refine: number of grids, each twice as fine, from which the mean pressure is extrapolated.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd punch --out`; as `save`, but the name is checked before the work begins.
+        out: name of an HDF5 file for the result, that of `gfmd punch --out`; as `save`, but the name is checked before
+            the work begins.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -241,7 +245,9 @@ def punch(
     for first, second, component in _threes("history_points", history_points):
         position = [number("history_points", entry) for entry in (first, second)]
         problem["history_point"].append([*position, word("history_points", component)])
-    arrays = {name: None if value is None else array(name, value) for name, value in (("mask", mask), ("traction", traction))}
+    arrays = {
+        name: None if value is None else array(name, value) for name, value in (("mask", mask), ("traction", traction))
+    }
     values, failure, fields, file = _command.solve("punch", problem, arrays, threads, out)
     if values["height"] == "inf":
         values["height"] = math.inf
@@ -257,7 +263,9 @@ def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
     try:
         return [(first, second, component) for first, second, component in rows]
     except (TypeError, ValueError) as error:
-        raise InputError(f"{name} is {shown(rows)}; it must have entries of three: two numbers and a component") from error
+        raise InputError(
+            f"{name} is {shown(rows)}; it must have entries of three: two numbers and a component"
+        ) from error
 
 
 def _history(values: dict[str, Any]) -> dict[str, Any]:
@@ -292,7 +300,8 @@ def interior(
         quantities: of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
         along: "y=Y" or "x=X", the nearest row of points only.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd body --out`; as `save`, but the name is checked before the work begins.
+        out: name of an HDF5 file for the result, that of `gfmd body --out`; as `save`, but the name is checked before
+            the work begins.
 
     Raises:
         InputError: depths outside the body, an unknown quantity.
@@ -347,7 +356,9 @@ def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 
-def green(body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[float] = None, depth: Optional[float] = None) -> Green:
+def green(
+    body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[float] = None, depth: Optional[float] = None
+) -> Green:
     """The elasticity of one wave vector: `stiffness`, `compliance` (complex matrices), `normal_compliance`.
 
     Args:

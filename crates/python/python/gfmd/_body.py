@@ -27,30 +27,33 @@ class Body(Record):
     """An elastic body: a half-space, or a slab or a stack of layers on a base; with `second_body` a pair of bodies.
 
     Args:
-        young: Young's modulus E, stress, or a text with a unit, such as "70GPa", as all stresses and lengths here; 1 by default, and needed
-            for a surface with a unit.
+        young: Young's modulus E, stress, or a text with a unit, such as "70GPa", as all stresses and lengths here; 1 by
+            default, and needed for a surface with a unit.
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
         height: height of the slab, or of the top layer, length; None or infinity for a half-space.
-        base: support of the lowest layer: "bonded" (to a rigid base), "sliding" (on a rigid base without friction), "free"
-            (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an elastic one).
+        base: support of the lowest layer: "bonded" (to a rigid base), "sliding" (on a rigid base without friction),
+            "free" (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an
+            elastic one).
         base_young: Young's modulus of the half-space below, stress; with base="half-space" only.
         base_poisson: Poisson's ratio of the half-space below; with base="half-space" only.
         layers: layers below the top one, from the top down: (Young's modulus, Poisson's ratio, height) of each.
-        second_body: (Young's modulus, Poisson's ratio) of a half-space, or with a height of a slab bonded at its back, to which
-            the rough surface belongs. Displacements are then relative: those of both bodies together.
-        prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the instantaneous modulus) of
-            each branch.
+        second_body: (Young's modulus, Poisson's ratio) of a half-space, or with a height of a slab bonded at its back,
+            to which the rough surface belongs. Displacements are then relative: those of both bodies together.
+        prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the
+            instantaneous modulus) of each branch.
         moduli: the moduli that are given, "long-term" or "instantaneous"; with `prony` only.
         relaxes: the moduli that relax, "both" or "shear" (with a constant bulk modulus); with `prony` only.
-        compliance: normal compliance of the whole body in place of that of its moduli, for graded and other bodies: wavenumbers q, rad /
-            length, in rising order, and either the compliance u_z/pressure at each, length / stress, or a function of q that gives it.
-            Four to 1000 wavenumbers from 2 pi over the longest side to pi sqrt(2) over the spacing; between them ln G is a
-            shape-preserving cubic of ln q. `young` or `e_star` is then the modulus of p*, and needed. Of a body that is not isotropic
-            (wavenumbers, M, G), with the compliance [wavenumber, direction] in M directions of the wave vector, j pi/M from the x axis
-            for j = 0 .. M-1, or a function of q_x and q_y that gives it: between directions ln G is the trigonometric polynomial.
-            An array [n, 2] or [n, 3] has the rows of a table, (q, G) or (q_x, q_y, G).
-        uniform_compliance: compliance of the mean level of such a body, length / stress; None for a fixed mean level, as that of a half-space.
+        compliance: normal compliance of the whole body in place of that of its moduli, for graded and other bodies:
+            wavenumbers q, rad / length, in rising order, and either the compliance u_z/pressure at each, length /
+            stress, or a function of q that gives it. Four to 1000 wavenumbers from 2 pi over the longest side to pi
+            sqrt(2) over the spacing; between them ln G is a shape-preserving cubic of ln q. `young` or `e_star` is then
+            the modulus of p*, and needed. Of a body that is not isotropic (wavenumbers, M, G), with the compliance
+            [wavenumber, direction] in M directions of the wave vector, j pi/M from the x axis for j = 0 .. M-1, or a
+            function of q_x and q_y that gives it: between directions ln G is the trigonometric polynomial. An array
+            [n, 2] or [n, 3] has the rows of a table, (q, G) or (q_x, q_y, G).
+        uniform_compliance: compliance of the mean level of such a body, length / stress; None for a fixed mean level,
+            as that of a half-space.
 
     `e_star` is the contact modulus of which p* is formed: that of the material of the top layer; with a second body
     1/(1/E1* + 1/E2*). `young`, `poisson` are those of the top layer.
@@ -68,7 +71,8 @@ class Body(Record):
         >>> graded = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 200), lambda q: 2 / q * (1 + 1 / q)))
         >>> gfmd.contact(gfmd.self_affine(n=64), graded, p_star=0.05).converged
         True
-        >>> fibres = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 10), 16, lambda x, y: 2 / np.hypot(4 * x, y)))
+        >>> stiffer = lambda x, y: 2 / np.hypot(4 * x, y)
+        >>> fibres = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 10), 16, stiffer))
         >>> gfmd.contact(gfmd.self_affine(n=64), fibres, p_star=0.05).converged
         True
     """
@@ -115,7 +119,11 @@ class Body(Record):
             contact_modulus = (1.0 if modulus is None else modulus) / ((1.0 - nu) * (1.0 + nu))
         else:
             contact_modulus = contact
-        second = None if second_body is None else _sheet("second_body", second_body, "(young, poisson) or (young, poisson, height)", (2, 3))
+        second = (
+            None
+            if second_body is None
+            else _sheet("second_body", second_body, "(young, poisson) or (young, poisson, height)", (2, 3))
+        )
         values = {
             "young": modulus if modulus is not None else 1.0 if contact is None else contact_modulus * (1.0 - nu * nu),
             "poisson": nu,
@@ -130,12 +138,23 @@ class Body(Record):
         if table and (modulus is None and contact is None):
             raise InputError("young or e_star is missing; p* is over E*, which a table of compliances does not have")
         if table:
-            others = (("poisson", nu, 0.0), ("height", thickness, None), ("base", base, "bonded"), ("second_body", second, None), ("prony", tuple(prony), ()))
+            others = (
+                ("poisson", nu, 0.0),
+                ("height", thickness, None),
+                ("base", base, "bonded"),
+                ("second_body", second, None),
+                ("prony", tuple(prony), ()),
+            )
             for name, found, default in others:
                 if found != default:
-                    raise InputError(f"{name} is {shown(found)}; it must be left out with compliance, which is that of the whole body")
+                    raise InputError(
+                        f"{name} is {shown(found)}; it must be left out with compliance, which is that of the whole"
+                        " body"
+                    )
         super().__init__({**values, **_below(base, thickness, base_young, base_poisson), **table})
-        given = (found if not isinstance(asked, str) else asked for asked, found in ((young, modulus), (e_star, contact)))
+        given = (
+            found if not isinstance(asked, str) else asked for asked, found in ((young, modulus), (e_star, contact))
+        )
         first, second_given = given
         object.__setattr__(self, "_given", (first, nu, second_given, thickness))
 
@@ -214,7 +233,10 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
         raise InputError(f"prony is {shown(prony)}; its relaxation times must differ")
     if not sum(fraction for _, fraction in branches) < 1.0:
         raise InputError(f"prony is {shown(prony)}; its fractions must add up to less than 1")
-    for name, value, allowed in (("moduli", moduli, ("long-term", "instantaneous")), ("relaxes", relaxes, ("both", "shear"))):
+    for name, value, allowed in (
+        ("moduli", moduli, ("long-term", "instantaneous")),
+        ("relaxes", relaxes, ("both", "shear")),
+    ):
         if value not in allowed:
             raise InputError(f"{name} is {value!r}; it must be {allowed[0]!r} or {allowed[1]!r}")
         if value != allowed[0] and not branches:
@@ -242,7 +264,10 @@ def _compliance(given: object, uniform: object) -> dict[str, Any]:
     vectors = [waves] if len(given) == 2 else _vectors(waves, integer("directions of compliance", given[1], 4, 1000))
     found = array("compliance", given[-1](*(part.copy() for part in vectors)) if callable(given[-1]) else given[-1])
     if found.shape != vectors[0].shape:
-        raise InputError(f"compliance has the shape {list(found.shape)} at wave vectors of the shape {list(vectors[0].shape)}; it must be the same")
+        raise InputError(
+            f"compliance has the shape {list(found.shape)} at wave vectors of the shape {list(vectors[0].shape)}; it"
+            " must be the same"
+        )
     return _rows([tuple(row) for row in np.stack([*vectors, found], axis=-1).reshape(-1, len(given)).tolist()], uniform)
 
 
@@ -278,7 +303,9 @@ def _below(base: str, height: Optional[Quantity], young: object, poisson: object
         return {}
     modulus = _modulus("base_young", young)
     if modulus is None or poisson is None:
-        raise InputError(f"{'base_young' if modulus is None else 'base_poisson'} is missing; it is needed if base is 'half-space'")
+        raise InputError(
+            f"{'base_young' if modulus is None else 'base_poisson'} is missing; it is needed if base is 'half-space'"
+        )
     return {"base_young": young if isinstance(young, str) else modulus, "base_poisson": _ratio("base_poisson", poisson)}
 
 
@@ -300,8 +327,15 @@ def _body(
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
     table = None if compliance is None else np.array(compliance, dtype=np.float64)
-    relaxation = {"prony": prony, "moduli": moduli, "relaxes": relaxes, "compliance": table, "uniform_compliance": uniform_compliance}
-    return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **below, **relaxation)  # type: ignore[arg-type]
+    relaxation = {
+        "prony": prony,
+        "moduli": moduli,
+        "relaxes": relaxes,
+        "compliance": table,
+        "uniform_compliance": uniform_compliance,
+    }
+    options: dict[str, Any] = {**below, **relaxation}
+    return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **options)
 
 
 def body_of(config: dict[str, Any]) -> Body:
@@ -347,7 +381,9 @@ class Law(Record):
 
     def _rows(self) -> list[tuple[float, float]]:
         """The table as numbers."""
-        return [(in_units("gap", gap, "length"), in_units("traction", traction, "stress")) for gap, traction in self.table]
+        return [
+            (in_units("gap", gap, "length"), in_units("traction", traction, "stress")) for gap, traction in self.table
+        ]
 
     @property
     def parameters(self) -> dict[str, Quantity]:
@@ -401,15 +437,16 @@ def law(
     """A law of adhesion or cohesion: by its name and its parameters, or from a table.
 
     Args:
-        name: "hard-wall"; "morse", "exponential", "dugdale" (`gamma`, `range`); "harmonic-cosine" (`gamma`, `curvature`);
-            "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first also `r`); or the gaps of a table,
-            length, in rising order: at least four, from 0 (a hard wall stands there) or a negative one (where the traction repels).
-        traction: of a table, the traction at each gap, stress, above zero where it attracts, and 0 at the last one; or a function that
-            gives the tractions at an array of gaps. It is sampled at the gaps, and refused where it deviates from the law between
-            them by more than 1 % of its largest value.
+        name: "hard-wall"; "morse", "exponential", "dugdale" (`gamma`, `range`); "harmonic-cosine" (`gamma`,
+            `curvature`); "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first
+            also `r`); or the gaps of a table, length, in rising order: at least four, from 0 (a hard wall stands there)
+            or a negative one (where the traction repels).
+        traction: of a table, the traction at each gap, stress, above zero where it attracts, and 0 at the last one; or
+            a function that gives the tractions at an array of gaps. It is sampled at the gaps, and refused where it
+            deviates from the law between them by more than 1 % of its largest value.
         units: of a table, the units of gaps and tractions, such as ("nm", "MPa"); numbers of the problem by default.
-        parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without unit; or texts
-            with a unit, such as gamma="0.05 J/m^2", range="2 nm".
+        parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without
+            unit; or texts with a unit, such as gamma="0.05 J/m^2", range="2 nm".
 
     Raises:
         InputError: an unknown name or parameter, a missing one, a value out of its range; a table that is no law.
@@ -426,8 +463,13 @@ def law(
             raise InputError(f"{next(iter(parameters))} is given; it must be left out of a table")
         return _tabulated(name, traction, units)
     if traction is not None or units is not None:
-        raise InputError(f"{'traction' if units is None else 'units'} is given; it must be left out of the law {name!r}, which has a name")
-    return Law(word("law", name), {key: quantity(key, value, _PARAMETERS.get(key, "1")) for key, value in parameters.items()})
+        raise InputError(
+            f"{'traction' if units is None else 'units'} is given; it must be left out of the law {name!r}, which has a"
+            " name"
+        )
+    return Law(
+        word("law", name), {key: quantity(key, value, _PARAMETERS.get(key, "1")) for key, value in parameters.items()}
+    )
 
 
 # The largest deviation of a function from its table, over its largest value.
@@ -450,8 +492,8 @@ def _tabulated(gap: Any, traction: Any, units: Optional[tuple[str, str]]) -> Law
         if not off.max() <= most:
             at = float(middle[int(np.argmax(off))])
             raise InputError(
-                f"traction deviates by {float(off.max()):.1e} from its table at the gap {at:.3g}; it must be at most {most:.1e}, "
-                "which closer gaps make it"
+                f"traction deviates by {float(off.max()):.1e} from its table at the gap {at:.3g}; it must be at most"
+                f" {most:.1e}, which closer gaps make it"
             )
     if units is None:
         return plain
@@ -478,7 +520,10 @@ def as_body(value: object, in_time: bool = False, of_moduli: bool = False) -> Bo
     if not isinstance(value, Body):
         raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
     if of_moduli and "compliance" in value:
-        raise InputError("body has a compliance; it must be given by its moduli here, since a table has no fields inside and no shear")
+        raise InputError(
+            "body has a compliance; it must be given by its moduli here, since a table has no fields inside and no"
+            " shear"
+        )
     if value.prony and not in_time:
         raise InputError("body is viscoelastic; it must be elastic here (gfmd.path follows a viscoelastic one in time)")
     return value

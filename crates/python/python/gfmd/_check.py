@@ -64,7 +64,12 @@ def quantity(name: str, value: object, kind: str) -> Quantity:
 
 def quantities(name: str, value: Any, kind: str) -> list[Quantity]:
     """One quantity, or several."""
-    if isinstance(value, str) or not isinstance(value, Iterable) or isinstance(value, bytes) or getattr(value, "shape", None) == ():
+    if (
+        isinstance(value, str)
+        or not isinstance(value, Iterable)
+        or isinstance(value, bytes)
+        or getattr(value, "shape", None) == ()
+    ):
         return [quantity(name, value, kind)]
     if not any(isinstance(entry, str) for entry in value if not hasattr(value, "dtype")):
         return [*numbers(name, value)]
@@ -162,7 +167,10 @@ def heights(value: Any) -> tuple[Array, int]:
         return copy, 0
     if np.isinf(copy).any():
         i, j = (int(k) for k in np.argwhere(np.isinf(copy))[0])
-        raise InputError(f"heights has {int(np.isinf(copy).sum())} infinite points, the first at [{i}, {j}]; every height must be finite")
+        raise InputError(
+            f"heights has {int(np.isinf(copy).sum())} infinite points, the first at [{i}, {j}]; every height must be"
+            " finite"
+        )
     return copy, int(np.isnan(copy).sum())
 
 
@@ -175,7 +183,10 @@ def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float],
         return found
     if how is None:
         i, j = (int(k) for k in np.argwhere(np.isnan(found))[0])
-        raise InputError(f"{name} has {undefined} undefined points of {found.size}, the first at [{i}, {j}]; every point needs a height: fill='harmonic' or 'nearest' gives one")
+        raise InputError(
+            f"{name} has {undefined} undefined points of {found.size}, the first at [{i}, {j}]; every point needs a"
+            " height: fill='harmonic' or 'nearest' gives one"
+        )
     return _gfmd.fill(found, lengths, how)
 
 
@@ -200,7 +211,9 @@ def plain(name: str, value: Any) -> Any:
         return word(name, value)
     if isinstance(value, (list, tuple)):
         return [plain(name, entry) for entry in value]
-    return integer(name, value, -(2**63)) if hasattr(value, "__index__") and np.ndim(value) == 0 else number(name, value)
+    return (
+        integer(name, value, -(2**63)) if hasattr(value, "__index__") and np.ndim(value) == 0 else number(name, value)
+    )
 
 
 def frozen(array: Array) -> Array:
@@ -211,7 +224,11 @@ def frozen(array: Array) -> Array:
 def size(value: Any, shape: tuple[int, ...], unit: Optional[str] = None) -> tuple[float, float]:
     """Lengths of the cell: nothing for 1, L along x, or Lx and Ly. One length gives equal spacing along both axes."""
     nx, ny = shape
-    given = [] if value is None else [in_units("size", length, "length", unit, None) for length in quantities("size", value, "length")]
+    given = (
+        []
+        if value is None
+        else [in_units("size", length, "length", unit, None) for length in quantities("size", value, "length")]
+    )
     if len(given) > 2:
         raise InputError(f"size is {shown(value)}; it must be L or (Lx, Ly)")
     along_x = given[0] if given else 1.0

@@ -13,7 +13,9 @@ from ._errors import InputError
 from ._kappa import KappaSweep
 from ._path import Path
 
-_PROGRAM = f"gfmd {_gfmd.VERSION}, contact mechanics of rough surfaces by Green's function molecular dynamics (CITATION.cff)."
+_PROGRAM = (
+    f"gfmd {_gfmd.VERSION}, contact mechanics of rough surfaces by Green's function molecular dynamics (CITATION.cff)."
+)
 _METHOD = "Campañá and Müser, Phys. Rev. B 74 (2006) 075420: Green's function molecular dynamics."
 _AREA = "Yastrebov, Anciaux and Molinari, Tribol. Int. 114 (2017) 161: area corrected for its perimeter."
 _LIMIT = "Prodanov, Dapp and Müser, Tribol. Lett. 53 (2014) 433: the three limits of kappa."

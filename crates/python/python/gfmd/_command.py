@@ -59,7 +59,9 @@ def solve(
     out: Any = None,
     words: Optional[str] = None,
 ) -> tuple[dict[str, Any], Failure, dict[str, Array], File]:
-    """The report of a command on a problem with the keys of its flags, the kind and the text of its failure, the fields by name, and the file.
+    """The report of a command, the kind and the text of its failure, the fields by name, and the file.
+
+    The problem has the keys of the flags of the command.
 
     The file goes to `out`, too, if that is given, with the `words` of the surface.
     """

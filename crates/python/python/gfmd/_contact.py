@@ -74,8 +74,8 @@ class Contact(Result, Numbers, Fields):
 
     Its numbers and fields are properties with their definitions; the numbers are also keys, as of a mapping. A number
     that does not exist is NaN, and `undefined` has the reason. Lengths and stresses are in the units of the surface and
-    the body. With a law, `pressure` and `mean_pressure` include the attraction; with a lower surface, numbers and fields
-    are those of the upper face.
+    the body. With a law, `pressure` and `mean_pressure` include the attraction; with a lower surface, numbers and
+    fields are those of the upper face.
 
     Attributes:
         surface, body, law: those given.
@@ -94,10 +94,19 @@ class Contact(Result, Numbers, Fields):
     _settings: Settings
     _state: Any
 
-    def __init__(self, values: dict[str, Any], parts: tuple[Surface, Body, Law], fields: dict[str, Array], settings: Settings, state: Any = None) -> None:
+    def __init__(
+        self,
+        values: dict[str, Any],
+        parts: tuple[Surface, Body, Law],
+        fields: dict[str, Array],
+        settings: Settings,
+        state: Any = None,
+    ) -> None:
         super().__init__(values)
         names = ("surface", "body", "law", "_fields", "_settings", "_state")
-        for name, value in zip(names, (*parts, {name: frozen(field) for name, field in fields.items()}, settings, state)):
+        for name, value in zip(
+            names, (*parts, {name: frozen(field) for name, field in fields.items()}, settings, state)
+        ):
             object.__setattr__(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -132,8 +141,8 @@ class Contact(Result, Numbers, Fields):
     def repulsion(self) -> Array:
         """Repulsive part of the pressure [x, y], stress. Read-only.
 
-        Under a law it is the pressure of its wall, or, where no wall presses, the pressure beyond what is left unbalanced;
-        without a law it is the pressure.
+        Under a law it is the pressure of its wall, or, where no wall presses, the pressure beyond what is left
+        unbalanced; without a law it is the pressure.
         """
         own = self._fields.get("repulsion")
         return frozen(np.maximum(self.pressure, 0.0)) if own is None else own
@@ -142,13 +151,15 @@ class Contact(Result, Numbers, Fields):
     def adhesion(self) -> Optional[Record]:
         """The attraction on this surface and grid in numbers; None without one.
 
-        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`,
-        `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
+        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`,
+        `process_zone_needed`, `wang_zhou_muser`, `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
         """
         if self.law.name == "hard-wall":
             return None
         problem, arrays = self._settings[:2]
-        found: Optional[Record] = records(json.loads(_gfmd.adhesion(problem, {**arrays, "surface": self.surface.heights})))
+        found: Optional[Record] = records(
+            json.loads(_gfmd.adhesion(problem, {**arrays, "surface": self.surface.heights}))
+        )
         return found
 
     @property
@@ -164,9 +175,15 @@ class Contact(Result, Numbers, Fields):
     def __eq__(self, other: object) -> bool:
         if self is other:
             return True
-        if not isinstance(other, Contact) or self.surface != other.surface or self._fields.keys() != other._fields.keys():
+        if (
+            not isinstance(other, Contact)
+            or self.surface != other.surface
+            or self._fields.keys() != other._fields.keys()
+        ):
             return False
-        numbers = [{name: value for name, value in contact._values.items() if name != "seconds"} for contact in (self, other)]
+        numbers = [
+            {name: value for name, value in contact._values.items() if name != "seconds"} for contact in (self, other)
+        ]
         same = json_of(numbers[0]) == json_of(numbers[1]) and (self.body, self.law) == (other.body, other.law)
         return same and all(np.array_equal(field, other._fields[name]) for name, field in self._fields.items())
 
@@ -208,14 +225,18 @@ class Contact(Result, Numbers, Fields):
     def _posed(self) -> tuple[Any, Any]:
         """The problem, posed again, and the state."""
         settings = self._settings
-        problem = _gfmd.Problem({**settings.description, "unit": self.surface.unit}, {**settings.arrays, "surface": self.surface.heights}, 0)
+        problem = _gfmd.Problem(
+            {**settings.description, "unit": self.surface.unit}, {**settings.arrays, "surface": self.surface.heights}, 0
+        )
         return problem, problem.recall(self._fields, self.approach) if self._state is None else self._state
 
     def _measured(self, **options: Any) -> tuple[dict[str, Any], dict[str, tuple[Array, Array]]]:
-        """The numbers that statistics and flow add, and the arrays of the statistics with the points of their axes, by their paths."""
+        """The numbers of statistics and flow, and by their paths the arrays of the statistics with their axes."""
         problem, state = self._posed()
         record, arrays = problem.measure(state, options)
-        found = {entry["path"]: (frozen(np.array(entry["values"])), frozen(np.array(entry["axis"]))) for entry in arrays}
+        found = {
+            entry["path"]: (frozen(np.array(entry["values"])), frozen(np.array(entry["axis"]))) for entry in arrays
+        }
         return of_load(record), found
 
     @property
@@ -233,15 +254,20 @@ class Contact(Result, Numbers, Fields):
     def distributions(self) -> Record:
         """Distributions and spectra, as `gfmd contact --statistics` measures them: a `Record` of arrays.
 
-        `pressure` (1/stress) over `pressure_at` (stress), `gap` (1/length) over `gap_at` (length): densities over the whole surface; with periodic
-        boundaries `pressure_spectrum` (stress² length²) over `wavenumber` (rad/length), and the autocorrelation of the pressure,
-        `autocorrelation_x`, `autocorrelation_y`, over `lag_x`, `lag_y` (length).
+        `pressure` (1/stress) over `pressure_at` (stress), `gap` (1/length) over `gap_at` (length): densities over the
+        whole surface; with periodic boundaries `pressure_spectrum` (stress² length²) over `wavenumber` (rad/length),
+        and the autocorrelation of the pressure, `autocorrelation_x`, `autocorrelation_y`, over `lag_x`, `lag_y`
+        (length).
 
         Raises:
             InputError: with a lower surface, which has two faces.
         """
         found = {}
-        axes = {"/spectra/pressure": "wavenumber", "/spectra/autocorrelation_x": "lag_x", "/spectra/autocorrelation_y": "lag_y"}
+        axes = {
+            "/spectra/pressure": "wavenumber",
+            "/spectra/autocorrelation_x": "lag_x",
+            "/spectra/autocorrelation_y": "lag_y",
+        }
         for path, (values, axis) in self._measured(statistics=True)[1].items():
             name = path.split("/")[2]
             if path in axes and len(values):
@@ -255,14 +281,17 @@ class Contact(Result, Numbers, Fields):
         """Returns the flow of a fluid through the gap by Reynolds' equation, that of `gfmd contact --flow`.
 
         Args:
-            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of lengths is not known.
-            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else stress.
+            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of
+                lengths is not known.
+            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else
+                stress.
 
         Returns:
-            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) by a pressure gradient along x and y (columns) over
-            that through a uniform gap of the height `mean_gap`; `percolates` along x and y; `residual`; `transmissivity`, conductivity times
-            mean_gap³/12, length³; and, with both arguments, `rate` [x, y]: the volume per time through the whole cell with the
-            pressure drop along x and along y, m³/s (length³/time, if the unit of lengths is not known).
+            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) by a pressure gradient
+            along x and y (columns) over that through a uniform gap of the height `mean_gap`; `percolates` along x and
+            y; `residual`; `transmissivity`, conductivity times mean_gap³/12, length³; and, with both arguments, `rate`
+            [x, y]: the volume per time through the whole cell with the pressure drop along x and along y, m³/s
+            (length³/time, if the unit of lengths is not known).
 
         Raises:
             InputError: a profile, a lower surface; one of the two arguments alone.
@@ -273,33 +302,41 @@ class Contact(Result, Numbers, Fields):
             ([True, True], (2,))
         """
         if (viscosity is None) != (pressure_drop is None):
-            raise InputError(f"{'viscosity' if viscosity is None else 'pressure_drop'} is missing; both or none must be given")
+            raise InputError(
+                f"{'viscosity' if viscosity is None else 'pressure_drop'} is missing; both or none must be given"
+            )
         found = dict(self._measured(flow=True)[0]["flow"])
-        conductivity = np.array([[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64)
+        conductivity = np.array(
+            [[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64
+        )
         open_along = np.array(found["percolates"])
         found["conductivity"] = frozen(conductivity)
         found["transmissivity"] = frozen(_leak.transmissivity(conductivity, open_along[:, np.newaxis], self.mean_gap))
         if viscosity is not None and pressure_drop is not None:
             along = np.diag(found["transmissivity"])
-            found["rate"] = frozen(_leak.rate(along, self.surface.size, metre(self.surface.unit), viscosity, pressure_drop))
+            found["rate"] = frozen(
+                _leak.rate(along, self.surface.size, metre(self.surface.unit), viscosity, pressure_drop)
+            )
         return Record(found)
 
     def conductance(
         self, k1: Optional[Quantity] = None, k2: Optional[Quantity] = None, *, conductor_height: Quantity = float("inf")
     ) -> float:
-        """Returns the conductance of the points in contact between two conductors of heat or electric current, per area, 1 / length.
+        """Returns the conductance per area of the points in contact between conductors of heat or current, 1 / length.
 
         With the conductivities of both, the contact conductance: W/(m² K) of heat, S/m² of an electric current.
 
-        The column `conductance` of `gfmd contact --statistics`: over the sum of the resistivities of both bodies it is the contact
-        conductance per area. The bulk has no part in it, but with free boundaries, where it is that of the whole current over the area
-        of the patch. Right for any elastic body, hardness and law. Infinite if all points of a periodic surface touch. NaN for a profile
-        with free boundaries on conductors without end, with finite slopes, and with a lower surface.
+        The column `conductance` of `gfmd contact --statistics`: over the sum of the resistivities of both bodies it is
+        the contact conductance per area. The bulk has no part in it, but with free boundaries, where it is that of the
+        whole current over the area of the patch. Right for any elastic body, hardness and law. Infinite if all points
+        of a periodic surface touch. NaN for a profile with free boundaries on conductors without end, with finite
+        slopes, and with a lower surface.
 
         Args:
-            k1, k2: conductivities of both conductors, W/(m K) or S/m, or texts with a unit ("0.2 W/(m K)"); both or none. Without a unit of
-                lengths per unit length of the surface.
-            conductor_height: depth of the electrodes of both conductors below the surface, length, or a text with a unit; infinite by default.
+            k1, k2: conductivities of both conductors, W/(m K) or S/m, or texts with a unit ("0.2 W/(m K)"); both or
+                none. Without a unit of lengths per unit length of the surface.
+            conductor_height: depth of the electrodes of both conductors below the surface, length, or a text with a
+                unit; infinite by default.
 
         Raises:
             InputError: a depth that is not positive; with free boundaries an electrode that is not deep enough.
@@ -333,25 +370,26 @@ class Contact(Result, Numbers, Fields):
     ) -> Gradient:
         """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
 
-        The arguments are the derivatives of L by the fields and numbers of the contact; the result is the vector-Jacobian product of
-        reverse-mode differentiation, by one linear problem, whatever the number of heights. The points in contact are kept, as
-        they are for almost all surfaces and loads; areas and counts of points have no derivatives.
-        `gfmd.torch` and `gfmd.jax` have the contact as a function of these packages.
+        The arguments are the derivatives of L by the fields and numbers of the contact; the result is the
+        vector-Jacobian product of reverse-mode differentiation, by one linear problem, whatever the number of heights.
+        The points in contact are kept, as they are for almost all surfaces and loads; areas and counts of points have
+        no derivatives. `gfmd.torch` and `gfmd.jax` have the contact as a function of these packages.
 
         Args:
-            pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by default, as all.
+            pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by
+                default, as all.
             gap: derivative by the gap of each point [x, y]; points that a wall presses have none.
             approach: derivative by the approach.
             mean_pressure: derivative by the mean pressure.
             mean_gap: derivative by the mean gap.
             elastic_energy: derivative by the elastic energy per area.
-            fixed: the quantity that is prescribed while heights and modulus change, "mean_pressure" or "approach"; by default that of
-                the contact ("mean_pressure" for `p_star`).
+            fixed: the quantity that is prescribed while heights and modulus change, "mean_pressure" or "approach"; by
+                default that of the contact ("mean_pressure" for `p_star`).
 
         Raises:
-            InputError: arrays of another shape; a contact with a hardness, finite slopes, all components, a lower surface or a base that
-                moves, which are not implemented; full contact under an approach that does not determine the pressure; a state of a
-                law that a small change makes jump.
+            InputError: arrays of another shape; a contact with a hardness, finite slopes, all components, a lower
+                surface or a base that moves, which are not implemented; full contact under an approach that does not
+                determine the pressure; a state of a law that a small change makes jump.
 
         Example:
             >>> round(c.vjp(approach=1.0).load * c.stiffness, 4)  # d(approach)/d(mean pressure)
@@ -363,18 +401,29 @@ class Contact(Result, Numbers, Fields):
         how = ("approach" if driven else "mean_pressure") if fixed is None else word("fixed", fixed)
         if how not in ("mean_pressure", "approach"):
             raise InputError(f"fixed is {how!r}; it must be 'mean_pressure' or 'approach'")
-        numbers = {"approach": approach, "mean_pressure": mean_pressure, "mean_gap": mean_gap, "elastic_energy": elastic_energy}
+        numbers = {
+            "approach": approach,
+            "mean_pressure": mean_pressure,
+            "mean_gap": mean_gap,
+            "elastic_energy": elastic_energy,
+        }
         given = {"pressure": pressure, "gap": gap}
         shape = self.pressure.shape
         fields = {}
         for name, value in given.items():
             if value is not None:
                 found = array(name, value)
-                fields[name] = found.reshape(shape) if found.ndim == 1 and found.shape == shape[:1] and shape[1] == 1 else found
+                fields[name] = (
+                    found.reshape(shape) if found.ndim == 1 and found.shape == shape[:1] and shape[1] == 1 else found
+                )
                 if fields[name].shape != shape:
-                    raise InputError(f"{name} has the shape {list(found.shape)}; it must be {list(shape)} as that of the contact")
+                    raise InputError(
+                        f"{name} has the shape {list(found.shape)}; it must be {list(shape)} as that of the contact"
+                    )
         problem, state = self._posed()
-        heights, load, modulus, error = problem.vjp(state, how == "approach", fields, {name: number(name, value) for name, value in numbers.items()})
+        heights, load, modulus, error = problem.vjp(
+            state, how == "approach", fields, {name: number(name, value) for name, value in numbers.items()}
+        )
         return Gradient({"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error})
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
@@ -415,7 +464,9 @@ class Contact(Result, Numbers, Fields):
         save(path, [self])
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the fields [y, x], with coordinates and units, and the scalars: `.plot()` has x to the right, y up.
+        """Returns an xarray.Dataset of the fields [y, x], with coordinates and units, and the scalars.
+
+        The plots of xarray, `.plot()`, have x to the right and y up.
 
         Raises:
             Error: no xarray.
@@ -469,8 +520,9 @@ class Contact(Result, Numbers, Fields):
 class Contacts(Result, Sequence[Contact]):
     """Contacts one after the other: a sequence of `Contact`.
 
-    The numbers of a contact are arrays [load] here, in the same units: `cs.area_fraction`, `cs.mean_pressure`; `residual` is
-    the largest part of each, `lower` a Record of arrays. The fields, such as `pressure`, `gap` and `displacement_z`, are [load, x, y].
+    The numbers of a contact are arrays [load] here, in the same units: `cs.area_fraction`, `cs.mean_pressure`;
+    `residual` is the largest part of each, `lower` a Record of arrays. The fields, such as `pressure`, `gap` and
+    `displacement_z`, are [load, x, y].
 
     Example:
         >>> cs = gfmd.contacts(s, gfmd.Body(), p_star=[0.01, 0.05])
@@ -492,8 +544,10 @@ class Contacts(Result, Sequence[Contact]):
 
     @overload
     def __getitem__(self, index: int) -> Contact: ...
+
     @overload
     def __getitem__(self, index: slice) -> Contacts: ...
+
     def __getitem__(self, index: Union[int, slice]) -> Union[Contact, Contacts]:
         if isinstance(index, slice):
             return Contacts(self._contacts[index])
@@ -509,7 +563,12 @@ class Contacts(Result, Sequence[Contact]):
             if name == "residual":
                 return np.array([float(contact.residual) for contact in self._contacts])
             if name == "lower" and name in self._contacts[0]:
-                return Record({key: np.array([float(contact.lower[key]) for contact in self._contacts]) for key in self._contacts[0].lower})
+                return Record(
+                    {
+                        key: np.array([float(contact.lower[key]) for contact in self._contacts])
+                        for key in self._contacts[0].lower
+                    }
+                )
             if name == "approach" or name in self._contacts[0]:
                 return np.array([getattr(contact, name) for contact in self._contacts])
         raise AttributeError(f"Contacts has no {name}")
@@ -583,7 +642,9 @@ class Contacts(Result, Sequence[Contact]):
     def _rows(self) -> list[list[str]]:
         """The rows of the table, below that of its heads."""
         head, digits = list(_HEAD), ".4e"
-        approach, gap = (np.array([contact[name] for contact in self._contacts]) for name in ("displacement", "mean_gap"))
+        approach, gap = (
+            np.array([contact[name] for contact in self._contacts]) for name in ("displacement", "mean_gap")
+        )
         if self._contacts and self._contacts[0].units[0] is not None:
             from . import _show
 
@@ -592,7 +653,15 @@ class Contacts(Result, Sequence[Contact]):
                 values *= factor
                 head[place], digits = f"{head[place]} / {unit}", ".5g"
         rows = [
-            [f"{c.p_star:.4e}", f"{u:{digits}}", f"{c.area_fraction:.6f}", f"{c.kappa:.4f}", f"{g:{digits}}", f"{c.iterations}", f"{float(c.residual):.1e}"]
+            [
+                f"{c.p_star:.4e}",
+                f"{u:{digits}}",
+                f"{c.area_fraction:.6f}",
+                f"{c.kappa:.4f}",
+                f"{g:{digits}}",
+                f"{c.iterations}",
+                f"{float(c.residual):.1e}",
+            ]
             for c, u, g in zip(self._contacts, approach, gap)
         ]
         return [head, *rows]

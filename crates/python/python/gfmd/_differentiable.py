@@ -56,9 +56,9 @@ class Solver:
 
 def controlled(mean_pressure: Any, approach: Any) -> tuple[str, Any]:
     """The kind of the load and the load."""
-    given = [(name, value) for name, value in (("mean_pressure", mean_pressure), ("approach", approach)) if value is not None]
+    given = [
+        (name, value) for name, value in (("mean_pressure", mean_pressure), ("approach", approach)) if value is not None
+    ]
     if len(given) != 1:
         raise InputError("the load must be given by one of mean_pressure, approach")
     return given[0]
-
-

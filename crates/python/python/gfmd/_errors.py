@@ -22,7 +22,8 @@ class InputError(Error, ValueError):
 class NotConverged(Error):
     """A solve that did not reach its tolerance. `state` is the result as far as it came, or None.
 
-    `state.not_converged` of a path or a punch tells the criteria that are not met, the residual against the iterations, and advice.
+    `state.not_converged` of a path or a punch tells the criteria that are not met, the residual against the iterations,
+    and advice.
     """
 
     def __init__(self, text: str, state: Any = None) -> None:
@@ -48,7 +49,14 @@ class Interrupted(KeyboardInterrupt):
 
 
 # Flags of the program whose arguments here have other names.
-_NAMES = {"tol": "tolerance", "displacement": "approach", "pressure": "mean_pressure", "max_iter": "max_iterations", "param": "law", "length": "size"}
+_NAMES = {
+    "tol": "tolerance",
+    "displacement": "approach",
+    "pressure": "mean_pressure",
+    "max_iter": "max_iterations",
+    "param": "law",
+    "length": "size",
+}
 
 
 def _spoken(text: str) -> str:

@@ -22,7 +22,11 @@ from ._surface import Surface, _surface
 _CONTROLS = ("pressure", "p_star", "displacement")
 
 # The arrays of a problem in a file, by the keys of their options.
-_ARRAYS = {"hardness": "/surface/hardness", "base_displacement": "/base/displacement", "base_traction": "/base/traction"}
+_ARRAYS = {
+    "hardness": "/surface/hardness",
+    "base_displacement": "/base/displacement",
+    "base_traction": "/base/traction",
+}
 
 
 def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
@@ -67,7 +71,7 @@ def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> 
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
-    """Returns the contact, or the contacts of several loads, of a file of `gfmd contact --out`, `Contact.save` or `Contacts.save`.
+    """Returns the contact, or the contacts of several loads, of a file of `gfmd contact --out`, or of `save`.
 
     Args:
         path: the name of the HDF5 file.
@@ -88,8 +92,16 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     between = "lower_surface" in config or "lower_seed" in config
     lower = _stored(name, "/lower", length) if between else None
     body, law = body_of(config), law_of(config)
-    options = {key: value for key, value in config.items() if (key in _gfmd.options() or key == "stress_unit") and key != "lower_seed"}
-    arrays = {key: _check.frozen(_array(name, dataset)) for key, dataset in _ARRAYS.items() if isinstance(config.get(key), str)}
+    options = {
+        key: value
+        for key, value in config.items()
+        if (key in _gfmd.options() or key == "stress_unit") and key != "lower_seed"
+    }
+    arrays = {
+        key: _check.frozen(_array(name, dataset))
+        for key, dataset in _ARRAYS.items()
+        if isinstance(config.get(key), str)
+    }
     if lower is not None:
         options["lower_surface"], arrays["lower_surface"] = "array", lower.heights
     settings = Settings({"length": list(surface.size), **body_keys(body), **options}, arrays, lower)

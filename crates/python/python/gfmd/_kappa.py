@@ -27,7 +27,8 @@ class KappaSweep(Computed):
     Attributes:
         points: a Record for each discretisation and load: `dim`, `hurst`, `eps_t_inv`, `eps_f_inv`, `eps_c_inv`, `n`,
             `p_star`, `realisations`, `kappa`, `kappa_sem`, `kappa_corrected`, `kappa_corrected_sem`; none has a unit.
-        fit: the extrapolation: `kappa_tfc`, `ci95` (statistical), `total_ci95` (with the error of the form), `terms` (`axis`, `coefficient`, `exponent` ...) and so on.
+        fit: the extrapolation: `kappa_tfc`, `ci95` (statistical), `total_ci95` (with the error of the form), `terms`
+            (`axis`, `coefficient`, `exponent` ...) and so on.
         fits: those of all Hurst exponents, loads and ways to count area.
         theory: limits of theories: `persson`, `bush_gibson_thomas`.
         seconds: wall time.
@@ -58,7 +59,10 @@ class KappaSweep(Computed):
         from . import _show
 
         names = dict.fromkeys(name for point in self.points for name in point)
-        columns = {name: ("point", [np.nan if point.get(name) is None else point[name] for point in self.points]) for name in names}
+        columns = {
+            name: ("point", [np.nan if point.get(name) is None else point[name] for point in self.points])
+            for name in names
+        }
         return _show.needed("xarray", "to_xarray").Dataset(columns)
 
     def to_dataframe(self) -> Any:
@@ -85,7 +89,8 @@ class KappaSweep(Computed):
         return hash((self.fit.kappa_tfc, len(self.points)))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws kappa at the load of the fit over the number of points along a side, and the limit, with matplotlib. Returns the axes.
+        """Draws kappa at the load of the fit over the number of points along a side, and the limit, with matplotlib.
+        Returns the axes.
 
         Args:
             ax: the axes to draw into; new ones by default.
@@ -106,7 +111,8 @@ class KappaSweep(Computed):
 
         head = f"{'H':>5} {'1/eps_t':>8} {'1/eps_f':>8} {'1/eps_c':>8} {'n':>6} {'p_star':>8} {'kappa':>8} {'+-':>8}"
         rows = [
-            f"{p.hurst:>5g} {p.eps_t_inv:>8g} {p.eps_f_inv:>8g} {p.eps_c_inv:>8g} {p.n:>6} {p.p_star:>8g} {number(p.kappa):>8} {number(p.kappa_sem):>8}"
+            f"{p.hurst:>5g} {p.eps_t_inv:>8g} {p.eps_f_inv:>8g} {p.eps_c_inv:>8g} {p.n:>6} {p.p_star:>8g}"
+            f" {number(p.kappa):>8} {number(p.kappa_sem):>8}"
             for p in self.points
         ]
         total = self.fit.total_ci95
@@ -124,8 +130,8 @@ def kappa_sweep(
     """Many contacts, one kappa in the thermodynamic, fractal and continuum limit, with its uncertainty.
 
     Args:
-        config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents. Moduli of the body
-            may be texts with a unit ("70GPa"); everything else is a ratio, without a unit.
+        config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents.
+            Moduli of the body may be texts with a unit ("70GPa"); everything else is a ratio, without a unit.
         out: the HDF5 file to keep, with figures beside it; nothing is kept by default.
         resume: continue a sweep to `out` that was interrupted.
         threads: number of threads; all cores by default.
@@ -149,7 +155,9 @@ def kappa_sweep(
         problem = {**_config(config), "out": file, "resume": flag("resume", resume)}
         values, failure, *_ = _command.solve("kappa-sweep", problem, threads=threads)
         contents = Contents(Path(file).read_bytes())
-        return _command.ended(KappaSweep({name: _command.records(value) for name, value in values.items()}, contents), failure)
+        return _command.ended(
+            KappaSweep({name: _command.records(value) for name, value in values.items()}, contents), failure
+        )
     except (KeyboardInterrupt, NotConverged) as error:
         if isinstance(getattr(error, "state", None), KappaSweep):
             raise

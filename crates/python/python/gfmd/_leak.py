@@ -1,4 +1,4 @@
-"""The flow of a fluid through the gap in units: from the conductivity over that of a uniform gap to a volume per time."""
+"""The flow of a fluid through the gap in units: a volume per time from the conductivity over that of a uniform gap."""
 
 from __future__ import annotations
 
@@ -14,15 +14,19 @@ from ._errors import InputError
 
 def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_gap: Any) -> Array:
     """Conductivities times the cube of the mean gap over 12, length³; zero where a closed gap has no conductivity."""
-    through: Array = np.where(np.isnan(conductivity) & ~percolates, 0.0, conductivity) * np.asarray(mean_gap) ** 3 / 12.0
+    through: Array = (
+        np.where(np.isnan(conductivity) & ~percolates, 0.0, conductivity) * np.asarray(mean_gap) ** 3 / 12.0
+    )
     return through
 
 
 def rate(along: Array, size: tuple[float, float], metre: float, viscosity: Quantity, pressure_drop: Quantity) -> Array:
-    """Volume per time through the whole cell with the pressure drop along x and along y, the last axis, from the transmissivities."""
+    """Volume per time through the cell with the pressure drop along x and y (last axis), from the transmissivities."""
     fluid, drop = in_units("viscosity", viscosity, "stress*time"), in_units("pressure_drop", pressure_drop, "stress")
     if not (0.0 < fluid < math.inf and 0.0 < drop < math.inf):
-        raise InputError(f"viscosity and pressure_drop are {viscosity!r}, {pressure_drop!r}; they must be positive and finite")
+        raise InputError(
+            f"viscosity and pressure_drop are {viscosity!r}, {pressure_drop!r}; they must be positive and finite"
+        )
     lx, ly = size
     volume: Array = along * np.array([ly / lx, lx / ly]) * metre**3 * drop / fluid
     return volume
@@ -35,8 +39,10 @@ class Leaks:
         """Returns the volume per time that leaks through the gap after each step, [step, 2]: along x and along y.
 
         Args:
-            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of lengths is not known.
-            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else stress.
+            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of
+                lengths is not known.
+            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else
+                stress.
 
         Returns:
             m³/s (length³/time, if the unit of lengths is not known); zero where the gap is closed.
@@ -46,7 +52,8 @@ class Leaks:
 
         Example:
             >>> rubber = gfmd.Body(young="2 MPa", poisson=0.5, prony=[("1 s", 0.3), ("1 d", 0.4)])
-            >>> seal = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4, unit="um"), rubber, p_star=0.1, time=[0, "1 d"], steps=1, flow=True)
+            >>> rough = gfmd.self_affine(n=32, eps_f_inv=4, unit="um")
+            >>> seal = gfmd.path(rough, rubber, p_star=0.1, time=[0, "1 d"], steps=1, flow=True)
             >>> leak = seal.leak_rate(viscosity="1 mPa*s", pressure_drop="1 bar")
             >>> bool(leak[-1, 0] < leak[0, 0])
             True

@@ -17,11 +17,14 @@ from ._progress import BESIDE, Progress
 from ._solve import contact
 
 
-def many(surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, **options: Any) -> Iterator[Union[Contact, Contacts]]:
+def many(
+    surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, **options: Any
+) -> Iterator[Union[Contact, Contacts]]:
     """The contacts of many surfaces with one body, each on one thread, as many at once as there are cores.
 
-    They come one after the other in the order of the surfaces, while the next ones are computed: at most twice as many as workers are
-    in memory, if those that came are not kept. Surfaces may come from a generator. Results do not depend on the workers.
+    They come one after the other in the order of the surfaces, while the next ones are computed: at most twice as many
+    as workers are in memory, if those that came are not kept. Surfaces may come from a generator. Results do not depend
+    on the workers.
 
     Args:
         surfaces: surfaces as of `contact`.
@@ -30,7 +33,8 @@ def many(surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, 
         options: the load, one number or several, and the rest, as of `contact`; not `threads` and `start`.
 
     Raises:
-        InputError, NotConverged, Interrupted: as of `contact`, when the turn of that surface comes; its number is named, from 0.
+        InputError, NotConverged, Interrupted: as of `contact`, when the turn of that surface comes; its number is
+            named, from 0.
 
     Example:
         >>> rough = (gfmd.self_affine(n=64, seed=seed) for seed in range(4))
@@ -39,13 +43,18 @@ def many(surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, 
     """
     for name in ("threads", "start"):
         if options.get(name) is not None:
-            raise InputError(f"{name} is given; it must be left out of many contacts, each of which has one thread and starts by itself")
+            raise InputError(
+                f"{name} is given; it must be left out of many contacts, each of which has one thread and starts by"
+                " itself"
+            )
     if workers is None:
         workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return _solved(surfaces, body, integer("workers", workers, 1, 4096), options)
 
 
-def _solved(surfaces: Iterable[Any], body: Body, workers: int, options: dict[str, Any]) -> Iterator[Union[Contact, Contacts]]:
+def _solved(
+    surfaces: Iterable[Any], body: Body, workers: int, options: dict[str, Any]
+) -> Iterator[Union[Contact, Contacts]]:
     ending = Event()
 
     def look() -> None:

@@ -24,23 +24,26 @@ class Path(Leaks, Computed, StepFields):
     """A contact along a path.
 
     Attributes:
-        steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the waypoints; NaN at those that were
-            not reached.
+        steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the waypoints; NaN at those that
+            were not reached.
         hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
-        adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`, `process_zone`
-            (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`, `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
+        adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`,
+            `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`, `tabor`,
+            `pastewka_robbins` (docs/laws/adhesion.md).
         dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: stress; negative if the surfaces were pulled.
         grid_error: the way in which the error of the grid was found: `mode`, `n`, `assumes`, `orders`.
-        lowest_mean_pressure_limit, dissipated_limit, each with `_limit_error` and `_grid_error`: with `grid_error="refine"`, their
-            values on an infinitely fine grid, by the difference of two grids. `steps` has the same for its numbers.
+        lowest_mean_pressure_limit, dissipated_limit, each with `_limit_error` and `_grid_error`: with
+            `grid_error="refine"`, their values on an infinitely fine grid, by the difference of two grids. `steps` has
+            the same for its numbers.
         parted_at: the step at which the surfaces parted under their load, or None.
         undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
         prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of a viscoelastic body.
-        surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the effort.
+        surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the
+            effort.
 
     Example:
         >>> loop.steps.mean_pressure.shape, loop.pressure.shape
@@ -70,7 +73,8 @@ class Path(Leaks, Computed, StepFields):
     warnings: list[Record]
 
     def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
-        """Draws one scalar of the steps against another, with matplotlib: filled where it rises, hollow where it falls. Returns the axes.
+        """Draws one scalar of the steps against another, with matplotlib: filled where it rises, hollow where it falls.
+        Returns the axes.
 
         Args:
             x, y: names of arrays in `steps`.
@@ -122,7 +126,9 @@ def _flow(found: dict[str, Any]) -> dict[str, Any]:
     """The flow of a step by the names of its columns."""
     places = {name: place.split(".") for name, place in FLOW.items()}
     there = {name: place for name, place in places.items() if place[0] in found}
-    return {name: reduce(lambda part, key: part[int(key)], keys, found[first]) for name, (first, *keys) in there.items()}
+    return {
+        name: reduce(lambda part, key: part[int(key)], keys, found[first]) for name, (first, *keys) in there.items()
+    }
 
 
 def gathered(values: dict[str, Any]) -> dict[str, Any]:
@@ -171,8 +177,9 @@ def path(
         mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence;
             negative ones pull. Stresses and lengths may be texts with a unit, such as "1MPa", if the surface has one.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
-        time: times of the legs, each of which ends at a waypoint, with a viscoelastic body (`Body(prony=...)`): a number or a
-            sequence; "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first touch; a leg of no time is a jump.
+        time: times of the legs, each of which ends at a waypoint, with a viscoelastic body (`Body(prony=...)`): a
+            number or a sequence; "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first
+            touch; a leg of no time is a jump.
         direction: their direction, degrees from x.
         law: as of `contact`.
         friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
@@ -182,13 +189,15 @@ def path(
         stress_unit: unit of stresses given without one, as of `contact`.
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
         grid_error: as of `contact`; "refine" follows the path on a grid of twice as many points along each side, too.
-        flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in `steps`, and
-            `leak_rate`.
+        flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in
+            `steps`, and `leak_rate`.
         steps: steps from one waypoint to the next.
         tolerance, max_iterations: of each step, as of `contact`.
-        energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see docs/interface.md.
+        energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see
+            docs/interface.md.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd path --out`; as `save`, but the name is checked before the first step.
+        out: name of an HDF5 file for the result, that of `gfmd path --out`; as `save`, but the name is checked before
+            the first step.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -196,11 +205,12 @@ def path(
 
     Example:
         >>> adhesion = gfmd.law("exponential", gamma=1e-4, range=1.2e-3)
-        >>> loop = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=adhesion, approach=[-0.004, 0.004, -0.007], steps=4)
+        >>> rough = gfmd.self_affine(n=32, eps_f_inv=4)
+        >>> loop = gfmd.path(rough, gfmd.Body(), law=adhesion, approach=[-0.004, 0.004, -0.007], steps=4)
         >>> loop.lowest_mean_pressure < 0
         True
         >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
-        >>> creep = gfmd.path(gfmd.self_affine(n=32, eps_f_inv=4), rubber, mean_pressure=0.01, time=[0, 1, 100], steps=1)
+        >>> creep = gfmd.path(rough, rubber, mean_pressure=0.01, time=[0, 1, 100], steps=1)
         >>> bool(creep.steps.area_fraction[-1] > creep.steps.area_fraction[0])
         True
     """
@@ -268,7 +278,8 @@ def friction(
         NotConverged, Interrupted: `.state` is the Path so far.
 
     Example:
-        >>> pushed = gfmd.friction(gfmd.self_affine(n=32), gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.01], steps=4)
+        >>> rough = gfmd.self_affine(n=32)
+        >>> pushed = gfmd.friction(rough, gfmd.Body(), coefficient=0.3, p_star=0.05, lateral=[0, 0.01], steps=4)
         >>> round(pushed.sliding[0].friction_coefficient, 2)
         0.3
     """

@@ -38,7 +38,9 @@ def progress(shown: Optional[bool]) -> None:
 def _wanted() -> bool:
     if _shown is not None:
         return _shown
-    return "ipykernel" in sys.modules or (sys.stderr is not None and sys.stderr.isatty() and "PYTEST_CURRENT_TEST" not in os.environ)
+    return "ipykernel" in sys.modules or (
+        sys.stderr is not None and sys.stderr.isatty() and "PYTEST_CURRENT_TEST" not in os.environ
+    )
 
 
 class Progress:
@@ -79,7 +81,9 @@ class Progress:
     def __enter__(self) -> Progress:
         return self
 
-    def __exit__(self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]) -> None:
+    def __exit__(
+        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
         if self._bar:
             self._bar.close()
         elif self._bar is False:

@@ -93,7 +93,10 @@ class Record(Mapping[str, Any]):
         return f"{type(self).__name__}{rows}"
 
     def _repr_html_(self) -> str:
-        cells = (f"<tr><td>{html.escape(name)}</td><td>{html.escape(self._text(name, value))}</td></tr>" for name, value in self._values.items())
+        cells = (
+            f"<tr><td>{html.escape(name)}</td><td>{html.escape(self._text(name, value))}</td></tr>"
+            for name, value in self._values.items()
+        )
         return f"<b>{type(self).__name__}</b><table>{''.join(cells)}</table>"
 
 

@@ -46,7 +46,7 @@ class Result:
             yield file
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the HDF5 file that the command writes with `--out`, for `gfmd check`, `gfmd report` and other programs.
+        """Writes the HDF5 file that the command writes with `--out`, for `gfmd check`, `gfmd report` and others.
 
         Args:
             path: the name of the file.
@@ -187,5 +187,9 @@ class Computed(Result, Record):
         self._file.write(path)
 
     def _repr_html_(self) -> str:
-        fields = [value.size // len(value) for value in self._values.values() if isinstance(value, np.ndarray) and value.ndim > 1 and len(value)]
+        fields = [
+            value.size // len(value)
+            for value in self._values.values()
+            if isinstance(value, np.ndarray) and value.ndim > 1 and len(value)
+        ]
         return self._pictures(max(fields, default=0)) + super()._repr_html_()

@@ -62,7 +62,9 @@ def attributes(name: str, units: Units) -> dict[str, str]:
     return {"units": unit} if unit != of or of == "1" else {}
 
 
-def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None) -> Any:
+def field(
+    values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None
+) -> Any:
     """A map, or the curve of a profile; points in contact, if they are told, have a colour of their own."""
     ax = axes(ax)
     known = units or (surface.unit, None)
@@ -79,7 +81,14 @@ def field(values: Array, surface: Surface, name: str, ax: Any, units: Optional[U
         ax.set_ylabel(label)
     else:
         if contact is not None and np.any(contact):
-            image = ax.imshow(np.where(contact.T, 1.0, np.nan), origin="lower", extent=(0, lx, 0, ly), cmap="Oranges", vmin=0, vmax=1.5)
+            image = ax.imshow(
+                np.where(contact.T, 1.0, np.nan),
+                origin="lower",
+                extent=(0, lx, 0, ly),
+                cmap="Oranges",
+                vmin=0,
+                vmax=1.5,
+            )
             ax.plot([], [], "s", color=image.cmap(1.0 / 1.5), label="contact")
             ax.legend(loc="upper right")
             values = np.where(contact, np.nan, values)
@@ -113,7 +122,7 @@ def steps_dataset(result: Any) -> Any:
 
 
 def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:
-    """Numbers of steps against each other: filled points where x rises, hollow ones and a broken line where it falls."""
+    """Numbers of steps against each other: filled points where x rises; hollow ones, a broken line where it falls."""
     ax = axes(ax)
     shown = []
     for name, values in (x, y):
@@ -145,7 +154,13 @@ def area(contacts: Sequence[Contact], ax: Any) -> Any:
     ax = axes(ax)
     p_star = [contact["p_star"] for contact in contacts]
     ax.plot(p_star, [contact["area_fraction"] for contact in contacts], "o-", label="counted points")
-    ax.plot(p_star, [contact["area_fraction_corrected"] for contact in contacts], "o", mfc="none", label="perimeter corrected")
+    ax.plot(
+        p_star,
+        [contact["area_fraction_corrected"] for contact in contacts],
+        "o",
+        mfc="none",
+        label="perimeter corrected",
+    )
     ax.set_xlabel("reduced pressure $p/(E^* g)$")
     ax.set_ylabel("contact area fraction")
     ax.legend()
@@ -156,7 +171,13 @@ def kappa(points: Sequence[Any], fit: Any, ax: Any) -> Any:
     ax = axes(ax)
     points = [point for point in points if point["p_star"] == fit["p_star"]]
     errors = [np.nan if point["kappa_sem"] is None else point["kappa_sem"] for point in points]
-    ax.errorbar([point["n"] for point in points], [point["kappa"] for point in points], errors, fmt="o", label=f"$p^* = {fit['p_star']:g}$")
+    ax.errorbar(
+        [point["n"] for point in points],
+        [point["kappa"] for point in points],
+        errors,
+        fmt="o",
+        label=f"$p^* = {fit['p_star']:g}$",
+    )
     ax.axhline(fit["kappa_tfc"], color="k", label=r"limit $\kappa_\mathrm{TFC}$")
     if fit["total_ci95"] is not None:
         ax.axhspan(*fit["total_ci95"], color="k", alpha=0.15, label="95 %, with the error of the form")

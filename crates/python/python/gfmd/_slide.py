@@ -87,18 +87,20 @@ def slide(
     Args:
         surface: as of `contact`.
         body: a viscoelastic body, `Body(prony=...)`; with `heat` also an elastic one.
-        velocity: velocities of the surface relative to the body, length over the unit of the relaxation times and of the diffusivity; a
-            number or a sequence.
-        mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses and lengths
-            may be texts with a unit, such as "1MPa", if the surface has one.
+        velocity: velocities of the surface relative to the body, length over the unit of the relaxation times and of
+            the diffusivity; a number or a sequence.
+        mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses
+            and lengths may be texts with a unit, such as "1MPa", if the surface has one.
         direction: direction of the velocity, degrees from x.
-        heat: conductivity and diffusivity of the body, then those of the surface if it shares the heat: two or four numbers, or texts with
-            a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
-        friction: coefficient of friction of the interface, which makes the heat friction * pressure * velocity; needed with `heat`.
+        heat: conductivity and diffusivity of the body, then those of the surface if it shares the heat: two or four
+            numbers, or texts with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
+        friction: coefficient of friction of the interface, which makes the heat friction * pressure * velocity; needed
+            with `heat`.
         stress_unit: unit of stresses given without one, as of `contact`.
         tolerance, max_iterations: of each state, as of `contact`.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd slide --out`; as `save`, but the name is checked before the first step.
+        out: name of an HDF5 file for the result, that of `gfmd slide --out`; as `save`, but the name is checked before
+            the first step.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -129,7 +131,9 @@ def slide(
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),
     )
-    values, failure, fields, file = _command.solve("slide", problem, {"surface": made.heights}, threads, out, made.description)
+    values, failure, fields, file = _command.solve(
+        "slide", problem, {"surface": made.heights}, threads, out, made.description
+    )
     rows = []
     for state in values.pop("states"):
         theory = {f"persson_{name}": value for name, value in state.pop("persson").items()}

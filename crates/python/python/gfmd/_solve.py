@@ -36,12 +36,27 @@ class _Setup:
     """A surface against a body: the description of the problem, and the problem that it poses."""
 
     def __init__(
-        self, surface: Any, body: Any, *, loads: Any = (), law: Any = None, hardness: Any = None, lower_surface: Any = None, threads: Any = None, start: Any = None, **options: Any
+        self,
+        surface: Any,
+        body: Any,
+        *,
+        loads: Any = (),
+        law: Any = None,
+        hardness: Any = None,
+        lower_surface: Any = None,
+        threads: Any = None,
+        start: Any = None,
+        **options: Any,
     ) -> None:
         self.surface, self.body, self.law = as_surface(surface), as_body(body), as_law(law)
         self.lower_surface = as_lower(lower_surface, self.surface)
         self.threads = 0 if threads is None else integer("threads", threads, 0, 4096)
-        problem: dict[str, Any] = {"unit": self.surface.unit, "length": list(self.surface.size), **body_keys(self.body), **law_keys(self.law)}
+        problem: dict[str, Any] = {
+            "unit": self.surface.unit,
+            "length": list(self.surface.size),
+            **body_keys(self.body),
+            **law_keys(self.law),
+        }
         arrays: dict[str, Array] = {} if self.lower_surface is None else {"lower_surface": self.lower_surface.heights}
         for name, value in {"hardness": as_hardness(hardness, self.surface), **_checked(options)}.items():
             (arrays if isinstance(value, np.ndarray) else problem)[name] = value
@@ -60,7 +75,7 @@ class _Setup:
         self.start = None if start is None else self._state(start)
 
     def _posed(self, problem: dict[str, Any], arrays: dict[str, Array]) -> Any:
-        """The spectrum of the surface and the tables of the body: those of the last contact of this surface if it was the same."""
+        """The spectrum of the surface and the tables of the body, from the last contact if the problem was the same."""
         asked = (problem, {name: values.tobytes() for name, values in arrays.items()})
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
@@ -72,18 +87,24 @@ class _Setup:
         if start.surface.n != self.surface.n:
             raise InputError(f"start has {list(start.surface.n)} points; the surface has {list(self.surface.n)}")
         if (start.law["name"] == "hard-wall") != (self.law["name"] == "hard-wall"):
-            raise InputError(f"start has the law {start.law['name']}; a hard wall and a law do not start from each other")
+            raise InputError(
+                f"start has the law {start.law['name']}; a hard wall and a law do not start from each other"
+            )
         for name, default in (("boundary", None), ("components", "normal"), ("finite_slope", False)):
             found, allowed = (settings.description.get(name, default) for settings in (start._settings, self.settings))
             if found != allowed:
                 raise InputError(f"start has {name}={found!r}; it must be {allowed!r} as of the contact")
         if (start.lower_surface is None) != (self.lower_surface is None):
-            raise InputError(f"start has {'no' if start.lower_surface is None else 'a'} lower_surface; it must be as of the contact")
+            raise InputError(
+                f"start has {'no' if start.lower_surface is None else 'a'} lower_surface; it must be as of the contact"
+            )
         return self.problem.recall(start._fields, start.approach) if start._state is None else start._state
 
     def values(self, control: str, given: list[Quantity]) -> list[float]:
         """The loads in the units of the problem, of which each has its sign right."""
-        found = [self.problem.value(control, value, _LOADS[control]) if isinstance(value, str) else value for value in given]
+        found = [
+            self.problem.value(control, value, _LOADS[control]) if isinstance(value, str) else value for value in given
+        ]
         for value in found:
             self.check(control, value)
         return found
@@ -141,7 +162,14 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
 
 def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     """The load that is given, of a call whose other options exist."""
-    allowed = [*(_name(key) for key in _gfmd.options() if key not in ("law", "param", "law_table", "compliance", "uniform_compliance")), "stress_unit"]
+    allowed = [
+        *(
+            _name(key)
+            for key in _gfmd.options()
+            if key not in ("law", "param", "law_table", "compliance", "uniform_compliance")
+        ),
+        "stress_unit",
+    ]
     unknown = next((name for name in options if name not in (*allowed, "law", "threads", "start")), None)
     if unknown is not None:
         raise TypeError(f"the option is {unknown!r}; it must be one of {', '.join([*loads, *allowed])}")
@@ -201,44 +229,46 @@ def contact(
     Args:
         surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
         body: the elastic body.
-        mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area), or a text with a unit,
-            such as "1MPa", if the surface has one; or
+        mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area), or a
+            text with a unit, such as "1MPa", if the surface has one; or
         p_star: mean pressure over E* times the rms gradient; or
-        approach: rigid approach beyond first touch, length, or a text with a unit. A sequence of loads gives the `Contacts` of `contacts`,
-            each started from the last.
-        boundary: "periodic", the default, or "free": the surface is a patch on an unbounded half-space, slab or stack of layers; its rms
-            gradient is that of differences, and the approach that against points far away.
+        approach: rigid approach beyond first touch, length, or a text with a unit. A sequence of loads gives the
+            `Contacts` of `contacts`, each started from the last.
+        boundary: "periodic", the default, or "free": the surface is a patch on an unbounded half-space, slab or stack
+            of layers; its rms gradient is that of differences, and the approach that against points far away.
         law: what acts across the gap (`gfmd.law`); a hard wall by default.
-        hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it is
-            reached the surfaces are pressed into each other.
-        components: the components of the surface displacement that are unknown, of a hard wall: "normal" (u_z; u_x and u_y follow
-            from the pressure), the default, "all" (all are moved by damped dynamics, under a mean pressure; the same u_z at a higher cost),
-            or "held" (u_z, with u_x and u_y held at zero).
-        finite_slope: points of the body meet the height at their displaced place, and pressures act along the normal of the
-            surface (a hard wall with periodic boundaries, one body, no hardness).
-        lower_surface: heights [nx, ny] of a second rigid surface below a slab, in place of its base, peaks towards the slab: a
-            Surface with the points, cell and unit of the upper one, or an array. It may be flat.
+        hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it
+            is reached the surfaces are pressed into each other.
+        components: the components of the surface displacement that are unknown, of a hard wall: "normal" (u_z; u_x and
+            u_y follow from the pressure), the default, "all" (all are moved by damped dynamics, under a mean pressure;
+            the same u_z at a higher cost), or "held" (u_z, with u_x and u_y held at zero).
+        finite_slope: points of the body meet the height at their displaced place, and pressures act along the normal of
+            the surface (a hard wall with periodic boundaries, one body, no hardness).
+        lower_surface: heights [nx, ny] of a second rigid surface below a slab, in place of its base, peaks towards the
+            slab: a Surface with the points, cell and unit of the upper one, or an array. It may be flat.
         coarse: solve a law whose process zone is narrower than a tenth of a grid step, too: single points jump.
-        range_continuation: start from the states of 8, 4 and 2 times the range of the law with the same work, one after the
-            other. Their iterations are not counted.
-        grid_error: way in which the error of the numbers by the finite grid is found: "estimate" (from the solution, the default),
-            "refine" (from a second one on twice as many points along each side, at five times the cost), or "none".
-        accuracy: largest relative error (95 %) that every number may have by the grid, such as 0.01 or "1%": the surface is made
-            finer until all are that exact, and the contact is that of the finer surface.
+        range_continuation: start from the states of 8, 4 and 2 times the range of the law with the same work, one after
+            the other. Their iterations are not counted.
+        grid_error: way in which the error of the numbers by the finite grid is found: "estimate" (from the solution,
+            the default), "refine" (from a second one on twice as many points along each side, at five times the cost),
+            or "none".
+        accuracy: largest relative error (95 %) that every number may have by the grid, such as 0.01 or "1%": the
+            surface is made finer until all are that exact, and the contact is that of the finer surface.
         solver: a name of docs/solvers.md; "auto" by default.
         tolerance: largest residual, 1e-15 to 0.1; 1e-8 by default.
         max_iterations: iterations after which the search is given up; 100000 by default.
         threads: number of threads; all cores by default. Results do not depend on it.
-        start: a contact of the same surface to start from, such as that of a smaller load, an interrupted one, or one from
-            a file.
-        options: further options of `gfmd contact` that pose a problem, by the names of their flags, such as `dt`, `damping`,
-            `base_displacement` and `base_traction`, numbers, texts or arrays; and `stress_unit`, the unit of stresses given without one
-            (Pa by default if a stress has a unit).
+        start: a contact of the same surface to start from, such as that of a smaller load, an interrupted one, or one
+            from a file.
+        options: further options of `gfmd contact` that pose a problem, by the names of their flags, such as `dt`,
+            `damping`, `base_displacement` and `base_traction`, numbers, texts or arrays; and `stress_unit`, the unit of
+            stresses given without one (Pa by default if a stress has a unit).
 
     Raises:
         InputError: unusable arguments; nothing was computed.
-        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact as far as it came. Of an accuracy
-            that needs a grid which does not fit into the memory, `.state` is the contact on the last one that did.
+        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact as far as it came. Of
+            an accuracy that needs a grid which does not fit into the memory, `.state` is the contact on the last one
+            that did.
         Interrupted: Ctrl-C; `.state` as above.
 
     Example:
@@ -246,17 +276,29 @@ def contact(
         >>> round(c.area_fraction, 3), c.pressure.shape
         (0.128, (64, 64))
         >>> scan = gfmd.self_affine(n=64, size="50 um", unit="um")
-        >>> [round(c.p_star, 4) for c in gfmd.contact(scan, gfmd.Body(young="70 GPa"), mean_pressure=["7 MPa", "0.1 GPa"])]
+        >>> loads = gfmd.contact(scan, gfmd.Body(young="70 GPa"), mean_pressure=["7 MPa", "0.1 GPa"])
+        >>> [round(c.p_star, 4) for c in loads]
         [0.001, 0.0143]
     """
     control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
     loads = quantities(control, given, _LOADS[control])
     several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
     options.update(
-        boundary=boundary, law=law, hardness=hardness, components=components, finite_slope=finite_slope, lower_surface=lower_surface, coarse=coarse,
-        range_continuation=range_continuation, grid_error=grid_error, solver=solver, tolerance=tolerance, max_iterations=max_iterations, threads=threads,
+        boundary=boundary,
+        law=law,
+        hardness=hardness,
+        components=components,
+        finite_slope=finite_slope,
+        lower_surface=lower_surface,
+        coarse=coarse,
+        range_continuation=range_continuation,
+        grid_error=grid_error,
+        solver=solver,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        threads=threads,
         start=start,
-    )  # fmt: skip
+    )
     if several:
         return contacts(surface, body, **{control: given}, accuracy=accuracy, **options)
     if accuracy is not None:
@@ -274,11 +316,15 @@ def _of_stress(control: str, loads: list[Quantity]) -> list[Quantity]:
     return [load for load in loads if isinstance(load, str) and _LOADS[control] == "stress"]
 
 
-def _accurate(accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[Quantity]], options: dict[str, Any]) -> list[Contact]:
+def _accurate(
+    accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[Quantity]], options: dict[str, Any]
+) -> list[Contact]:
     """The contacts on the grid on which all their numbers are that exact."""
     (control, values), (surface, body) = loads, (as_surface(pair[0]), pair[1])
     if options.get("start") is not None or options.get("grid_error") not in (None, "estimate"):
-        raise InputError("accuracy is given with start or grid_error; the grid of a start, and its error, are what they are")
+        raise InputError(
+            "accuracy is given with start or grid_error; the grid of a start, and its error, are what they are"
+        )
     asked = accuracy if isinstance(accuracy, str) else repr(number("accuracy", accuracy))
     _Setup(surface, body, loads=_of_stress(control, values), **options).problem.check_accuracy(asked, _KEYS[control])
     done = list(contacts(surface, body, **{control: values}, **options))
@@ -288,7 +334,9 @@ def _accurate(accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[Quant
             done = list(contacts(surface, body, **{control: values}, **options))
         except InputError as error:
             state = done[0] if len(done) == 1 else Contacts(done)
-            raise NotConverged(f"accuracy is {accuracy}; it needs {times} times as many points along each side: {error}", state) from error
+            raise NotConverged(
+                f"accuracy is {accuracy}; it needs {times} times as many points along each side: {error}", state
+            ) from error
     return done
 
 

@@ -25,10 +25,11 @@ class Statistics(Record):
     Attributes:
         n, length: points and lengths along x and y.
         mean, rms_height, lowest, highest, peak_to_valley: of the heights, length; rms_height is about the mean.
-        sa, sp, sv, ssk, sku, sdr: height parameters of ISO 25178 about the mean height, without filter: mean distance, highest and lowest distance (length), skewness,
-            kurtosis, developed area less 1; Sq is rms_height, Sz is peak_to_valley.
-        rms_gradient: of the full gradient, from the spectrum; rms_gradient_central, rms_gradient_forward by differences,
-            rms_gradient_inside without the periodic seam.
+        sa, sp, sv, ssk, sku, sdr: height parameters of ISO 25178 about the mean height, without filter: mean distance,
+            highest and lowest distance (length), skewness, kurtosis, developed area less 1; Sq is rms_height, Sz is
+            peak_to_valley.
+        rms_gradient: of the full gradient, from the spectrum; rms_gradient_central, rms_gradient_forward by
+            differences, rms_gradient_inside without the periodic seam.
         rms_curvature, rms_laplacian: 1/length.
         m0, m2, m4: moments of the spectrum, length², 1, 1/length²; nayak: m0 m4/m2².
         hurst, hurst_error: fitted Hurst exponent and its standard error, over the wavelengths hurst_range.
@@ -89,13 +90,14 @@ class Surface:
     (plane strain), kept as [n, 1].
 
     Args:
-        heights: array of shape [nx, ny] or [n] of finite numbers (any real type, order or layout; it is copied once), or a
-            SurfaceTopography object, whose size and unit are taken over.
-        size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. One length is that along x, and
-            the points are as far apart along y.
-        unit: the unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may be texts with theirs.
-        fill: heights for undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points) or
-            "nearest"; None refuses them.
+        heights: array of shape [nx, ny] or [n] of finite numbers (any real type, order or layout; it is copied once),
+            or a SurfaceTopography object, whose size and unit are taken over.
+        size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. One length is that along x,
+            and the points are as far apart along y.
+        unit: the unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may
+            be texts with theirs.
+        fill: heights for undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points)
+            or "nearest"; None refuses them.
 
     Raises:
         InputError: another shape or type, undefined or infinite points, a size that is not positive.
@@ -116,7 +118,9 @@ class Surface:
     _origin: _Origin
     _statistics: Optional[Statistics]
 
-    def __init__(self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None, fill: Optional[str] = None) -> None:
+    def __init__(
+        self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None, fill: Optional[str] = None
+    ) -> None:
         description, periodic = "array", False
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
             description, periodic = "SurfaceTopography", getattr(heights, "is_periodic", False) is True
@@ -131,7 +135,13 @@ class Surface:
         self._set(copy, cell, unit, origin)
 
     def _set(self, heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin) -> None:
-        for name, value in (("heights", frozen(heights)), ("size", size), ("unit", unit), ("origin", origin), ("statistics", None)):
+        for name, value in (
+            ("heights", frozen(heights)),
+            ("size", size),
+            ("unit", unit),
+            ("origin", origin),
+            ("statistics", None),
+        ):
             object.__setattr__(self, "_" + name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -164,7 +174,10 @@ class Surface:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Lengths of the cell along x and y, n times the spacing, in the unit of the heights. The second of a profile means nothing."""
+        """Lengths of the cell along x and y, n times the spacing, in the unit of the heights.
+
+        The second one of a profile means nothing.
+        """
         return self._size
 
     @property
@@ -199,7 +212,7 @@ class Surface:
 
     @property
     def channels(self) -> list[str]:
-        """The names of all height maps in the file, for `gfmd.read(name, channel)`; their numbers where they have no names."""
+        """The names of all height maps in the file, for `gfmd.read(name, channel)`; numbers of those without names."""
         return list(self._origin.file.get("channels", []))
 
     @property
@@ -221,8 +234,8 @@ class Surface:
         """The numbers of the surface: rms height, gradient and curvature, Nayak's parameter, Hurst exponent, cut-offs.
 
         Args:
-            fit_range: (longest, shortest) wavelength of the fit of the Hurst exponent; from half of the cell to 4 spacings
-                by default.
+            fit_range: (longest, shortest) wavelength of the fit of the Hurst exponent; from half of the cell to 4
+                spacings by default.
 
         Raises:
             InputError: a range without enough waves.
@@ -269,8 +282,9 @@ class Surface:
             window: "hann" tapers the heights of a surface that is not periodic.
 
         Returns:
-            A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, of a profile length^3), whose
-            integral over all wave vectors is the mean square height; that of SurfaceTopography is (2 pi)^2 times it, of a profile 2 pi.
+            A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, of a profile
+            length^3), whose integral over all wave vectors is the mean square height; that of SurfaceTopography is (2
+            pi)^2 times it, of a profile 2 pi.
 
         Raises:
             InputError: another window.
@@ -288,14 +302,16 @@ class Surface:
         """Returns the autocorrelation of the heights: that of `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" takes the mean over all points, "free" over the pairs of points inside; as `is_periodic` says by default.
+            boundary: "periodic" takes the mean over all points, "free" over the pairs of points inside; as
+                `is_periodic` says by default.
 
         Returns:
-            A `Record` of `radial` (mean over rings), `x` and, but of a profile, `y`, each with the arrays `distance` (length, up to half of
-            the cell), `difference` (half of the mean square height difference, length², which SurfaceTopography calls the
-            autocorrelation) and `autocorrelation` (1 less the difference over the mean square height, f_ACF of ISO 25178 for heights
-            that repeat); `sal` (length) and `str`, Sal and Str of ISO 25178, NaN if there is none; `map`, the autocorrelation
-            [x, y] at distances of up to half of the cell in both directions, zero in the middle.
+            A `Record` of `radial` (mean over rings), `x` and, but of a profile, `y`, each with the arrays `distance`
+            (length, up to half of the cell), `difference` (half of the mean square height difference, length², which
+            SurfaceTopography calls the autocorrelation) and `autocorrelation` (1 less the difference over the mean
+            square height, f_ACF of ISO 25178 for heights that repeat); `sal` (length) and `str`, Sal and Str of ISO
+            25178, NaN if there is none; `map`, the autocorrelation [x, y] at distances of up to half of the cell in
+            both directions, zero in the middle.
 
         Raises:
             InputError: another boundary.
@@ -316,13 +332,15 @@ class Surface:
         """Returns the distributions of height, slope and curvature: those of `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as `is_periodic` says by default.
+            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as
+                `is_periodic` says by default.
 
         Returns:
-            A `Record` of `height` (above the mean, length), `slope_x`, `slope_y` (forward differences) and `curvature` (central
-            second differences, the mean of those along x and y, 1/length), without those whose values are all equal. Each has the
-            arrays `value` (middles of 100 bins, at most 6 standard deviations from the mean), `density` (over all values) and
-            `gaussian` (of the same mean and deviation), and the numbers `mean`, `deviation`, `outside` (share of values beyond the bins).
+            A `Record` of `height` (above the mean, length), `slope_x`, `slope_y` (forward differences) and `curvature`
+            (central second differences, the mean of those along x and y, 1/length), without those whose values are all
+            equal. Each has the arrays `value` (middles of 100 bins, at most 6 standard deviations from the mean),
+            `density` (over all values) and `gaussian` (of the same mean and deviation), and the numbers `mean`,
+            `deviation`, `outside` (share of values beyond the bins).
 
         Raises:
             InputError: another boundary.
@@ -335,15 +353,16 @@ class Surface:
         return Record(self._texture("distributions", boundary)[0])
 
     def scale_dependence(self, *, boundary: Boundary = None) -> Record:
-        """Returns rms slope and curvature against the distance over which they are measured: those of `gfmd surface --statistics`.
+        """Returns rms slope and curvature against the distance of measurement: those of `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as `is_periodic` says by default.
+            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as
+                `is_periodic` says by default.
 
         Returns:
-            A `Record` of `slope_x`, `slope_y`, `curvature_x`, `curvature_y`, each with the arrays `distance` (length of the difference
-            between its outer points, as of `scale_dependent_statistical_property` of SurfaceTopography; whole grid steps up to half of the
-            side) and `slope`, or `curvature` (1/length).
+            A `Record` of `slope_x`, `slope_y`, `curvature_x`, `curvature_y`, each with the arrays `distance` (length of
+            the difference between its outer points, as of `scale_dependent_statistical_property` of SurfaceTopography;
+            whole grid steps up to half of the side) and `slope`, or `curvature` (1/length).
 
         Raises:
             InputError: another boundary.
@@ -359,8 +378,9 @@ class Surface:
         """Returns the bearing curve of Abbott and Firestone and its parameters: those of `gfmd surface --statistics`.
 
         Returns:
-            A `Record` of the arrays `ratio` (material ratio, the share of points at or above a height) and `height` (above the mean,
-            length), and of `sk`, `spk`, `svk` (length), `smr1`, `smr2`, the parameters Sk to Smr2 of ISO 25178; NaN of a flat surface.
+            A `Record` of the arrays `ratio` (material ratio, the share of points at or above a height) and `height`
+            (above the mean, length), and of `sk`, `spk`, `svk` (length), `smr1`, `smr2`, the parameters Sk to Smr2 of
+            ISO 25178; NaN of a flat surface.
 
         Example:
             >>> b = s.bearing_curve()
@@ -436,10 +456,12 @@ class Surface:
             (128, 128)
         """
         heights, size = _gfmd.periodise(self._heights, self._size, word("way", way))
-        return _surface(heights, size, self._unit, self._origin.after(way)._replace(periodic=way == "mirror" or self.is_periodic))
+        return _surface(
+            heights, size, self._unit, self._origin.after(way)._replace(periodic=way == "mirror" or self.is_periodic)
+        )
 
     def finer(self, times: int = 2) -> Surface:
-        """Returns the surface on a finer grid of the same cell: heights between the points follow from the waves of the periodic surface.
+        """Returns the surface on a finer grid of the same cell, with the heights of its waves between the points.
 
         Args:
             times: points along each side over those of this surface, 1 to 64.
@@ -453,7 +475,9 @@ class Surface:
             ((128, 128), True, True)
         """
         heights = _gfmd.finer(self._heights, self._size, integer("times", times, 1, 64))
-        return _surface(heights, self._size, self._unit, self._origin.after(f"{times} times as many points along each side"))
+        return _surface(
+            heights, self._size, self._unit, self._origin.after(f"{times} times as many points along each side")
+        )
 
     def flip(self) -> Surface:
         """Returns the surface turned over: valleys become peaks. For scans whose peaks point away from the body.
@@ -464,17 +488,24 @@ class Surface:
         """
         return _surface(-self._heights, self._size, self._unit, self._origin.after("turned over"))
 
-    def against(self, other: Surface | npt.ArrayLike | Any, *, shift: Union[float, tuple[float, float]] = 0.0, boundary: str = "periodic") -> Surface:
-        """Returns the composite of two rough surfaces that face each other: its contact with a smooth body has their gaps.
+    def against(
+        self,
+        other: Surface | npt.ArrayLike | Any,
+        *,
+        shift: Union[float, tuple[float, float]] = 0.0,
+        boundary: str = "periodic",
+    ) -> Surface:
+        """Returns the composite of two rough surfaces face to face: its contact with a smooth body has their gaps.
 
-        Both heights are given at the same places of one plane, each with its peaks towards the other surface. Heights of a
-        scan taken from above are mirrored when the sample is turned over: `heights[::-1]`.
+        Both heights are given at the same places of one plane, each with its peaks towards the other surface. Heights
+        of a scan taken from above are mirrored when the sample is turned over: `heights[::-1]`.
 
         Args:
             other: the second surface, of the same points and size; an array has the size of this surface.
-            shift: displacement of the second surface, X or (X, Y), length. Parts of a grid step move the interpolation by waves.
-            boundary: "periodic", or "free" for surfaces that do not repeat: the shift is of whole grid steps, and the part in
-                common stays.
+            shift: displacement of the second surface, X or (X, Y), length. Parts of a grid step move the interpolation
+                by waves.
+            boundary: "periodic", or "free" for surfaces that do not repeat: the shift is of whole grid steps, and the
+                part in common stays.
 
         Raises:
             InputError: other points, another size or unit; a shift that the boundary does not allow.
@@ -487,7 +518,9 @@ class Surface:
         """
         second = other if isinstance(other, Surface) else Surface(other, self._size)
         for name, found, allowed in (("n", second.n, self.n), ("size", second.size, self._size)):
-            if not np.allclose(found[: 1 if self.n[1] == 1 else 2], allowed[: 1 if self.n[1] == 1 else 2], rtol=1e-6, atol=0):
+            if not np.allclose(
+                found[: 1 if self.n[1] == 1 else 2], allowed[: 1 if self.n[1] == 1 else 2], rtol=1e-6, atol=0
+            ):
                 raise InputError(f"{name} of the second surface is {found}; it must be {allowed}")
         if second.unit and self._unit and second.unit != self._unit:
             raise InputError(f"unit of the second surface is {second.unit!r}; it must be {self._unit!r}")
@@ -532,7 +565,10 @@ class Surface:
 
     def __repr__(self) -> str:
         nx, ny = self.n
-        factor, unit = _gfmd.readable("length", max(self._size[: 1 if ny == 1 else 2]), self._unit) or (1.0, self._unit or "length units")
+        factor, unit = _gfmd.readable("length", max(self._size[: 1 if ny == 1 else 2]), self._unit) or (
+            1.0,
+            self._unit or "length units",
+        )
         lx, ly = (f"{float(f'{length * factor:.6g}'):g}" for length in self._size)
         points, cell = (f"{nx} points", lx) if ny == 1 else (f"{nx} x {ny} points", f"{lx} x {ly}")
         return f"Surface of {points} on {cell} {unit} ({self.description})"
@@ -545,7 +581,9 @@ class Surface:
 
 def _surface(heights: Array, size: tuple[float, float], unit: Optional[str], origin: _Origin | str) -> Surface:
     made = object.__new__(Surface)
-    made._set(heights, (float(size[0]), float(size[1])), unit, _Origin(origin, {}) if isinstance(origin, str) else origin)
+    made._set(
+        heights, (float(size[0]), float(size[1])), unit, _Origin(origin, {}) if isinstance(origin, str) else origin
+    )
     return made
 
 
@@ -558,7 +596,9 @@ def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
     for name, wanted in (("is_uniform", True), ("is_domain_decomposed", False)):
         if getattr(topography, name, wanted) is not wanted:
             words = "not at equal distances" if wanted else "spread over several processes"
-            raise InputError(f"heights is a {type(topography).__name__} whose points are {words}; they must be a whole regular grid")
+            raise InputError(
+                f"heights is a {type(topography).__name__} whose points are {words}; they must be a whole regular grid"
+            )
     lengths = topography.physical_sizes
     size = None if lengths is None else tuple(float(length) for length in lengths)
     return topography.heights(), size, getattr(topography, "unit", None)  # type: ignore[return-value]
@@ -572,9 +612,15 @@ def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
     """A surface below the slab, on the points of the upper one. An array has the cell of the upper one."""
     if value is None:
         return None
-    lower = value if isinstance(value, Surface) or hasattr(value, "physical_sizes") else Surface(value, size=surface.size)
+    lower = (
+        value if isinstance(value, Surface) or hasattr(value, "physical_sizes") else Surface(value, size=surface.size)
+    )
     lower = as_surface(lower)
-    for name, found, wanted in (("n", lower.n, surface.n), ("size", lower.size, surface.size), ("unit", lower.unit, surface.unit)):
+    for name, found, wanted in (
+        ("n", lower.n, surface.n),
+        ("size", lower.size, surface.size),
+        ("unit", lower.unit, surface.unit),
+    ):
         if found != wanted and not (name == "unit" and None in (found, wanted)):
             raise InputError(f"{name} of lower_surface is {found}; it must be {wanted}, that of the upper surface")
     return lower
@@ -588,7 +634,9 @@ def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
     if field.ndim == 1 and surface.n[1] == 1:
         field = field[:, np.newaxis]
     if field.shape != surface.n:
-        raise InputError(f"hardness has the shape {field.shape}; it must be a number or have the shape {surface.n} of the heights")
+        raise InputError(
+            f"hardness has the shape {field.shape}; it must be a number or have the shape {surface.n} of the heights"
+        )
     return frozen(np.ascontiguousarray(field))
 
 
@@ -647,7 +695,11 @@ def self_affine(
         points = [integer("n", n, 0, 2**62)]
     heights, lengths, description = _gfmd.self_affine(
         n=points,
-        length=[] if size is None else [in_units("size", length, "length", unit, None) for length in quantities("size", size, "length")],
+        length=(
+            []
+            if size is None
+            else [in_units("size", length, "length", unit, None) for length in quantities("size", size, "length")]
+        ),
         hurst=number("hurst", hurst),
         eps_t_inv=optional("eps_t_inv", eps_t_inv),
         eps_f_inv=optional("eps_f_inv", eps_f_inv),
@@ -680,7 +732,8 @@ def read(
         channel: name or number, from 0, of the height map in the file; the default of the file if not given.
         fill: heights for undefined points, "harmonic" or "nearest", as of `Surface`; None refuses them.
         size: lengths of the cell; those of the file by default, or 1.
-        unit: unit of heights and lengths, into which those of a file with another one are converted; that of the file by default.
+        unit: unit of heights and lengths, into which those of a file with another one are converted; that of the file
+            by default.
 
     Raises:
         InputError: a file that cannot be read, a channel that it does not have, undefined points.

@@ -111,14 +111,15 @@ def wear(
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Wear:
-    """Wears a surface that slides on an elastic body, by Archard's law in implicit steps: running-in, worn shape, volume.
+    """Wears a surface that slides on an elastic body, by Archard's law: running-in, worn shape, volume.
 
     Args:
         surface, body: as of `contact`.
-        coefficient: wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over
-            the pressure. It may be a text with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if the surface has one.
-        distance: sliding distances of the legs, each of which ends at a waypoint, length: a number or a sequence. The first
-            leg begins at first touch; a leg of no distance is one step.
+        coefficient: wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance,
+            over the pressure. It may be a text with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if the surface has
+            one.
+        distance: sliding distances of the legs, each of which ends at a waypoint, length: a number or a sequence. The
+            first leg begins at first touch; a leg of no distance is one step.
         mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence,
             positive; as of `path`.
         boundary: "periodic", or "free" as of `contact`.
@@ -128,7 +129,8 @@ def wear(
         steps: steps of a leg.
         tolerance, max_iterations: of each step, as of `contact`.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd wear --out`; as `save`, but the name is checked before the first step.
+        out: name of an HDF5 file for the result, that of `gfmd wear --out`; as `save`, but the name is checked before
+            the first step.
 
     Raises:
         InputError: unusable arguments; nothing was computed.
@@ -156,5 +158,7 @@ def wear(
         **drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
         **_command.body_keys(elastic),
     )
-    values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made.description)
+    values, failure, fields, file = _command.solve(
+        "wear", problem, {"surface": made.heights}, threads, out, made.description
+    )
     return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)

@@ -1,4 +1,4 @@
-"""The contact as a function of JAX, with derivatives by heights and load, also inside of `jax.jit`. Needs the package jax."""
+"""The contact as a function of JAX, with derivatives by heights and load, also inside of `jax.jit`. Needs jax."""
 
 from __future__ import annotations
 
@@ -15,8 +15,16 @@ from ._differentiable import Outputs, Solver, controlled
 __all__ = ["contact"]
 
 
-def contact(heights: Any, body: Body, *, mean_pressure: Optional[Any] = None, approach: Optional[Any] = None, size: Any = None, **options: Any) -> Outputs:
-    """The contact of a rigid surface, an array, with an elastic body; its fields and numbers are arrays with derivatives.
+def contact(
+    heights: Any,
+    body: Body,
+    *,
+    mean_pressure: Optional[Any] = None,
+    approach: Optional[Any] = None,
+    size: Any = None,
+    **options: Any,
+) -> Outputs:
+    """The contact of a rigid surface with an elastic body: fields and numbers are arrays with derivatives.
 
     Args:
         heights: heights [x, y] or [x], length, peaks towards the body. They should be of float64 (`jax_enable_x64`).

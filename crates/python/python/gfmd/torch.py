@@ -30,8 +30,16 @@ class _Contact(torch.autograd.Function):  # type: ignore[misc]
         return by_heights.reshape(heights.shape), by_load, None
 
 
-def contact(heights: Any, body: Body, *, mean_pressure: Optional[Any] = None, approach: Optional[Any] = None, size: Any = None, **options: Any) -> Outputs:
-    """The contact of a rigid surface, a tensor, with an elastic body; its fields and numbers are tensors with derivatives.
+def contact(
+    heights: Any,
+    body: Body,
+    *,
+    mean_pressure: Optional[Any] = None,
+    approach: Optional[Any] = None,
+    size: Any = None,
+    **options: Any,
+) -> Outputs:
+    """The contact of a rigid surface with an elastic body: fields and numbers are tensors with derivatives.
 
     Args:
         heights: heights [x, y] or [x], length, peaks towards the body, a tensor. It should be of float64.

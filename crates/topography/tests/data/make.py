@@ -4,8 +4,8 @@
     pip install numpy scipy h5py netCDF4 gwyfile
     python3 make.py
 
-The heights of every file are h[i, j] = (7 i + 3 j) mod 16 - i j / 8 + 1/4, times 1e-6 in files with units of metres, with
-5 points along x and 4 along y. "Holes" are at [1, 2] and [4, 0].
+The heights of every file are h[i, j] = (7 i + 3 j) mod 16 - i j / 8 + 1/4, times 1e-6 in files with units of metres,
+with 5 points along x and 4 along y. "Holes" are at [1, 2] and [4, 0].
 """
 
 import hashlib
@@ -32,8 +32,12 @@ def x3p(name, kind, numbers, increment=None, offset=None, mask=False):
     data = np.ascontiguousarray(numbers.T).astype({"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}[kind]).tobytes()
     valid = np.packbits(~HOLES.T.reshape(-1), bitorder="little").tobytes()
     scale = "".join(f"<{k}>{v!r}</{k}>" for k, v in (("Increment", increment), ("Offset", offset)) if v is not None)
-    link = (f"<ValidPointsLink>bindata/valid.bin</ValidPointsLink><MD5ChecksumValidPoints>{hashlib.md5(valid).hexdigest()}"
-            "</MD5ChecksumValidPoints>") if mask else ""
+    link = (
+        f"<ValidPointsLink>bindata/valid.bin</ValidPointsLink><MD5ChecksumValidPoints>{hashlib.md5(valid).hexdigest()}"
+        "</MD5ChecksumValidPoints>"
+        if mask
+        else ""
+    )
     axis = "<C{0}><AxisType>I</AxisType><DataType>D</DataType><Increment>{1!r}</Increment><Offset>0</Offset></C{0}>"
     xml = f"""<?xml version="1.0" encoding="UTF-8"?>
 <p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
@@ -41,9 +45,11 @@ def x3p(name, kind, numbers, increment=None, offset=None, mask=False):
 {axis.format("X", SIZE[0] / NX)}{axis.format("Y", SIZE[1] / NY)}
 <CZ><AxisType>A</AxisType><DataType>{kind}</DataType>{scale}</CZ></Axes></Record1>
 <Record2><Date>2026-11-20T12:00:00</Date><Creator>make.py</Creator>
-<Instrument><Manufacturer>nobody</Manufacturer><Model>numpy</Model><Serial>1</Serial><Version>2</Version></Instrument></Record2>
+<Instrument><Manufacturer>nobody</Manufacturer><Model>numpy</Model><Serial>1</Serial>\
+<Version>2</Version></Instrument></Record2>
 <Record3><MatrixDimension><SizeX>{NX}</SizeX><SizeY>{NY}</SizeY><SizeZ>1</SizeZ></MatrixDimension>
-<DataLink><PointDataLink>bindata/data.bin</PointDataLink><MD5ChecksumPointData>{hashlib.md5(data).hexdigest().upper()}</MD5ChecksumPointData>{link}</DataLink></Record3>
+<DataLink><PointDataLink>bindata/data.bin</PointDataLink>\
+<MD5ChecksumPointData>{hashlib.md5(data).hexdigest().upper()}</MD5ChecksumPointData>{link}</DataLink></Record3>
 <Record4><ChecksumFile>md5checksum.hex</ChecksumFile></Record4>
 </p:ISO5436_2>
 """.encode()
@@ -91,8 +97,12 @@ x3p("single.x3p", "F", H * 2**-20)
 x3p("int16.x3p", "I", H * 8 - 40, 2.0**-23, 2.0**-18, mask=True)
 x3p("int32.x3p", "L", H * 8 - 40, 2.0**-23, mask=True)
 
-scipy.io.savemat(HERE / "small.mat", {"heights": H, "single": H.astype("f4"), "text": "no matrix", "one": 1.0, "line": H[:, 0]})
-scipy.io.savemat(HERE / "compressed.mat", {"heights": H, "whole": (8 * H).astype("i2"), "complex": H * 1j}, do_compression=True)
+scipy.io.savemat(
+    HERE / "small.mat", {"heights": H, "single": H.astype("f4"), "text": "no matrix", "one": 1.0, "line": H[:, 0]}
+)
+scipy.io.savemat(
+    HERE / "compressed.mat", {"heights": H, "whole": (8 * H).astype("i2"), "complex": H * 1j}, do_compression=True
+)
 np.savez(HERE / "two.npz", first=H, second=np.asfortranarray(H.astype(">f4")), cube=np.zeros((2, 2, 2)))
 np.savez_compressed(HERE / "compressed.npz", heights=H)
 (HERE / "holes.nc").write_bytes(netcdf3(H, HOLES))
@@ -130,5 +140,12 @@ meta = """surfaces:
 versions:
   topobank: 1.0.0
 """
-write_zip("container.zip", [("heights.txt", text.encode()), ("topography1.nc", netcdf3(H)), ("notes.txt", b"nothing here"),
-                            ("meta.yml", meta.encode())])
+write_zip(
+    "container.zip",
+    [
+        ("heights.txt", text.encode()),
+        ("topography1.nc", netcdf3(H)),
+        ("notes.txt", b"nothing here"),
+        ("meta.yml", meta.encode()),
+    ],
+)
