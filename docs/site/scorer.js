@@ -2,8 +2,8 @@
    defaults of Sphinx. */
 var Scorer = {
     score: ([page, , , , score]) => {
-        const reference = ["interface", "columns", "together", "trust", "python-api", "theory", "benchmarks", "creep-peers",
-            "any-load", "site/changelog"];
+        const reference = ["interface", "columns", "together", "trust", "python-api", "theory", "benchmarks",
+            "creep-peers", "any-load", "site/changelog"];
         return reference.includes(page) ? score - 12 : score;
     },
     objNameMatch: 11,
