@@ -3,6 +3,7 @@
 mod agreement;
 mod checks;
 mod circles;
+mod lines;
 mod space;
 mod transforms;
 mod update_matrix;
