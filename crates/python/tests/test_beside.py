@@ -219,7 +219,7 @@ def test_height_parameters_and_spectrum_are_those_of_surface_topography():
         band = (own.wavenumber > 8.0) & (own.wavenumber < 16.0)
         theirs = np.exp(np.interp(np.log(own.wavenumber[band]), np.log(q[1:]), np.log(density[1:])))
         assert np.abs(np.log((2.0 * np.pi) ** 2 * own.density[band] / theirs)).mean() < 0.1
-    assert rough.statistics().sdr == pytest.approx(0.5 * rough.statistics().rms_gradient_inside**2, rel=0.02)
+    assert rough.statistics().sdr == pytest.approx(0.5 * rough.statistics().rms_gradient_inside ** 2, rel=0.02)
 
 
 def test_both_directions_of_a_loop_and_the_contact_in_a_gap_are_told_apart():

@@ -440,7 +440,7 @@ def test_green_is_that_of_the_program(words, body, run_program):
 
 def test_kappa_sweep_is_that_of_the_program(run_program, tmp_path):
     # Few contacts, and every part of the analysis; the preset is that of the example of `kappa_sweep`.
-    points = 'eps_t_inv = [1, 2]\neps_f_inv = [4, 8]\neps_c_inv = [2, 4]\ncentre = [1, 4, 2]'
+    points = "eps_t_inv = [1, 2]\neps_f_inv = [4, 8]\neps_c_inv = [2, 4]\ncentre = [1, 4, 2]"
     (tmp_path / "k.toml").write_text(f"[points]\n{points}\n[statistics]\nrealisations = 4\n[fit]\nresamples = 500\n")
     wanted = run_program("kappa-sweep", f"--config={tmp_path / 'k.toml'}", f"--out={tmp_path / 'k.h5'}")
     found = gfmd.kappa_sweep(tmp_path / "k.toml")

@@ -126,7 +126,6 @@ def test_what_has_no_derivative_is_named():
             other.vjp(approach=1.0)
 
 
-
 def test_torch_differentiates_through_a_contact():
     torch = pytest.importorskip("torch")
     import gfmd.torch

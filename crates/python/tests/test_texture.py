@@ -137,7 +137,7 @@ def test_distributions(name):
         if surface.is_periodic:
             values.update(slope_x=first[0], slope_y=first[1])
         else:
-            (dx, dy) = (size / n for size, n in zip(surface.size, surface.n))
+            dx, dy = (size / n for size, n in zip(surface.size, surface.n))
             values.update(slope_x=np.diff(heights, axis=0) / dx, slope_y=np.diff(heights, axis=1) / dy)
             close(values["slope_x"][:, : first[0].shape[1]], first[0])
     for part, all_values in values.items():

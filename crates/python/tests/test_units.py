@@ -84,7 +84,7 @@ def test_surfaces_are_converted(scan, tmp_path):
     assert other.mean_gap == pytest.approx(1e3 * one.mean_gap, rel=1e-6)
     with pytest.raises(gfmd.InputError, match="the surface has none"):
         gfmd.Surface(scan.heights).to_unit("um")
-    with pytest.raises(gfmd.InputError, match="the unit is \"px\""):
+    with pytest.raises(gfmd.InputError, match='the unit is "px"'):
         scan.to_unit("px")
 
 

@@ -17,7 +17,6 @@ from ._check import Array
 from ._errors import Error, InputError
 from ._record import Record
 
-
 # The largest grid, the bytes and the number of the figures of a result in a notebook.
 _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
 

@@ -68,7 +68,7 @@ def field(
     """A map, or the curve of a profile; points in contact, if they are told, have a colour of their own."""
     ax = axes(ax)
     known = units or (surface.unit, None)
-    (nx, ny) = surface.n
+    nx, ny = surface.n
     side, unit = read("length", surface.size[: 1 if ny == 1 else 2], known)
     lx, ly = (length * side for length in surface.size)
     factor, shown = read(kind(name), values, known)
@@ -140,8 +140,15 @@ def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> A
         falls = bool(signs[end] < 0)
         label = "falling" if falls else "rising"
         style = {"ls": "--", "mfc": "none"} if falls else {"ls": "-"}
-        ax.plot(along[start : end + 1], values[start : end + 1], marker="o", ms=4, color="C1" if falls else "C0",
-                label=None if label in labelled else label, **style)
+        ax.plot(
+            along[start : end + 1],
+            values[start : end + 1],
+            marker="o",
+            ms=4,
+            color="C1" if falls else "C0",
+            label=None if label in labelled else label,
+            **style,
+        )
         labelled.add(label)
     if len(labelled) > 1:
         ax.legend()

@@ -21,7 +21,6 @@ from ._load import of_load
 from ._record import parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
 
-
 # The problem of a surface that is in use, and what it was made for.
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
