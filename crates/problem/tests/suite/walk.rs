@@ -230,8 +230,16 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let load = if facts.approach { Load::Approach(0.008) } else { Load::MeanPressure(0.01) };
         let lateral = [if facts.lateral { 1e-4 } else { 0.0 }, 0.0];
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
-            let state = problem.press(Drive { load, lateral, time: 0.0, distance: 1.0 }).tolerance(1e-6).solve();
-            let state = state.map_err(|error| format!("solved: {error}"))?;
+            let press = |time: f64, start: Option<&_>| {
+                let drive = Drive { load, lateral, time, distance: 1.0 + time };
+                let solved = problem.press(drive).starting_from(start).tolerance(1e-6).solve();
+                solved.map_err(|error| format!("solved: {error}"))
+            };
+            // The memory of a path acts from the second step on.
+            let state = match facts.task {
+                Task::Loads => press(0.0, None)?,
+                Task::Path => press(1.0, Some(&press(0.0, None)?))?,
+            };
             let bits = state.pressure().iter().chain(state.gap()).map(|value| value.to_bits()).collect();
             match states.insert(bits, facts) {
                 // The first step of a path may be the state of a load.
