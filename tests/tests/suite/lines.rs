@@ -31,7 +31,7 @@ fn collect(folder: &Path, sources: &mut Vec<PathBuf>) {
             if !name.starts_with(['.', '_']) && name != "target" {
                 collect(&path, sources);
             }
-        } else if ending.map_or(folder.ends_with(".ci"), |ending| ENDINGS.contains(&&*ending)) {
+        } else if ending.map_or(folder.file_name() == Some(".ci".as_ref()), |ending| ENDINGS.contains(&&*ending)) {
             sources.push(path);
         }
     }
