@@ -17,7 +17,6 @@
 //! # Ok::<(), gfmd_run::failure::Failure>(())
 //! ```
 
-mod allocator;
 pub mod body;
 pub mod check;
 mod checking;

@@ -140,18 +140,16 @@ fn together<C: Subcommand + Sync>(
 
 /// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields
 /// of equal size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on
-/// two; an arena for each thread takes half a field more. Memory is asked for in large parts, so that most of it has
-/// [huge pages](crate::allocator).
+/// two; an arena for each thread takes half a field more.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
     // SAFETY: the allocator takes its lock, and the settings accept any value.
     unsafe {
-        use nix::libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TOP_PAD, M_TRIM_THRESHOLD, mallopt};
+        use nix::libc::{M_ARENA_MAX, M_MMAP_MAX, M_TRIM_THRESHOLD, mallopt};
         mallopt(M_ARENA_MAX, 1);
-        mallopt(M_MMAP_THRESHOLD, 1 << 24);
+        mallopt(M_MMAP_MAX, 0);
         mallopt(M_TRIM_THRESHOLD, -1);
-        mallopt(M_TOP_PAD, 1 << 26);
     }
 }
 
