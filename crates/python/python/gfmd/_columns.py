@@ -40,9 +40,9 @@ class Residuals(Record):
 
     @property
     def complementarity(self) -> float:
-        """Without unit: sum(p gap) / (sum(p) h_rms), from the final fields. With `law` or `lower_surface`: sum(p
-        gap) / (sum(p) h_rms), from the final fields, the larger of the two faces. With `law`: sum(p gap) / (sum(p)
-        h_rms) with p the pressure of the wall, from the final fields.
+        """Without unit: sum(p gap) / (sum(p) h_rms), from the final fields. With `lower_surface`: sum(p gap) /
+        (sum(p) h_rms), from the final fields, the larger of the two faces. With `law`: sum(p gap) / (sum(p) h_rms)
+        with p the pressure of the wall, from the final fields.
         """
         return self._value("complementarity")
 
@@ -55,19 +55,19 @@ class Residuals(Record):
 
     @property
     def negative_pressure(self) -> float:
-        """Without unit: max(0, -min p) / mean p, from the final fields. With `law` or `lower_surface`: max(0, -min
-        p) / mean p, from the final fields, the larger of the two faces. With `law`: largest tension that the wall
-        would have to hold, from the final fields, / the stress scale (the largest traction, or the softest stiffness
-        times h_rms if more).
+        """Without unit: max(0, -min p) / mean p, from the final fields. With `lower_surface`: max(0, -min p) / mean
+        p, from the final fields, the larger of the two faces. With `law`: largest tension that the wall would have
+        to hold, from the final fields, / the stress scale (the largest traction, or the softest stiffness times
+        h_rms if more).
         """
         return self._value("negative_pressure")
 
     @property
     def load(self) -> float:
-        """Without unit: |mean p - asked| / asked, from the final fields. With `law` or `lower_surface`: |mean p -
-        asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their mean
-        pressures over its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed,
-        / the stress scale (the largest traction, or the softest stiffness times h_rms if more).
+        """Without unit: |mean p - asked| / asked, from the final fields. With `lower_surface`: |mean p - asked| /
+        asked, the larger of the two faces; if the approach is prescribed the difference of their mean pressures over
+        its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed, / the stress
+        scale (the largest traction, or the softest stiffness times h_rms if more).
         """
         return self._value("load")
 
@@ -702,7 +702,7 @@ class Steps(Record):
 
     @property
     def dissipated(self) -> Array:
-        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With `prony` or
+        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With
         `coefficient`: work of the pressure on the depth lost in this step, per area, without the work of friction.
         With `prony`: energy lost in the dashpots in this step, per area. With `law` and `prony`: energy lost in the
         dashpots and in jumps in this step, per area; in the first one without jumps.

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from ._load import Residual
 "#;
 
+/// The words for problems that no parts tell from the others.
+const SOME: &str = "In some problems";
+
 /// The words for the problems of which something holds, by their options in Python; `None` for all of them.
 fn condition(facts: &[Facts], holds: impl Fn(&Facts) -> bool) -> Option<String> {
     if facts.iter().all(&holds) {
@@ -36,7 +39,7 @@ fn condition(facts: &[Facts], holds: impl Fn(&Facts) -> bool) -> Option<String> 
     let both = |(place, part): (usize, &Part)| Part::ALL[..place].iter().map(|other| vec![*other, *part]).collect();
     let pairs = Part::ALL.iter().enumerate().flat_map(|entry| -> Vec<Vec<Part>> { both(entry) }).collect();
     let words = [alone, pairs].into_iter().find_map(|choices: Vec<Vec<Part>>| widest(facts, &choices, &holds));
-    Some(words.map_or_else(|| "In some problems".into(), |words| format!("With {words}")))
+    Some(words.map_or_else(|| SOME.into(), |words| format!("With {words}")))
 }
 
 /// The fewest choices of parts that exactly the problems have of which something holds.
@@ -76,9 +79,10 @@ fn definitions(facts: &[Facts], meanings: &[&str], of: impl Fn(&Facts) -> &'stat
     let there = meanings.iter().enumerate().rev();
     let mut there = there.filter(|(place_of, _)| facts.iter().any(|f| place(f) == Some(*place_of)));
     let general = there.next().map_or_else(String::new, |(_, text)| (*text).to_owned());
-    // Of several definitions that apply the first one holds, which is the most special one.
     there.fold(general, |texts, (place_of, text)| {
-        let words = condition(facts, |f| place(f) <= Some(place_of)).unwrap_or_default();
+        let own = condition(facts, |f| place(f) == Some(place_of)).filter(|words| words != SOME);
+        // A definition that parts cannot tell from a more special one stands before that one.
+        let words = own.or_else(|| condition(facts, |f| place(f) <= Some(place_of))).unwrap_or_default();
         format!("{texts}. {words}: {text}")
     })
 }
