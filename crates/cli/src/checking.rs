@@ -42,7 +42,7 @@ pub(crate) trait Checked: Args + DeserializeOwned {
     /// Runs the command with the output `out`.
     ///
     /// # Errors
-    /// Those of the command.
+    /// The errors of the command.
     fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure>;
 }
 

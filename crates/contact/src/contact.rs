@@ -195,8 +195,8 @@ impl Contact {
         })
     }
 
-    /// The same contact with time step and damping of the damped dynamics. Values out of their range are refused at the
-    /// start of a solve.
+    /// This contact with another time step and damping of its damped dynamics. Values out of their range are refused at
+    /// the start of a solve.
     #[must_use]
     pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
         Self { dynamics, ..self }

@@ -97,7 +97,7 @@ pub struct AnyLoad {
     pub seed: u64,
     /// Time limit of a peer, s.
     pub patience: f64,
-    /// True if times are told.
+    /// True if times are reported.
     pub timed: bool,
     /// One for each kind and Hurst exponent.
     pub blocks: Vec<Block>,

@@ -4,7 +4,7 @@ use std::fmt::{self, Write as _};
 
 use super::{AnyLoad, Block, Cell, Row, Table};
 
-/// Relative differences of the pressure (rms) that are told in per cent.
+/// Relative differences of the pressure (rms) that are reported in per cent.
 const OFF: f64 = 1e-3;
 
 impl fmt::Display for Cell {

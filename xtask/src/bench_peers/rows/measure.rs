@@ -146,13 +146,19 @@ impl<'a> Trial<'a> {
         Ok((seconds, serde_json::from_slice(&output.stdout).map_err(failed)?))
     }
 
-    /// The time of the usual load, as the program tells it.
+    /// The time of the usual load, as the program reports it.
     fn reported(&self, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
-        self.told_at(USUAL, rough, more, threads)
+        self.reported_time_at(USUAL, rough, more, threads)
     }
 
-    /// The time of a load, as the program tells it.
-    fn told_at(&self, p_star: f64, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
+    /// The time of a load, as the program reports it.
+    fn reported_time_at(
+        &self,
+        p_star: f64,
+        rough: &Rough,
+        more: (&[&str], &[&str]),
+        threads: usize,
+    ) -> Result<f64, Failure> {
         let (_, report) = self.contact(more, rough, p_star, threads)?;
         report["loads"][0]["seconds"].as_f64().ok_or_else(|| failed("the report of contact has no seconds"))
     }
@@ -228,7 +234,7 @@ impl<'a> Trial<'a> {
                 let mut case = self.case(n, p_star, 1);
                 case.of = format!("{n}², H = {hurst}, p* = {p_star}");
                 for _ in 0..self.args.repeats {
-                    case.over.push(self.told_at(p_star, &rough, (&[], &[]), 1)?);
+                    case.over.push(self.reported_time_at(p_star, &rough, (&[], &[]), 1)?);
                     case.found.push(solve(found.tolerance).map_err(failure)?.1.seconds);
                 }
                 cases.push(case);
