@@ -145,7 +145,35 @@ impl Interior {
             let share = |q: f64| alone.normal_compliance(q) / body.normal_compliance(q);
             interior.share(body, |mode, [x, y, z]| [x, y, z * share(mode.wavenumber())]);
         }
-        let Self { body, surface: [x, y, z], .. } = &mut interior;
+        Ok(interior.without_shear())
+    }
+
+    /// The interior below a pressure (stress, positive in compression) on a surface without shear traction. For a
+    /// [pair](Body::against) of bodies it is that of the first body.
+    ///
+    /// The mean displacement follows from [`Body::level_compliance`].
+    ///
+    /// # Errors
+    /// A pressure of the wrong length or with a value that is not finite.
+    pub fn of_pressure(body: &Body, grid: Grid, pressure: &[f64]) -> Result<Self, InteriorError> {
+        let mut interior = Self::at_rest(body, grid);
+        interior.check("pressure", pressure, grid.len())?;
+        let compliance = interior.uniform_compliance()[2];
+        let Self { body, transform, surface: [_, _, z], .. } = &mut interior;
+        transform.forward(pressure, z, &mut transform.workspace())?;
+        let mean = z[0].re;
+        z.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(index, z)| {
+            let mode = grid.mode_at(index);
+            *z *= -if mode.is_uniform() { compliance } else { body.normal_compliance(mode.wavenumber()) };
+        });
+        interior.mean_traction = Some([0.0, 0.0, -mean]);
+        Ok(interior.without_shear())
+    }
+
+    /// Adds the lateral displacement of a surface without shear traction to its normal displacement.
+    fn without_shear(mut self) -> Self {
+        let grid = *self.grid();
+        let Self { body, surface: [x, y, z], .. } = &mut self;
         let set_apart = (x, y, z).into_par_iter().enumerate().with_min_len(CHUNK).filter_map(|(index, (x, y, z))| {
             let mode = grid.mode_at(index);
             if mode.nyquist != [false; 2] {
@@ -154,8 +182,8 @@ impl Interior {
             [*x, *y] = body.lateral_displacement(&mode).map(|factor| factor * *z);
             None
         });
-        interior.nyquist = set_apart.collect();
-        Ok(interior)
+        self.nyquist = set_apart.collect();
+        self
     }
 
     /// The interior below a traction on the surface (stress), given component after component: σ_xz, σ_yz, σ_zz, or

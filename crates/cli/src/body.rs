@@ -244,8 +244,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         depths.dedup();
         depths
     };
-    let quantities = Quantity::ALL.into_iter().filter(|quantity| args.quantities.contains(quantity));
-    let quantities: Vec<Quantity> = quantities.collect();
+    let quantities = args.quantities(name, &surface, session)?;
     let rows = Rows::new(args.slice, &surface.grid)?;
     memory::fits(memory::BODY, name, surface.grid.points())?;
     let interior = args.interior(name, &surface, &body, session)?;
@@ -315,6 +314,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             let fields = fields.map_err(|error| Failure::Computation(error.to_string()))?;
             level.note(&fields);
             level.check(family, name)?;
+            if surface.kind == Kind::Pressure {
+                level.mean_energy_density = f64::NAN;
+            }
             for (index, _) in wanted {
                 if let Some(volume) = &mut volume {
                     volume.write(index, number, &fields)?;
@@ -367,6 +369,7 @@ impl Args {
         let refuse = |error: InteriorError| Failure::input(name, error);
         if let Some(interior) = match kind {
             Kind::Traction => Some(Interior::of_traction(body, *grid, values).map_err(refuse)?),
+            Kind::Pressure => Some(Interior::of_pressure(body, *grid, values).map_err(refuse)?),
             Kind::Normal if BaseArgs::NAMES.iter().any(|key| record.contains_key(*key)) => {
                 let inside = base::inside(name, body, grid, values, *mean_traction);
                 Some(inside.map_err(|error| Failure::input(name, error))?)
@@ -407,6 +410,29 @@ impl Args {
                 };
                 interior.with_mean_traction(mean).map_err(|error| Failure::input("--mean-traction", error))
             }
+        }
+    }
+
+    /// The quantities to compute, in their order.
+    fn quantities(&self, name: &str, surface: &Surface, session: &Session) -> Result<Vec<Quantity>, Failure> {
+        let is_known = |quantity: &Quantity| surface.kind != Kind::Pressure || quantity.is_of_traction();
+        let all = Quantity::ALL.into_iter().filter(|quantity| self.quantities.contains(quantity));
+        let (known, unknown): (Vec<Quantity>, Vec<Quantity>) = all.partition(is_known);
+        let drawn = self.draw.iter().find(|component| !is_known(&component.quantity));
+        let reason = "the body relaxes, so that displacement, strain and energy depend on all earlier loads";
+        let refuse = |flag: &str, found: &str| {
+            Failure::input(flag, format!("{found} is not available in {name}: {reason}; stress and von-mises are"))
+        };
+        match (unknown.first(), drawn) {
+            (_, Some(component)) => Err(refuse("--draw", component.name)),
+            (Some(quantity), _) if self.quantities.len() < Quantity::ALL.len() => {
+                Err(refuse("--quantities", &quantity.name().replace('_', "-")))
+            }
+            (Some(_), _) => {
+                session.warn("relaxes", format!("{reason}; stress and von-mises are computed"));
+                Ok(known)
+            }
+            (None, _) => Ok(known),
         }
     }
 

@@ -184,6 +184,42 @@ fn bodies() -> Vec<Body> {
     ]
 }
 
+/// Below a pressure every body has the fields of the traction 0, 0, −p where all waves have a sine, and those of its own
+/// normal displacement on any grid.
+#[test]
+fn below_a_pressure_the_fields_are_those_of_its_traction() {
+    for (number, body) in bodies().iter().enumerate() {
+        for n in [[7, 9], [6, 8]] {
+            let grid = Grid::new(n, [1.0, 1.3]).unwrap();
+            let pressure = noise(grid.len(), 7);
+            let interior = Interior::of_pressure(body, grid, &pressure).unwrap();
+            let mean = pressure.iter().sum::<f64>() / grid.len() as f64;
+            assert!((interior.mean_traction()[2] + mean).abs() < 1e-14 && interior.mean_traction()[0] == 0.0);
+            let depths = [0.0, 0.1, 0.25];
+            let stresses = |interior: &Interior, depth: f64| {
+                states(interior, depth).iter().map(|state| state.stress).collect::<Vec<[f64; 6]>>()
+            };
+            if n[0] % 2 == 1 {
+                let traction = [vec![0.0; 2 * grid.len()], pressure.iter().map(|p| -p).collect()].concat();
+                let wanted = Interior::of_traction(body, grid, &traction).unwrap();
+                for depth in depths {
+                    near(&states(&interior, depth), &stresses(&wanted, depth), &format!("{number} {depth}"));
+                }
+            }
+            for (state, pressure) in states(&interior, 0.0).iter().zip(&pressure) {
+                assert!((state.stress[2] + pressure).abs() < 1e-12, "{number}: {} {pressure}", state.stress[2]);
+            }
+            let mut ws = interior.workspace();
+            let displacement = interior.displacement(0.0, &mut ws).unwrap()[2 * grid.len()..].to_vec();
+            let again = Interior::frictionless(&body.alone(), grid, &displacement).unwrap();
+            let again = again.with_mean_traction(interior.mean_traction()).unwrap();
+            for depth in depths {
+                near(&states(&again, depth), &stresses(&interior, depth), &format!("{number} {depth} displaced"));
+            }
+        }
+    }
+}
+
 /// The mean of σ_xz, σ_yz, σ_zz is that of the surface at every depth of every body, and that of all other stresses and
 /// strains the one of a column that is confined laterally; displacements are the integral of the strains.
 #[test]

@@ -22,6 +22,9 @@ pub(super) enum Kind {
     Normal,
     /// The traction xz, yz, zz, or xz, zz on a line.
     Traction,
+    /// The pressure on a surface without shear traction of a body that relaxes: it gives the stress, while
+    /// displacement, strain and energy depend on all earlier loads.
+    Pressure,
 }
 
 /// The displacement of a surface, or the traction on it, and the run that made it.
@@ -98,7 +101,7 @@ impl Surface {
         }
         let allowed = "it must be [nx, ny, 3], or [n, 2] for a line";
         let (points, components) = match (found.kind, &found.shape[..]) {
-            (Kind::Normal, &[nx, ny]) => ([nx, ny], 1),
+            (Kind::Normal | Kind::Pressure, &[nx, ny]) => ([nx, ny], 1),
             (Kind::Full | Kind::Traction, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
             (Kind::Full | Kind::Traction, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
             (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}"))),
@@ -112,9 +115,10 @@ impl Surface {
                 format!("{name}, load {load}, with the lateral displacement of a frictionless surface")
             }
             (Some(load), Kind::Full) => format!("{name}, load {load}, with its own lateral displacement"),
+            (Some(load), Kind::Pressure) => format!("{name}, load {load}, below its pressure"),
             (Some(load), Kind::Traction) => format!("{name}, waypoint {load}, below its pressure and shear traction"),
             (None, Kind::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
-            (None, Kind::Full | Kind::Traction) => name.into(),
+            (None, Kind::Full | Kind::Traction | Kind::Pressure) => name.into(),
         };
         let description = match &found.scan {
             Some(scan) => format!("{description}; pressed by {scan}"),
@@ -213,7 +217,15 @@ impl Found {
         let axes = if ny == 1 { 1 } else { 2 };
         let lateral = |names: [&str; 2]| names[..axes].iter().map(|name| field(name)).collect::<Result<_, String>>();
         let pressure = field("pressure")?;
+        if relaxes(&self.record) {
+            let values = pressure.ok_or("pressure is missing; the file must have it")?;
+            let mean_traction = Some([0.0, 0.0, -mean(&values)]);
+            return Ok(Self { kind: Kind::Pressure, mean_traction, values, ..self });
+        }
         let shears: Option<Vec<Vec<f64>>> = lateral(["shear_x", "shear_y"])?;
+        if let (None, Some(friction)) = (&shears, FRICTION.iter().find(|key| self.record.contains_key(**key))) {
+            return Err(format!("the {} {NO_SHEAR}", friction.replace('_', " ")));
+        }
         let held = self.record.get("components").and_then(toml::Value::as_str) == Some("held");
         let lateral = match held {
             // The lateral displacement of other surfaces is that of a pressure alone, unless it is there.
@@ -242,6 +254,18 @@ impl Found {
     }
 }
 
+/// The keys of contacts with a shear traction.
+const FRICTION: [&str; 2] = ["friction", "shear_strength"];
+
+/// The reason against stresses without the shear traction.
+const NO_SHEAR: &str =
+    "of this contact causes a shear traction, which the result does not have; the stress inside is not available";
+
+/// Returns true if the body of a run relaxes.
+fn relaxes(record: &toml::Table) -> bool {
+    record.contains_key("prony")
+}
+
 /// The displacement of a contact in memory.
 fn in_memory(load: &StoredLoad) -> Result<Found, String> {
     check_inside(&load.config, LowerArgs::NAMES.iter().any(|key| load.config.contains_key(*key)))?;
@@ -265,6 +289,22 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
     }
     if record.contains_key("compliance") {
         return Err("the body of this contact is a table of compliances; the fields inside are not known".into());
+    }
+    if relaxes(record) {
+        // At a constant Poisson's ratio, the stress of a given traction does not depend on the moduli.
+        if let Some(moduli) = text_of(record, "relaxes").filter(|moduli| moduli != "both") {
+            let text = "of this contact relaxes, so that Poisson's ratio depends on time; the stress inside is not \
+                        available";
+            return Err(format!("the {} modulus {text}", line(&moduli)));
+        }
+        if let Some(key) = BaseArgs::NAMES.iter().find(|key| record.contains_key(**key)) {
+            let text = "of this contact moves and its body relaxes; the stress inside is not available";
+            return Err(format!("the {} {text}", key.replace('_', " ")));
+        }
+        // The friction of the interface makes heat; its shear traction is not part of the contact.
+        if let Some(key) = FRICTION.iter().find(|key| record.contains_key(**key)) {
+            return Err(format!("the {} {NO_SHEAR}", key.replace('_', " ")));
+        }
     }
     if between {
         return Err("the slab of this contact lies between two surfaces; the fields inside are not available".into());

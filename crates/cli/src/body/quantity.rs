@@ -54,6 +54,11 @@ impl Quantity {
         if self == Self::Displacement { Family::Displacement } else { Family::Deformation }
     }
 
+    /// True if the traction on the surface determines it, whatever the moduli (at one Poisson's ratio).
+    pub(super) fn is_of_traction(self) -> bool {
+        matches!(self, Self::Stress | Self::VonMises)
+    }
+
     /// True if it has one component.
     pub(super) fn is_scalar(self) -> bool {
         matches!(self, Self::VonMises | Self::EnergyDensity)

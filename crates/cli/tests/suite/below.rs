@@ -87,6 +87,18 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
             "0,0.3,1",
         ),
         (path("--hardness 0.06"), "0,0.3,1"),
+        (path("--prony 1:0.8 --time 0,2"), "0,0.3,1"),
+        (path("--prony 0.1:0.5,3:0.4 --moduli instantaneous --time 0,0.5 --height 0.3"), "0,0.1,0.3"),
+        (path("--prony 1:0.8 --time 0,0 --height 0.1 --base half-space --base-young 5 --base-poisson 0.2"), "0,0.1,1"),
+        (path("--prony 1:0.8 --time 0,1 --law exponential --param gamma=1e-4,range=4e-3"), "0,0.3,1"),
+        (format!("path --dim 2 --n 64 --eps-f-inv 16 {BODY} --p-star 0.3 --time 1 --prony 1:0.8"), "0,0.3,1"),
+        (format!("slide {SURFACE} {BODY} --p-star 0.3 --prony 1:0.8 --velocity 0.1,1"), "0,0.3,1"),
+        (format!("slide {SURFACE} {BODY} --p-star 0.3 --prony 1:0.8 --velocity 1 --height 0.3"), "0,0.1,0.3"),
+        (format!("wear {SURFACE} {BODY} --p-star 0.3 --coefficient 1 --distance 0,0.01 --steps 2"), "0,0.3,1"),
+        (
+            format!("wear {SURFACE} {BODY} --p-star 0.3 --coefficient 1 --distance 0.01 --steps 2 --height 0.3"),
+            "0,0.1,0.3",
+        ),
         ("punch --n 16 --height inf".into(), "0,0.3,1"),
         ("punch --n 16 --height inf --contact frictionless".into(), "0,0.3,1"),
         ("punch --n 16 --height inf --shift 0.002,0".into(), "0,0.3,1"),
@@ -132,6 +144,80 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
         assert_eq!(report["mean_traction"], serde_json::json!(stated));
         let check = run(folder, "check below.h5 --json");
         assert_eq!(check["differing"], 0, "{made}: {check}");
+    }
+}
+
+/// A body that relaxes has, in the first instant and after a long time, the stresses of the elastic bodies with its
+/// instantaneous and its long-term modulus; the numbers that depend on earlier loads are left out with a reason.
+#[test]
+fn a_body_that_relaxes_has_the_stress_of_its_pressure() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (height, depths) in [("inf", "0,0.02,1"), ("0.3", "0,0.02,0.3")] {
+        let body = |young: f64| format!("path {SURFACE} --young {young} --poisson 0.3 --height {height} --steps 1");
+        run(folder, &format!("{} --pressure 0.011 --prony 1:0.8 --time 0,1e9 --out relaxed.h5 --json", body(1.0)));
+        let below = |source: &str, load: usize| {
+            run(folder, &format!("body --surface {source} --load {load} --depths {depths} --out below.h5 --json"))
+        };
+        for (load, young) in [(0, 5.0), (1, 1.0)] {
+            run(folder, &format!("{} --pressure 0.011 --out elastic.h5 --json", body(young)));
+            let fields = || {
+                let file = Reader::open(folder.join("below.h5")).unwrap();
+                ["/fields/stress", "/fields/von_mises"].map(|name| file.values::<f64>(name).unwrap())
+            };
+            let expected = (below("elastic.h5", 0), fields()).1;
+            let (report, found) = (below("relaxed.h5", load), fields());
+            for (found, expected) in found.iter().zip(&expected) {
+                let scale = largest(expected);
+                let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(apart < 1e-5 * scale, "{height} {load}: {apart} of {scale}");
+            }
+            assert_eq!(report["warnings"][0]["code"], "relaxes", "{report}");
+            for level in report["levels"].as_array().unwrap() {
+                assert!(level["max_von_mises"].as_f64().unwrap() > 0.0);
+                assert!(level["max_displacement"].is_null() && level["mean_energy_density"].is_null(), "{level}");
+            }
+            let file = Reader::open(folder.join("below.h5")).unwrap();
+            for name in ["displacement", "strain", "energy_density"] {
+                assert!(!file.contains(&format!("/fields/{name}")), "{name}");
+            }
+            let check = run(folder, "check below.h5 --rerun --json");
+            assert_eq!(check["differing"], 0, "{check}");
+        }
+    }
+    let body = "body --surface relaxed.h5 --depths 0,0.02";
+    for (flags, named) in [
+        ("--quantities displacement", "--quantities: displacement is not available"),
+        ("--quantities stress,energy-density", "--quantities: energy-density is not available"),
+        ("--slice y=0 --draw uz", "--draw: uz is not available"),
+    ] {
+        let text = refused(folder, &format!("{body} {flags}"));
+        assert!(text.contains(named) && text.contains("stress and von-mises"), "{flags}: {text}");
+        assert_eq!(text.lines().count(), 1, "{text}");
+    }
+}
+
+/// Where the stress below a contact is not known, one line says so.
+#[test]
+fn the_stress_below_a_contact_without_its_traction_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let slide = format!("slide {SURFACE} {BODY} --p-star 0.3 --velocity 1");
+    for (made, named) in [
+        (format!("{slide} --heat 1,0.01 --friction 0.3"), "the friction of this contact causes a shear traction"),
+        (
+            format!("{slide} --prony 1:0.8 --heat 1,0.01 --friction 0.3"),
+            "the friction of this contact causes a shear traction",
+        ),
+        (
+            format!("path {SURFACE} {BODY} --p-star 0.3 --prony 1:0.8 --relaxes shear --time 1 --steps 1"),
+            "the shear modulus of this contact relaxes",
+        ),
+        (format!("{slide} --prony 1:0.8 --relaxes shear"), "the shear modulus of this contact relaxes"),
+    ] {
+        run(folder, &format!("{made} --out source.h5 --json"));
+        let text = refused(folder, "body --surface source.h5 --depths 0,0.3");
+        assert!(text.contains(named) && text.lines().count() == 1, "{made}: {text}");
     }
 }
 
