@@ -125,7 +125,7 @@ impl Sample {
 
     /// Decodes the number in `bytes`, which must be as many as `size`.
     #[expect(clippy::cast_possible_truncation, reason = "the lowest bits of a word are the number")]
-    fn decode(self, bytes: &[u8], order: Order) -> f64 {
+    pub(crate) fn decode(self, bytes: &[u8], order: Order) -> f64 {
         let mut word = [0; 8];
         let size = bytes.len();
         word[..size].copy_from_slice(bytes);

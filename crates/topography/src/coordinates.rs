@@ -1,7 +1,15 @@
 //! Sizes from coordinates, and the names of datasets in files.
 
+use ndarray::{Array2, Axis};
+
 /// Relative deviation of a coordinate from even spacing that counts as rounding.
 const EVEN: f64 = 1e-6;
+
+/// The largest error of a step, in spacings, that rounded coordinates may have.
+const MOST_ROUNDING: f64 = 0.1;
+
+/// The largest distance of a coordinate from its point of a lattice, in spacings.
+const OFF: f64 = 1e-3;
 
 /// Splits `FILE.h5:/dataset` into path and dataset; the dataset is empty for the name of an HDF5 file. `None` for any
 /// other name.
@@ -33,25 +41,73 @@ pub fn lengths(
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let length = |axis: &str, points: usize| -> Result<Option<f64>, String> {
         let name = format!("{group}/{axis}");
-        values(&name).map_or(Ok(None), |values| evenly_spaced(&values?, points, &name))
+        values(&name).map_or(Ok(None), |values| evenly_spaced(&values?, points, &name, 0.0))
     };
     let [nx, ny] = points;
     let along_y = if ny == 1 { Some(1.0) } else { length("y", ny)? };
     Ok(length("x", nx)?.zip(along_y).map(|(x, y)| [x, y]))
 }
 
-/// The period of n evenly spaced coordinates, n times the spacing; `None` if the number of coordinates is not n.
-pub(crate) fn evenly_spaced(coordinates: &[f64], points: usize, name: &str) -> Result<Option<f64>, String> {
+/// The period of n evenly spaced coordinates, n times the spacing, negative if they fall; `None` if the number of
+/// coordinates is not n. Each coordinate has an error of `rounding`.
+pub(crate) fn evenly_spaced(
+    coordinates: &[f64],
+    points: usize,
+    name: &str,
+    rounding: f64,
+) -> Result<Option<f64>, String> {
     if coordinates.len() != points || points < 2 {
         return Ok(None);
     }
     let spacing = (coordinates[points - 1] - coordinates[0]) / (points - 1) as f64;
-    let uneven = coordinates.windows(2).find(|pair| (pair[1] - pair[0] - spacing).abs() > EVEN * spacing.abs());
+    let allowed = (EVEN * spacing.abs()).max((3.0 * rounding).min(MOST_ROUNDING * spacing.abs()));
+    let uneven = coordinates.windows(2).find(|pair| !((pair[1] - pair[0] - spacing).abs() <= allowed));
     match uneven {
         Some(pair) => Err(format!(
             "a step of the coordinates {name} is {}; it must be {spacing}, since they must be evenly spaced",
             pair[1] - pair[0]
         )),
         None => Ok(Some(spacing * points as f64)),
+    }
+}
+
+/// Sizes along x and y from their periods, of which a negative one belongs to falling coordinates: the heights are
+/// turned so that these rise. Returns a remark on it for each such axis.
+pub(crate) fn rising(heights: &mut Array2<f64>, lengths: &mut [f64; 2]) -> Vec<String> {
+    let falling = [("x", 0), ("y", 1)].into_iter().filter(|(_, axis)| lengths[*axis] < 0.0);
+    let notes = falling.map(|(name, axis)| {
+        heights.invert_axis(Axis(axis));
+        format!("the coordinates {name} fall; the heights are turned so that {name} rises")
+    });
+    let notes = notes.collect();
+    *lengths = lengths.map(f64::abs);
+    notes
+}
+
+/// A lattice of evenly spaced coordinates along one axis.
+pub(crate) struct Lattice {
+    first: f64,
+    pub(crate) step: f64,
+    pub(crate) count: usize,
+}
+
+impl Lattice {
+    /// The lattice of coordinates in any order, each of which occurs any number of times; `None` if there is none.
+    pub(crate) fn of(coordinates: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = coordinates.collect();
+        sorted.sort_by(f64::total_cmp);
+        let (first, last) = (*sorted.first()?, *sorted.last()?);
+        let apart = 1e-9 * (last - first);
+        sorted.dedup_by(|next, before| *next - *before <= apart);
+        let count = sorted.len();
+        let step = (last - first) / count.saturating_sub(1) as f64;
+        let on_lattice = |(index, x): (usize, &f64)| ((x - first) / step - index as f64).abs() <= OFF;
+        (step > 0.0 && sorted.iter().enumerate().all(on_lattice)).then_some(Self { first, step, count })
+    }
+
+    /// The number of a coordinate of the lattice.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a coordinate begins at the first")]
+    pub(crate) fn index(&self, coordinate: f64) -> usize {
+        (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1)
     }
 }

@@ -3,6 +3,7 @@
 use ndarray::{Array2, Axis};
 
 use super::file::File;
+use super::unit;
 
 /// A format of height maps.
 pub(crate) struct Format {
@@ -62,6 +63,13 @@ pub(crate) struct Channel<'a> {
     pub points: [usize; 2],
     /// Decodes the heights. The reader has checked that the file has the bytes for them before it allocates.
     pub read: Box<dyn FnOnce() -> Result<Map, String> + 'a>,
+}
+
+/// The first of the channels with these numbers in a unit of length, else the first one without a unit, else the first.
+pub(crate) fn first_height(channels: &[Channel], among: &[usize]) -> Option<usize> {
+    let first = |has: &dyn Fn(Option<&str>) -> bool| among.iter().find(|k| has(channels[**k].unit.as_deref())).copied();
+    let length = first(&|unit| unit.is_some_and(unit::is_length));
+    length.or_else(|| first(&|unit| unit.is_none())).or_else(|| among.first().copied())
 }
 
 /// A decoded channel, in the units of the file.

@@ -55,6 +55,7 @@ mod netcdf;
 pub mod npy;
 mod opd;
 mod opdx;
+mod packing;
 mod plu;
 #[cfg(feature = "zip")]
 mod plux;
@@ -345,6 +346,11 @@ impl Map {
         };
         canonical(&mut self.length_unit);
         canonical(&mut self.height_unit);
+        for (what, unit) in [("heights", &self.height_unit), ("lengths", &self.length_unit)] {
+            if let Some(unit) = unit.as_ref().filter(|unit| !unit::is_length(unit)) {
+                return Err(format!("the unit of the {what} is {unit}; it must be a unit of length: m, mm, µm, nm, ..."));
+            }
+        }
         match (&self.height_unit, &self.length_unit) {
             (Some(heights), Some(lengths)) => {
                 let Some(conversion) = Conversion::between(heights, lengths)? else { return Ok(None) };

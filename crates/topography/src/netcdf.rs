@@ -2,15 +2,17 @@
 //!
 //! The variable `heights` is the height map; in files without it, every variable with two dimensions is one. Its first
 //! dimension is x, unless the dimensions are named `y` and `x`. The size is the attribute `length` of the variables `x`
-//! and `y`, or n times the spacing of their values. Points marked in a variable `mask`, and those with the fill value,
-//! are undefined. NetCDF-4 is HDF5 and read as such.
+//! and `y`, or n times the spacing of their values. Values follow from the numbers by the attributes of the CF
+//! conventions (`scale_factor`, `_FillValue`, `valid_range`, ...); points marked in a variable `mask` are undefined.
+//! NetCDF-4 is HDF5 and read as such.
 
 use ndarray::Array2;
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, text};
-use super::coordinates::evenly_spaced;
+use super::coordinates::{CONSISTENT, evenly_spaced, rising};
 use super::file::File;
-use super::format::{Channel, Contents, FirstLine, Format, Map};
+use super::format::{Channel, Contents, FirstLine, Format, Map, first_height};
+use super::packing::{Kind, Packing, Value};
 use super::two_dimensional;
 use super::unit::Sides;
 
@@ -69,7 +71,8 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         return Err(format!("the file has no variable \"heights\" of numbers; its variables are {}", names.join(", ")));
     }
     let channels = maps.into_iter().map(|variable| dataset.channel(variable)).collect::<Result<Vec<_>, String>>()?;
-    Ok(channels.into())
+    let default = first_height(&channels, &(0..channels.len()).collect::<Vec<_>>());
+    Ok(Contents { channels, default })
 }
 
 impl<'a> Dataset<'a> {
@@ -114,8 +117,8 @@ impl<'a> Dataset<'a> {
         self.variables.iter().find(|variable| variable.name == name)
     }
 
-    /// The numbers of a variable of one or two dimensions as `[x, y]`, with scale, offset and fill values.
-    fn grid(&self, variable: &Variable<'a>) -> Result<(Grid, &'a [u8], Scale), String> {
+    /// The numbers of a variable of one or two dimensions as `[x, y]`, with the conversion to values.
+    fn grid(&self, variable: &Variable<'a>) -> Result<(Grid, &'a [u8], Packing), String> {
         let named: Vec<(&str, usize)> = variable
             .dimensions
             .iter()
@@ -142,17 +145,15 @@ impl<'a> Dataset<'a> {
                 self.bytes.len()
             ));
         }
-        let number = |name: &str| attribute(&variable.attributes, name).and_then(Attribute::number);
-        let scale = Scale {
-            factor: number("scale_factor"),
-            offset: number("add_offset"),
-            fill: number("_FillValue").or_else(|| number("missing_value")),
-        };
-        Ok((grid, data, scale))
+        let attributes: Vec<(String, Value)> =
+            variable.attributes.iter().map(|attribute| (attribute.name.clone(), attribute.value())).collect();
+        let packing = Packing::of(kind(sample), &attributes, true);
+        let packing = packing.map_err(|reason| format!("the variable {}: {reason}", variable.name))?;
+        Ok((grid, data, packing))
     }
 
     fn channel(&self, variable: &Variable<'a>) -> Result<Channel<'a>, String> {
-        let (grid, data, scale) = self.grid(variable)?;
+        let (grid, data, packing) = self.grid(variable)?;
         let [nx, ny] = grid.points;
         let mask = match self.variable("mask").filter(|_| variable.name == "heights") {
             Some(mask) => Some(self.grid(mask)?).filter(|(shape, ..)| shape.points == grid.points),
@@ -166,8 +167,8 @@ impl<'a> Dataset<'a> {
             (Some(x), Some(y), _) => Some(Sides::of(side(x), Some(side(y)))?),
             _ => None,
         };
-        let lengths = sides.as_ref().map(|sides| sides.lengths);
-        let Sides { unit: length_unit, notes, .. } = sides.unwrap_or_default();
+        let mut lengths = sides.as_ref().map(|sides| sides.lengths);
+        let Sides { unit: length_unit, mut notes, .. } = sides.unwrap_or_default();
         let height_unit = unit(&variable.attributes);
         let mut details: Vec<(String, String)> = self
             .attributes
@@ -179,8 +180,10 @@ impl<'a> Dataset<'a> {
             details.push(("periodic".into(), "yes".into()));
         }
         let unit = height_unit.clone();
+        let name = variable.name.clone();
         let read = move || {
-            let mut heights = grid.read(data, |number| scale.apply(number))?;
+            packing.check(&name, height_unit.as_deref())?;
+            let mut heights = grid.read(data, |number| packing.value(number))?;
             if let Some((grid, data, _)) = mask {
                 let mask: Array2<f64> = grid.read(data, |mark| mark)?;
                 heights.zip_mut_with(&mask, |height, mark| {
@@ -188,6 +191,9 @@ impl<'a> Dataset<'a> {
                         *height = f64::NAN;
                     }
                 });
+            }
+            if let Some(lengths) = &mut lengths {
+                notes.extend(rising(&mut heights, lengths));
             }
             Ok(Map { heights, lengths, length_unit, height_unit, details, notes })
         };
@@ -202,9 +208,11 @@ impl<'a> Dataset<'a> {
         let length = match number("length") {
             Some(length) => Some(length),
             None => {
-                let (grid, data, scale) = self.grid(variable)?;
-                let values = grid.read(data, |number| scale.apply(number))?;
-                evenly_spaced(&values.into_iter().collect::<Vec<_>>(), points, name)?
+                let (grid, data, packing) = self.grid(variable)?;
+                let values = grid.read(data, |number| packing.value(number))?;
+                let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+                let rounding = packing.rounding(largest);
+                evenly_spaced(&values.into_iter().collect::<Vec<_>>(), points, name, rounding)?
             }
         };
         Ok(length.map(|length| AxisOf { length, unit: unit(&variable.attributes), periodic }))
@@ -217,40 +225,35 @@ struct AxisOf {
     periodic: bool,
 }
 
-/// The attributes that turn the numbers of a variable into values.
-#[derive(Clone, Copy)]
-struct Scale {
-    factor: Option<f64>,
-    offset: Option<f64>,
-    fill: Option<f64>,
-}
-
-impl Scale {
-    fn apply(self, number: f64) -> f64 {
-        if self.fill == Some(number) {
-            return f64::NAN;
-        }
-        let scaled = self.factor.map_or(number, |factor| number * factor);
-        self.offset.map_or(scaled, |offset| scaled + offset)
-    }
-}
-
 fn attribute<'b, 'a>(attributes: &'b [Attribute<'a>], name: &str) -> Option<&'b Attribute<'a>> {
     attributes.iter().find(|attribute| attribute.name == name)
 }
 
 fn unit(attributes: &[Attribute]) -> Option<String> {
     let found = attribute(attributes, "unit").or_else(|| attribute(attributes, "units"))?;
-    Some(text(found.data)).filter(|unit| !unit.is_empty())
+    Some(text(found.data)).filter(|unit| !CONSISTENT.contains(&unit.as_str()))
 }
 
 impl Attribute<'_> {
+    fn value(&self) -> Value {
+        let Some(sample) = sample(self.kind) else { return Value::Text(text(self.data)) };
+        let numbers = self.data.chunks_exact(sample.size()).map(|bytes| sample.decode(bytes, Order::Big)).collect();
+        Value::Numbers { numbers, is_float: kind(sample).is_float }
+    }
+
     /// The first number.
     fn number(&self) -> Option<f64> {
-        let sample = sample(self.kind)?;
-        let grid = Grid { points: [1, 1], sample, order: Order::Big, layout: Layout::Lines, backwards: [false; 2] };
-        grid.read(self.data, |number| number).ok()?.first().copied()
+        match self.value() {
+            Value::Numbers { numbers, .. } => numbers.first().copied(),
+            _ => None,
+        }
     }
+}
+
+fn kind(sample: Sample) -> Kind {
+    let is_float = matches!(sample, Sample::F32 | Sample::F64);
+    let is_signed = !matches!(sample, Sample::U8 | Sample::U16 | Sample::U32 | Sample::U64);
+    Kind { is_float, is_signed, bytes: u32::try_from(sample.size()).unwrap_or(8) }
 }
 
 /// The numbers of a type; `None` for text and unknown types.

@@ -6,10 +6,12 @@ use std::sync::Arc;
 
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
+use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Attribute, Dataset, Datatype, FileStorage, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 use ndarray::ArrayD;
 
 use crate::Input;
+use crate::packing::{Kind, Packing, Value};
 
 use number::Stored;
 
@@ -91,6 +93,57 @@ impl Hdf5 {
         self.dataset(path)?.read_array().map(numbers).map_err(text)
     }
 
+    /// All values of a dataset, row-major, with the scale and the missing values that its attributes say by the
+    /// conventions of NetCDF; NaN where there is no value.
+    pub fn physical(&self, path: &str) -> Result<Vec<f64>, String> {
+        let packing = self.packing(path)?;
+        let mut values = self.values(path)?;
+        values.iter_mut().for_each(|value| *value = packing.value(*value));
+        Ok(values)
+    }
+
+    /// The conversion of the numbers of a dataset to values by its attributes.
+    pub(crate) fn packing(&self, path: &str) -> Result<Packing, String> {
+        let attributes: Vec<(String, Value)> = self.attributes(path)?.iter().map(value).collect();
+        let is_netcdf = self.attribute("/", "_NCProperties").is_ok();
+        Packing::of(self.kind(path)?, &attributes, is_netcdf).map_err(|reason| format!("{path}: {reason}"))
+    }
+
+    /// The kind of the numbers of a dataset.
+    pub(crate) fn kind(&self, path: &str) -> Result<Kind, String> {
+        kind(self.dataset(path)?.dtype()).ok_or_else(|| format!("{path} has no real numbers; it must have some"))
+    }
+
+    /// The names of the dimensions of the dataset `name` in `group`: paths of their coordinates, or labels; `None` for
+    /// those without a name.
+    pub(crate) fn dimensions(&self, group: &str, name: &str) -> Vec<Option<String>> {
+        let path = format!("{group}/{name}");
+        let Ok(dataset) = self.file.dataset(&path) else { return Vec::new() };
+        if let Ok(labels) = dataset.attribute("DIMENSION_LABELS").and_then(|labels| labels.read_strings()) {
+            return labels.into_iter().map(|label| Some(label).filter(|label| !label.is_empty())).collect();
+        }
+        let Ok(list) = dataset.attribute("DIMENSION_LIST") else { return Vec::new() };
+        let size = dataset.vlen_reference_size();
+        let offset = u8::try_from(size.saturating_sub(8)).unwrap_or(8);
+        let first = |reference: &[u8]| {
+            let found = dataset.resolve_vlen_reference_bytes(reference, usize::from(offset)).ok()?;
+            read_object_references(&found, offset).ok()?.first().copied()
+        };
+        // A dimension belongs to the group of the dataset, or to one around it.
+        let named = |reference: &[u8]| {
+            let address = first(reference)?;
+            let mut group = group;
+            loop {
+                let holder = if group.is_empty() { self.file.root_group() } else { self.file.group(group) };
+                if let Some(name) = holder.ok()?.child_name_by_address(address).ok()? {
+                    return Some(format!("{group}/{name}"));
+                }
+                group = group.rsplit_once('/')?.0;
+            }
+        };
+        list.raw_data.chunks_exact(size).take(2).map(named).collect()
+    }
+
     /// The values of a dataset at ranges of its first dimensions, each from the first entry to the one after the last.
     pub fn part<T: Number>(&self, path: &str, entries: &[[usize; 2]]) -> Result<Vec<T>, String> {
         let dataset = self.possible(path)?;
@@ -162,6 +215,34 @@ impl Hdf5 {
     pub fn root(&self) -> Result<Group, String> {
         self.file.root_group().map_err(text)
     }
+}
+
+/// The kind of real numbers; `None` for other values.
+fn kind(datatype: &Datatype) -> Option<Kind> {
+    match *datatype {
+        Datatype::FloatingPoint { size, .. } => {
+            Some(Kind { is_float: true, is_signed: true, bytes: u32::from(size) })
+        }
+        Datatype::FixedPoint { size, signed, .. } => {
+            Some(Kind { is_float: false, is_signed: signed, bytes: u32::from(size) })
+        }
+        _ => None,
+    }
+}
+
+/// The name and the value of an attribute.
+fn value(attribute: &Attribute) -> (String, Value) {
+    let value = match kind(&attribute.datatype) {
+        Some(Kind { is_float, .. }) => match attribute.read_1d::<Stored<f64>>() {
+            Ok(numbers) => Value::Numbers { numbers: numbers.into_iter().map(|Stored(n)| n).collect(), is_float },
+            Err(_) => Value::Other,
+        },
+        None => {
+            let text = attribute.read_strings().ok().and_then(|texts| texts.into_iter().next());
+            text.map_or(Value::Other, Value::Text)
+        }
+    };
+    (attribute.name.clone(), value)
 }
 
 /// The message of an error on one line.
