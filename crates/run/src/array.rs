@@ -56,7 +56,7 @@ pub fn read(given: &ArrayOption, quantity: Quantity) -> Result<ArrayD<f64>, Stri
         return Err("it must be FILE.npy or FILE.h5:/dataset".into());
     }
     let shape = reader.shape(dataset).map_err(words)?;
-    let mut values = reader.values(dataset).map_err(words)?;
+    let mut values = reader.physical(dataset).map_err(words)?;
     let unit = reader.text(dataset, "units").or_else(|_| reader.text(dataset, "unit")).unwrap_or_default();
     quantity.convert(&mut values, unit.trim())?;
     ArrayD::from_shape_vec(shape, values).map_err(|error| error.to_string())

@@ -81,7 +81,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
             first_height(&channels, &all)
         }),
     };
-    Ok(Contents { channels, default })
+    Ok(Contents { channels, default, aliases: Vec::new() })
 }
 
 /// The group and the own name of a dataset.

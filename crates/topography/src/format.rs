@@ -38,12 +38,14 @@ pub(crate) struct Contents<'a> {
     pub channels: Vec<Channel<'a>>,
     /// The channel that is read if none is named; `None` if one must be named.
     pub default: Option<usize>,
+    /// Other names of channels, by their numbers.
+    pub aliases: Vec<(usize, String)>,
 }
 
 impl<'a> From<Vec<Channel<'a>>> for Contents<'a> {
     /// The first channel is the default.
     fn from(channels: Vec<Channel<'a>>) -> Self {
-        Self { channels, default: Some(0) }
+        Self { channels, default: Some(0), aliases: Vec::new() }
     }
 }
 

@@ -404,7 +404,9 @@ fn names(channels: &[Channel]) -> Vec<String> {
 fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
     let listed = || {
         let numbered = |(number, name): (usize, &String)| {
-            if *name == number.to_string() { name.clone() } else { format!("{number} {name}") }
+            let listed = if *name == number.to_string() { name.clone() } else { format!("{number} {name}") };
+            let alias = contents.aliases.iter().find(|(of, _)| *of == number);
+            alias.map_or(listed.clone(), |(_, alias)| format!("{listed} ({})", line(alias)))
         };
         let first: Vec<String> = names.iter().enumerate().take(LISTED).map(numbered).collect();
         let rest = names.len().saturating_sub(LISTED);
@@ -419,6 +421,13 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
     let mut by_name = with(&|name| name == asked);
     if by_name.is_empty() {
         by_name = with(&same);
+    }
+    if by_name.is_empty() {
+        let same = |alias: &String| line(alias).eq_ignore_ascii_case(asked);
+        by_name = contents.aliases.iter().filter(|(_, alias)| same(alias)).map(|(number, _)| *number).collect();
+    }
+    if by_name.is_empty() {
+        by_name = with(&|name| name.eq_ignore_ascii_case(asked));
     }
     if let [_, _, ..] = by_name[..] {
         let numbers: Vec<String> = by_name.iter().take(LISTED).map(usize::to_string).collect();

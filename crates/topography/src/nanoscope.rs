@@ -42,11 +42,19 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     }
     let sections = sections(bytes)?;
     let header = Header::new(&sections)?;
-    let (mut channels, mut others) = (vec![], vec![]);
+    let (mut channels, mut others, mut aliases) = (vec![], vec![], vec![]);
     for section in sections.iter().filter(|section| IMAGE.contains(&section.name.as_str())) {
+        if is_empty(section) {
+            others.push(format!("{} without points", name(section)));
+            continue;
+        }
         let image = Image::new(section, &header)?;
         match image.height(&header)? {
-            Some(height) => channels.push(image.channel(height, &header, bytes)?),
+            Some(height) => {
+                let shown = shown_name(section).filter(|shown| !shown.eq_ignore_ascii_case(&image.name));
+                aliases.extend(shown.map(|shown| (channels.len(), shown)));
+                channels.push(image.channel(height, &header, bytes)?);
+            }
             None => others.push(image.name),
         }
         if channels.len() + others.len() > MOST_CHANNELS {
@@ -57,7 +65,13 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         let found = if others.is_empty() { "no image".to_owned() } else { format!("only {}", others.join(", ")) };
         return Err(format!("the file has {found}; it must have an image with a length per volt"));
     }
-    Ok(channels.into())
+    Ok(Contents { aliases, ..channels.into() })
+}
+
+/// True for an image that was not recorded.
+fn is_empty(section: &Section) -> bool {
+    let first = |key: &str| section.get(key)?.split_whitespace().next()?.parse::<usize>().ok();
+    first("samps/line") == Some(0) || first("number of lines") == Some(0)
 }
 
 /// A section of the header: its name and its lines as key and value, the names in lower case.
@@ -323,10 +337,21 @@ impl<'a> Value<'a> {
     }
 }
 
+/// The value with the names of the channel.
+fn image_data(section: &Section) -> Option<String> {
+    ["@2:image data", "@3:image data", "@4:image data"].into_iter().find_map(|key| section.get(key))
+}
+
+/// The name that the program of the instrument shows, in quotation marks.
+fn shown_name(section: &Section) -> Option<String> {
+    let value = image_data(section)?;
+    let shown = Value::parse(&value).ok()?.rest.trim_matches('"').trim().to_owned();
+    Some(shown).filter(|shown| !shown.is_empty())
+}
+
 /// The name of the channel: the one in brackets, otherwise the one in quotation marks.
 fn name(section: &Section) -> String {
-    let key = ["@2:image data", "@3:image data", "@4:image data"].into_iter().find_map(|key| section.get(key));
-    match &key {
+    match &image_data(section) {
         Some(value) => match Value::parse(value) {
             Ok(Value { soft: Some(name), .. }) => name.to_owned(),
             Ok(Value { rest, .. }) => rest.trim_matches('"').to_owned(),

@@ -5,18 +5,28 @@
 //! format's authors; they must have an increment, and so must both axes, while floats without one are heights in
 //! metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y
 //! axis points up.
+//!
+//! Names of entries may differ from those in `main.xml` in case and slashes, and all may lie in one folder. Instead of a
+//! binary entry `main.xml` itself may list the heights, one number for each point, none for an undefined one.
 
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 
 use roxmltree::Node;
+
+use ndarray::Array2;
 
 use super::bytes::{Grid, Layout, Order, Sample, clip, count, positive};
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
-use super::zipped::{Zip, xml};
+use super::zipped::{MOST_TEXT, Zip, plain, xml};
 
-pub(crate) const FORMAT: Format =
-    Format { name: "X3P", sniff: |file| Zip::has(file, &["main.xml"]), open, first_line: FirstLine::Bottom };
+pub(crate) const FORMAT: Format = Format { name: "X3P", sniff, open, first_line: FirstLine::Bottom };
+
+/// The entry that describes the others.
+const MAIN: &str = "main.xml";
+
+/// The element of heights in the description.
+const LIST: &str = "DataList";
 
 /// Parts of the document that describe the measurement.
 const DETAILS: [&str; 9] = [
@@ -31,13 +41,75 @@ const DETAILS: [&str; 9] = [
     "Comment",
 ];
 
+fn sniff(file: &File) -> bool {
+    file.starts_with(b"PK") && Zip::open(file).is_ok_and(|zip| !mains(&zip).is_empty())
+}
+
+/// The entries named `main.xml` in the outermost folder that has one.
+fn mains(zip: &Zip) -> Vec<String> {
+    let depth = |name: &str| plain(name).matches('/').count();
+    let mut found = zip.names();
+    found.retain(|name| plain(name).rsplit('/').next() == Some(MAIN));
+    let least = found.iter().map(|name| depth(name)).min();
+    found.retain(|name| Some(depth(name)) == least);
+    found
+}
+
 fn open(file: &File) -> Result<Contents<'_>, String> {
-    let text = Zip::open(file)?.text("main.xml")?;
-    let document = xml("main.xml", &text)?;
-    let header = Header::parse(document.root_element())?;
+    let mut zip = Zip::open(file)?;
+    let main = match &mains(&zip)[..] {
+        [main] => main.clone(),
+        several => return Err(format!("the archive has {}; it must have one {MAIN}", several.join(", "))),
+    };
+    let mut kept = Vec::new();
+    pieces(&mut zip, &main, |piece, in_list| {
+        if !in_list {
+            kept.extend_from_slice(piece);
+        }
+        match kept.len() as u64 > MOST_TEXT {
+            true => Err(format!("the entry {main} has more than {MOST_TEXT} bytes beside its heights")),
+            false => Ok(()),
+        }
+    })?;
+    let text = String::from_utf8(kept).map_err(|_| format!("the entry {main} is not text in UTF-8"))?;
+    let document = xml(&main, &text)?;
+    let header = Header::parse(document.root_element(), main)?;
     let points = header.grid.points;
     let read = Box::new(move || header.read(file));
     Ok(Channel { name: String::new(), unit: Some("m".into()), points, read }.into())
+}
+
+/// Calls `each` for the pieces of an entry of XML that end with `<`, and tells which are inside of the list of heights.
+fn pieces(
+    zip: &mut Zip,
+    main: &str,
+    mut each: impl FnMut(&[u8], bool) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut stream = BufReader::new(zip.stream(main)?.0);
+    let (mut piece, mut in_list) = (Vec::new(), false);
+    loop {
+        piece.clear();
+        let read = stream.by_ref().take(MOST_TEXT).read_until(b'<', &mut piece);
+        if read.map_err(|error| format!("the entry {main}: {error}"))? == 0 {
+            return Ok(());
+        }
+        in_list &= !is_tag(&piece, &format!("/{LIST}"));
+        each(&piece, in_list)?;
+        in_list |= is_tag(&piece, LIST);
+    }
+}
+
+/// True if a piece begins with the tag of an element of this name, whatever its prefix.
+fn is_tag(piece: &[u8], name: &str) -> bool {
+    let Some(tag) = piece.iter().position(|byte| *byte == b'>').map(|end| piece[..end].trim_ascii_end()) else {
+        return false;
+    };
+    let (slash, tag) = match tag.strip_prefix(b"/") {
+        Some(tag) => ("/", tag),
+        None => ("", tag),
+    };
+    let local = tag.iter().rposition(|byte| *byte == b':').map_or(tag, |colon| &tag[colon + 1..]);
+    name.strip_prefix(slash).is_some_and(|name| name.as_bytes() == local)
 }
 
 struct Header {
@@ -45,7 +117,10 @@ struct Header {
     spacing: [f64; 2],
     /// Increment and offset of the heights.
     scale: [f64; 2],
-    heights: Entry,
+    /// The entry that describes the others.
+    main: String,
+    /// The entry of heights; `None` if the description lists them.
+    heights: Option<Entry>,
     validity: Option<Entry>,
     details: Vec<(String, String)>,
 }
@@ -57,7 +132,7 @@ struct Entry {
 }
 
 impl Header {
-    fn parse(root: Node) -> Result<Self, String> {
+    fn parse(root: Node, main: String) -> Result<Self, String> {
         let text = |path: &str| at(root, path).and_then(|node| node.text()).map(|text| text.trim().to_owned());
         let needed = |path: &str| text(path).ok_or_else(|| format!("main.xml has no {path}; it must have one"));
         let number = |path: &str, default: f64| match text(path) {
@@ -114,31 +189,49 @@ impl Header {
             let name = text(&format!("Record3/DataLink/{name}"))?;
             Some(Entry { name, checksum: text(&format!("Record3/DataLink/{checksum}")) })
         };
+        let heights = link("PointDataLink", "MD5ChecksumPointData").filter(|entry| !entry.name.is_empty());
+        if heights.is_some() == at(root, &format!("Record3/{LIST}")).is_some() {
+            return Err(format!(
+                "main.xml must have either Record3/DataLink/PointDataLink, which names a file of heights, or \
+                 Record3/{LIST}, which has them"
+            ));
+        }
         Ok(Self {
             grid: Grid { points, sample, order: Order::Little, layout: Layout::Lines, backwards: [false; 2] },
             spacing,
             scale: [number("Record1/Axes/CZ/Increment", 1.0)?, number("Record1/Axes/CZ/Offset", 0.0)?],
-            heights: link("PointDataLink", "MD5ChecksumPointData")
-                .ok_or("main.xml names no binary file of heights (Record3/DataLink/PointDataLink); it must name one")?,
+            heights,
+            main,
             validity: link("ValidPointsLink", "MD5ChecksumValidPoints").filter(|entry| !entry.name.is_empty()),
             details: details.collect(),
         })
     }
 
     fn read(self, file: &File) -> Result<Map, String> {
-        let Self { grid, spacing, scale: [increment, offset], heights: entry, validity, details } = self;
+        let Self { grid, spacing, scale: [increment, offset], main, heights: link, validity, details } = self;
         let [nx, ny] = grid.points;
         let mut zip = Zip::open(file)?;
         let mut notes = Vec::new();
-        let (mut heights, sum) = {
-            let (stream, compressed) = zip.stream(&entry.name)?;
-            let mut stream = Summed { stream, sum: md5::Context::new() };
-            let heights = grid.inflate(compressed, &mut stream, |z| z * increment + offset)?;
-            (heights, stream.sum)
+        let named = |zip: &Zip, name: &str| {
+            let folder = main.rsplit_once(['/', '\\']).map_or("", |(folder, _)| folder);
+            let beside = zip.meant(&format!("{folder}/{name}"));
+            beside.or_else(|| zip.meant(name)).ok_or_else(|| format!("the archive has no entry {name}; {main} names it"))
         };
-        entry.compare(sum, &mut notes);
+        let height = |z: f64| z * increment + offset;
+        let mut heights = match &link {
+            Some(entry) => {
+                let name = named(&zip, &entry.name)?;
+                let (stream, compressed) = zip.stream(&name)?;
+                let mut stream = Summed { stream, sum: md5::Context::new() };
+                let heights = grid.inflate(compressed, &mut stream, height)?;
+                entry.compare(stream.sum, &mut notes);
+                heights
+            }
+            None => listed(&mut zip, &main, grid.points)?.mapv_into(height),
+        };
         if let Some(entry) = validity {
-            let bits = zip.read(&entry.name, (nx * ny).div_ceil(8) as u64)?;
+            let name = named(&zip, &entry.name)?;
+            let bits = zip.read(&name, (nx * ny).div_ceil(8) as u64)?;
             if bits.len() < (nx * ny).div_ceil(8) {
                 return Err(format!(
                     "{} has {} bytes; it must have {}, one bit per point",
@@ -171,6 +264,36 @@ impl Entry {
             notes.push(format!("the MD5 checksum of {} is {found}, but main.xml has {}", self.name, clip(expected)));
         }
     }
+}
+
+/// The heights `[x, y]` in the list of the description, which has a `Datum` for each point, empty if it is undefined.
+fn listed(zip: &mut Zip, main: &str, [nx, ny]: [usize; 2]) -> Result<Array2<f64>, String> {
+    // A Datum has eight characters or more, and deflate makes at most 1032 bytes from one.
+    let most = zip.stream(main)?.1.saturating_mul(129);
+    if nx.saturating_mul(ny) > most {
+        return Err(format!("the grid has {nx} by {ny} points; {main} lists at most {most} of them"));
+    }
+    let mut heights = Vec::with_capacity(nx * ny);
+    pieces(zip, main, |piece, in_list| {
+        let datum = |piece: &[u8]| is_tag(piece, "Datum") || is_tag(piece, "Datum/") || is_tag(piece, "Datum /");
+        if !in_list || !datum(piece) {
+            return Ok(());
+        }
+        let end = piece.iter().position(|byte| *byte == b'>').unwrap_or(piece.len() - 1);
+        let text = String::from_utf8_lossy(&piece[end + 1..]);
+        let text = text.trim_end_matches('<').trim();
+        let number = if text.is_empty() { Ok(f64::NAN) } else { text.parse() };
+        let number = number.map_err(|_| format!("a Datum of {main} is {:?}; it must be a number or empty", clip(text)))?;
+        if heights.len() == nx * ny {
+            return Err(format!("{main} lists more than {nx} by {ny} heights; it must list so many"));
+        }
+        heights.push(number);
+        Ok(())
+    })?;
+    let count = heights.len();
+    let heights = Array2::from_shape_vec((ny, nx), heights);
+    let heights = heights.map_err(|_| format!("{main} lists {count} heights; it must list {nx} by {ny}"))?;
+    Ok(heights.reversed_axes())
 }
 
 /// A stream with the checksum of what was read.

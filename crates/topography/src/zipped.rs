@@ -24,6 +24,12 @@ pub(crate) fn xml<'a>(name: &str, text: &'a str) -> Result<Document<'a>, String>
     Document::parse(text).map_err(|error| format!("the entry {name}: {error}"))
 }
 
+/// The parts of a path in small letters, without empty ones and `.`, joined by slashes.
+pub(crate) fn plain(path: &str) -> String {
+    let parts: Vec<&str> = path.split(['/', '\\']).filter(|part| !matches!(*part, "" | ".")).collect();
+    parts.join("/").to_lowercase()
+}
+
 /// A zip archive in memory, and its number of bytes.
 pub(crate) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>, usize);
 
@@ -40,6 +46,13 @@ impl<'a> Zip<'a> {
     pub(crate) fn has(file: &File, entries: &[&str]) -> bool {
         file.starts_with(b"PK")
             && Zip::open(file).is_ok_and(|zip| entries.iter().all(|entry| zip.0.index_for_name(entry).is_some()))
+    }
+
+    /// The name of the entry that `name` means: the same name, else one that differs in case, slashes or `./` only.
+    pub(crate) fn meant(&self, name: &str) -> Option<String> {
+        let wanted = plain(name);
+        let exact = self.0.index_for_name(name).map(|_| name.to_owned());
+        exact.or_else(|| self.names().into_iter().find(|entry| plain(entry) == wanted))
     }
 
     /// The names of the entries in the order of the archive.

@@ -352,7 +352,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
             }
             (reader.slab(dataset, load).map_err(words)?, Some(load))
         }
-        _ => (reader.values(dataset).map_err(words)?, None),
+        _ => (reader.physical(dataset).map_err(words)?, None),
     };
     let points = [shape.first().copied().unwrap_or(0), if shape.len() > 1 { shape[1] } else { 1 }];
     let points = if !normal && shape.len() == 2 { [points[0], 1] } else { points };

@@ -87,6 +87,13 @@ impl Reader {
         self.file.values(path).map_err(|reason| self.failed(path, reason))
     }
 
+    /// All values of a variable of any program, with the scale and the missing values (NaN) that its attributes say by
+    /// the conventions of NetCDF.
+    pub fn physical(&self, path: &str) -> Result<Vec<f64>, FileError> {
+        self.check(path)?;
+        self.file.physical(path).map_err(|reason| self.failed(path, reason))
+    }
+
     /// Entry `index` along the first dimension of a variable.
     pub fn slab<T: Number>(&self, path: &str, index: usize) -> Result<Vec<T>, FileError> {
         let shape = self.shape(path)?;

@@ -626,3 +626,125 @@ fn names_and_messages_do_not_steer_a_terminal() {
     let message = Topography::from_bytes("scan", others, None).unwrap_err().to_string();
     assert!(message.contains("one must be a height") && !message.contains(char::is_control), "{message:?}");
 }
+
+/// The description of an X3P of 3 x 2 points with steps of 2 and 3 m, with heights as `kind` and this data in Record3.
+fn main_xml(kind: &str, scale: &str, data: &str) -> Vec<u8> {
+    let axis = |name: &str, step: f64| format!("<{name}><AxisType>I</AxisType><Increment>{step}</Increment></{name}>");
+    let (x, y) = (axis("CX", 2.0), axis("CY", 3.0));
+    format!(
+        "<p:ISO5436_2 xmlns:p='http://www.opengps.eu/2008/ISO5436_2'><Record1><FeatureType>SUR</FeatureType>\
+         <Axes>{x}{y}<CZ><AxisType>A</AxisType><DataType>{kind}</DataType>{scale}</CZ></Axes></Record1><Record3>\
+         <MatrixDimension><SizeX>3</SizeX><SizeY>2</SizeY><SizeZ>1</SizeZ></MatrixDimension>{data}</Record3>\
+         </p:ISO5436_2>"
+    )
+    .into_bytes()
+}
+
+#[test]
+fn entries_of_x3p_are_found_whatever_their_folder_case_and_slashes() {
+    let heights: Vec<u8> = (1..7).flat_map(|z| f64::from(z).to_le_bytes()).collect();
+    let link = |name: &str, valid: &str| {
+        format!(
+            "<DataLink><PointDataLink>{name}</PointDataLink><ValidPointsLink>{valid}</ValidPointsLink></DataLink>"
+        )
+    };
+    let expected = ndarray::array![[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]];
+    for (main, data, valid, linked, linked_valid) in [
+        ("main.xml", "bindata/data.bin", "bindata/valid.bin", "bindata/data.bin", "bindata/valid.bin"),
+        ("scan/main.xml", "scan/bindata/data.bin", "scan/bindata/valid.bin", "bindata/data.bin", "bindata/valid.bin"),
+        ("a/b/main.xml", "a/b/bindata/data.bin", "a/b/valid.bin", "./bindata/data.bin", "/valid.bin"),
+        ("./main.xml", "./bindata/data.bin", "./bindata/valid.bin", "bindata/data.bin", "/bindata/valid.bin"),
+        ("MAIN.XML", "BinData/Data.BIN", "BINDATA/VALID.BIN", "bindata/data.bin", "bindata/valid.bin"),
+        ("main.xml", "bindata\\data.bin", "bindata\\valid.bin", "bindata/data.bin", "bindata/valid.bin"),
+        ("main.xml", "bindata/data.bin", "bindata/valid.bin", "bindata\\data.bin", ".\\bindata\\valid.bin"),
+        ("scan\\Main.xml", "scan\\bindata\\data.bin", "scan\\valid.bin", "bindata/data.bin", "valid.bin"),
+        ("scan/main.xml", "bindata/data.bin", "bindata/valid.bin", "bindata/data.bin", "bindata/valid.bin"),
+    ] {
+        let xml = main_xml("D", "", &link(linked, linked_valid));
+        // An archive of another system has entries of its own.
+        let others = ("__MACOSX/._main.xml", vec![0]);
+        let entries = [others, (main, xml), (data, heights.clone()), (valid, vec![0b0011_1111])];
+        let map = read(made::zipped(&entries, CompressionMethod::Deflated));
+        assert_eq!((&map.heights, map.lengths), (&expected, Some([6.0, 6.0])), "{main}, {data}");
+    }
+    let entries = [("main.xml", main_xml("D", "", &link("data.bin", "valid.bin"))), ("other.bin", heights.clone())];
+    let missing = refusal(made::zipped(&entries, CompressionMethod::Stored));
+    assert_eq!(missing, "the archive has no entry data.bin; main.xml names it");
+    let two = [("a/main.xml", main_xml("D", "", "")), ("b/main.xml", main_xml("D", "", ""))];
+    let two = refusal(made::zipped(&two, CompressionMethod::Stored));
+    assert_eq!(two, "the archive has a/main.xml, b/main.xml; it must have one main.xml");
+}
+
+#[test]
+fn x3p_may_list_its_heights_in_the_description() {
+    let zip = |xml: Vec<u8>| made::zipped(&[("main.xml", xml)], CompressionMethod::Deflated);
+    let listed = |kind: &str, scale: &str, data: &str| {
+        zip(main_xml(kind, scale, &format!("<DataList>{data}</DataList>")))
+    };
+    let datum = |values: &[&str]| values.iter().map(|z| format!("<Datum>{z}</Datum>\n")).collect::<String>();
+    let all = ["1", "-2.5e0", " 3 ", "4", "5", "6"];
+    let map = read(listed("D", "", &datum(&all)));
+    assert_eq!(map.heights, ndarray::array![[1.0, 4.0], [-2.5, 5.0], [3.0, 6.0]]);
+    assert_eq!((map.lengths, map.unit.as_deref(), map.undefined), (Some([6.0, 6.0]), Some("m"), 0));
+    let scale = "<Increment>0.5</Increment><Offset>10</Offset>";
+    let scaled = read(listed("L", scale, &datum(&["2", "4", "6", "8", "10", "12"])));
+    assert_eq!(scaled.heights, ndarray::array![[11.0, 14.0], [12.0, 15.0], [13.0, 16.0]]);
+    for hole in ["<Datum/>", "<Datum />", "<Datum></Datum>", "<p:Datum> </p:Datum>"] {
+        let holes = read(listed("D", "", &format!("{hole}{}", datum(&all[1..]))));
+        assert!(holes.undefined == 1 && holes.heights[[0, 0]].is_nan(), "{hole}: {}", holes.heights);
+    }
+    for (data, says) in [
+        (datum(&all[1..]), "main.xml lists 5 heights; it must list 3 by 2"),
+        (datum(&["1"; 7]), "main.xml lists more than 3 by 2 heights; it must list so many"),
+        (datum(&["1;2;3"; 6]), "a Datum of main.xml is \"1;2;3\"; it must be a number or empty"),
+    ] {
+        assert_eq!(refusal(listed("D", "", &data)), says);
+    }
+    let neither = refusal(zip(main_xml("D", "", "")));
+    assert!(neither.starts_with("main.xml must have either Record3/DataLink/PointDataLink"), "{neither}");
+    // A long list is no long description.
+    let [nx, ny] = [300_usize, 200];
+    let many: String = (0..nx * ny).map(|k| format!("<Datum>{k}.0000000000</Datum>")).collect();
+    let xml = String::from_utf8(main_xml("D", "", &format!("<DataList>{many}</DataList>"))).unwrap();
+    let xml = xml.replace("<SizeX>3<", "<SizeX>300<").replace("<SizeY>2<", "<SizeY>200<");
+    let long = read(zip(xml.into_bytes()));
+    assert!(long.heights.indexed_iter().all(|((i, j), z)| *z == (j * nx + i) as f64) && long.heights.dim() == (nx, ny));
+}
+
+/// Two images of Nanoscope: the file of [`made::nanoscope`] with another image section before its own.
+fn nanoscope_with(section: &str, names: &str) -> Vec<u8> {
+    let whole = made::nanoscope(2);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    let end = whole.iter().position(|byte| *byte == 0x1a).unwrap();
+    let header = text(&whole[..end]).replace("\\*Ciao image list", &format!("{section}\\*Ciao image list"));
+    let mut header = header.replace("S [Height] \"Height\"", names).replace("offset: 1024", "offset: 2048").into_bytes();
+    header.push(0x1a);
+    header.resize(2048, 0);
+    [header, whole[1024..].to_vec()].concat()
+}
+
+#[test]
+fn channels_of_nanoscope_have_the_names_that_people_see() {
+    let file = nanoscope_with("", "S [ZSensor] \"Height Sensor\"");
+    let read = |channel: &str| Topography::from_bytes("scan", file.clone(), Some(channel));
+    for name in ["ZSensor", "Height Sensor", "height sensor", "zsensor", "0"] {
+        assert_eq!(read(name).unwrap().channel.as_deref(), Some("ZSensor"), "{name}");
+    }
+    let other = read("Phase").unwrap_err().reason;
+    assert_eq!(other, "the channel is Phase; it must be one of 0 ZSensor (Height Sensor)");
+}
+
+#[test]
+fn images_of_nanoscope_without_points_do_not_hide_the_others() {
+    let whole = read(made::nanoscope(2));
+    for (points, lines) in [("0 0", "0"), ("0", "0"), ("5", "0"), ("0", "4")] {
+        let empty = format!(
+            "\\*Ciao image list\r\n\\Data offset: 2048\r\n\\Data length: 4\r\n\\Samps/line: {points}\r\n\
+             \\Number of lines: {lines}\r\n\\Scan size: 10 5 ~m\r\n\\@2:Image Data: S [Input2] \"Input2\"\r\n\
+             \\@2:Z scale: V [Sens. Zsens] (0.125 V/LSB) 8192.0 V\r\n"
+        );
+        let map = read(nanoscope_with(&empty, "S [Height] \"Height\""));
+        assert_eq!((&map.heights, map.channel.as_deref()), (&whole.heights, Some("Height")));
+        assert_eq!(map.channels, ["Height"]);
+    }
+}

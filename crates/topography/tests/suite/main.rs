@@ -2,6 +2,7 @@
 //! `cargo test -p gfmd-topography --test suite FILE::`. Hostile files are read by a program of their own, whose memory
 //! is counted.
 
+mod dialects;
 mod formats;
 mod instruments;
 #[path = "../harness/made.rs"]
