@@ -81,7 +81,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
             first_height(&channels, &all)
         }),
     };
-    Ok(Contents { channels, default, aliases: Vec::new() })
+    Ok(Contents { default, ..channels.into() })
 }
 
 /// The group and the own name of a dataset.
@@ -167,7 +167,8 @@ impl Axes {
             let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             evenly_spaced(&values, points[axis], path, reader.packing(path)?.rounding(largest))
         };
-        let side = |axis: usize, length| (length, self.coordinates[axis].as_deref().and_then(|path| unit_of(reader, path)));
+        let side =
+            |axis: usize, length| (length, self.coordinates[axis].as_deref().and_then(|path| unit_of(reader, path)));
         Ok(match (length(0)?, points[1]) {
             (None, _) => None,
             (Some(x), 1) => Some(Sides::of(side(0, x), None)?),
@@ -187,7 +188,8 @@ fn nexus_axes(reader: &Hdf5, group: &str) -> Vec<Option<String>> {
         [one] => one.trim_matches(['[', ']']).split([':', ',']).collect(),
         several => several.iter().map(String::as_str).collect(),
     };
-    let path = |name: &str| Some(name.trim()).filter(|name| !matches!(*name, "" | ".")).map(|name| format!("{group}/{name}"));
+    let path =
+        |name: &str| Some(name.trim()).filter(|name| !matches!(*name, "" | ".")).map(|name| format!("{group}/{name}"));
     names.into_iter().map(path).collect()
 }
 
@@ -237,17 +239,24 @@ fn scale(reader: &Hdf5, dataset: &str) -> Result<(Packing, Option<String>), Stri
     if let Some(encoder) = Encoder::of(reader, group)? {
         if kind.is_float || packing.is_known() {
             let also = if kind.is_float { "floats" } else { "a scale of its own" };
-            return Err(format!("{dataset} has {also} beside the encoder of {group}; it must have integers without one"));
+            return Err(format!(
+                "{dataset} has {also} beside the encoder of {group}; it must have integers without one"
+            ));
         }
         return Ok((Packing::linear(kind, encoder.multiplier, encoder.offset)?, unit));
     }
     packing.check(dataset, unit.as_deref())?;
     if !kind.is_float && !packing.is_known() {
-        let of_group = if group.is_empty() { "/" } else { group };
-        let scaling = |attribute: &hdf5_reader::Attribute| is_scaling(&attribute.name.to_lowercase());
-        if let Some(found) = reader.attributes(of_group)?.iter().find(|attribute| scaling(attribute)) {
-            let write = "write the heights as floats, or scale_factor and add_offset at the dataset";
-            return Err(format!("{dataset} has integers and its group the attribute {}: {write}", found.name));
+        for group in around(group) {
+            let group = if group.is_empty() { "/" } else { group };
+            let scaling = |attribute: &hdf5_reader::Attribute| is_scaling(&attribute.name);
+            if let Some(found) = reader.attributes(group)?.iter().find(|attribute| scaling(attribute)) {
+                let write = "write the heights as floats, or scale_factor and add_offset at the dataset";
+                return Err(format!(
+                    "{dataset} has integers and the group {group} the attribute {}: {write}",
+                    found.name
+                ));
+            }
         }
     }
     Ok((packing, unit))
@@ -304,7 +313,8 @@ impl Places {
                 && ny >= 2.0
             {
                 let points = whole(nx).zip(whole(ny)).map(|(x, y)| [x, y]);
-                let points = points.ok_or_else(|| format!("{path}: the grid has {nx} by {ny} points; both must be whole"))?;
+                let points =
+                    points.ok_or_else(|| format!("{path}: the grid has {nx} by {ny} points; both must be whole"))?;
                 let lengths = number("ulength")?.zip(number("vlength")?).map(|(x, y)| [x, y]);
                 let found = Self { points, values: None, lengths, unit: lengths.map(|_| "m".into()) };
                 return Ok(Some((frames, found)));

@@ -69,7 +69,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         return Err("the container has no topography; it must have one".into());
     }
     let default = channels.iter().position(|channel| channel.points != [0, 0]).or(Some(0));
-    Ok(Contents { channels, default, aliases: Vec::new() })
+    Ok(Contents { default, ..channels.into() })
 }
 
 /// Opens a data file, which must not be a container.

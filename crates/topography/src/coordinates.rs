@@ -61,8 +61,8 @@ pub(crate) fn evenly_spaced(
     }
     let spacing = (coordinates[points - 1] - coordinates[0]) / (points - 1) as f64;
     let allowed = (EVEN * spacing.abs()).max((3.0 * rounding).min(MOST_ROUNDING * spacing.abs()));
-    let uneven = coordinates.windows(2).find(|pair| !((pair[1] - pair[0] - spacing).abs() <= allowed));
-    match uneven {
+    let is_even = |pair: &&[f64]| (pair[1] - pair[0] - spacing).abs() <= allowed;
+    match coordinates.windows(2).find(|pair| !is_even(pair)) {
         Some(pair) => Err(format!(
             "a step of the coordinates {name} is {}; it must be {spacing}, since they must be evenly spaced",
             pair[1] - pair[0]

@@ -348,7 +348,9 @@ impl Map {
         canonical(&mut self.height_unit);
         for (what, unit) in [("heights", &self.height_unit), ("lengths", &self.length_unit)] {
             if let Some(unit) = unit.as_ref().filter(|unit| !unit::is_length(unit)) {
-                return Err(format!("the unit of the {what} is {unit}; it must be a unit of length: m, mm, µm, nm, ..."));
+                return Err(format!(
+                    "the unit of the {what} is {unit}; it must be a unit of length: m, mm, µm, nm, ..."
+                ));
             }
         }
         match (&self.height_unit, &self.length_unit) {

@@ -72,7 +72,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     }
     let channels = maps.into_iter().map(|variable| dataset.channel(variable)).collect::<Result<Vec<_>, String>>()?;
     let default = first_height(&channels, &(0..channels.len()).collect::<Vec<_>>());
-    Ok(Contents { channels, default, aliases: Vec::new() })
+    Ok(Contents { default, ..channels.into() })
 }
 
 impl<'a> Dataset<'a> {

@@ -43,8 +43,23 @@ pub(crate) struct Packing {
 const FLOAT_FILL: f64 = 9.969_209_968_386_869e36;
 
 /// Words in names of attributes that scale numbers.
-const SCALING: [&str; 9] =
-    ["scale", "scaling", "offset", "multiplier", "factor", "gain", "slope", "intercept", "calibration"];
+const SCALING: [&str; 15] = [
+    "scale",
+    "scaling",
+    "offset",
+    "multiplier",
+    "factor",
+    "gain",
+    "slope",
+    "intercept",
+    "calibration",
+    "sensitivity",
+    "conversion",
+    "lsb",
+    "percount",
+    "perbit",
+    "perdigit",
+];
 
 /// Other spellings of `_FillValue`, in small letters without other characters.
 const MISSING: [&str; 5] = ["fillvalue", "missingvalue", "nodata", "nodatavalue", "undefinedvalue"];
@@ -99,11 +114,10 @@ impl Packing {
                     found.wrap = is_set.then(|| 256_f64.powi(i32::try_from(kind.bytes).unwrap_or(0)));
                 }
                 _ => {
-                    let letters: String = name.chars().filter(|c| c.is_alphabetic()).collect();
-                    let letters = letters.to_lowercase();
+                    let letters = letters(name);
                     if let (true, Value::Numbers { numbers, .. }) = (MISSING.contains(&&*letters), value) {
                         found.missing.extend(numbers);
-                    } else if matches!(value, Value::Numbers { .. }) && is_scaling(&letters) {
+                    } else if matches!(value, Value::Numbers { .. }) && is_scaling(name) {
                         found.unknown.push(name.clone());
                     }
                 }
@@ -223,8 +237,14 @@ impl Value {
     }
 }
 
-/// True for the name of an attribute, in small letters, that may scale numbers.
+/// The letters of a name, in small ones.
+fn letters(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphabetic()).collect::<String>().to_lowercase()
+}
+
+/// True for the name of an attribute that may scale numbers.
 pub(crate) fn is_scaling(name: &str) -> bool {
+    let name = letters(name);
     SCALING.iter().any(|word| name.contains(word))
 }
 

@@ -94,9 +94,10 @@ impl Hdf5 {
     }
 
     /// All values of a dataset, row-major, with the scale and the missing values that its attributes say by the
-    /// conventions of NetCDF; NaN where there is no value.
+    /// conventions of NetCDF; NaN where there is no value. Integers beside a scale that is not known are an error.
     pub fn physical(&self, path: &str) -> Result<Vec<f64>, String> {
         let packing = self.packing(path)?;
+        packing.check(path, None)?;
         let mut values = self.values(path)?;
         values.iter_mut().for_each(|value| *value = packing.value(*value));
         Ok(values)
@@ -220,9 +221,7 @@ impl Hdf5 {
 /// The kind of real numbers; `None` for other values.
 fn kind(datatype: &Datatype) -> Option<Kind> {
     match *datatype {
-        Datatype::FloatingPoint { size, .. } => {
-            Some(Kind { is_float: true, is_signed: true, bytes: u32::from(size) })
-        }
+        Datatype::FloatingPoint { size, .. } => Some(Kind { is_float: true, is_signed: true, bytes: u32::from(size) }),
         Datatype::FixedPoint { size, signed, .. } => {
             Some(Kind { is_float: false, is_signed: signed, bytes: u32::from(size) })
         }

@@ -80,11 +80,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
 }
 
 /// Calls `each` for the pieces of an entry of XML that end with `<`, and tells which are inside of the list of heights.
-fn pieces(
-    zip: &mut Zip,
-    main: &str,
-    mut each: impl FnMut(&[u8], bool) -> Result<(), String>,
-) -> Result<(), String> {
+fn pieces(zip: &mut Zip, main: &str, mut each: impl FnMut(&[u8], bool) -> Result<(), String>) -> Result<(), String> {
     let mut stream = BufReader::new(zip.stream(main)?.0);
     let (mut piece, mut in_list) = (Vec::new(), false);
     loop {
@@ -215,7 +211,9 @@ impl Header {
         let named = |zip: &Zip, name: &str| {
             let folder = main.rsplit_once(['/', '\\']).map_or("", |(folder, _)| folder);
             let beside = zip.meant(&format!("{folder}/{name}"));
-            beside.or_else(|| zip.meant(name)).ok_or_else(|| format!("the archive has no entry {name}; {main} names it"))
+            beside
+                .or_else(|| zip.meant(name))
+                .ok_or_else(|| format!("the archive has no entry {name}; {main} names it"))
         };
         let height = |z: f64| z * increment + offset;
         let mut heights = match &link {
@@ -283,7 +281,8 @@ fn listed(zip: &mut Zip, main: &str, [nx, ny]: [usize; 2]) -> Result<Array2<f64>
         let text = String::from_utf8_lossy(&piece[end + 1..]);
         let text = text.trim_end_matches('<').trim();
         let number = if text.is_empty() { Ok(f64::NAN) } else { text.parse() };
-        let number = number.map_err(|_| format!("a Datum of {main} is {:?}; it must be a number or empty", clip(text)))?;
+        let number =
+            number.map_err(|_| format!("a Datum of {main} is {:?}; it must be a number or empty", clip(text)))?;
         if heights.len() == nx * ny {
             return Err(format!("{main} lists more than {nx} by {ny} heights; it must list so many"));
         }

@@ -176,10 +176,9 @@ mod tests {
         let slope = with(1) / with(0);
         let top = mean[1] - slope * mean[0];
         let bottom = top + slope;
-        let (above, below): (Vec<f64>, Vec<f64>) =
-            (curve.iter().map(|z| z - top).filter(|z| *z > 0.0).collect(), {
-                curve.iter().map(|z| bottom - z).filter(|z| *z > 0.0).collect()
-            });
+        let (above, below): (Vec<f64>, Vec<f64>) = (curve.iter().map(|z| z - top).filter(|z| *z > 0.0).collect(), {
+            curve.iter().map(|z| bottom - z).filter(|z| *z > 0.0).collect()
+        });
         let mean = |all: &[f64]| if all.is_empty() { 0.0 } else { 2.0 * all.iter().sum::<f64>() / all.len() as f64 };
         let part = |all: &[f64]| all.len() as f64 / SAMPLES as f64;
         let (smr1, smr2) = (part(&above), 1.0 - part(&below));

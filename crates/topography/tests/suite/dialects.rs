@@ -157,7 +157,11 @@ impl Case {
             if missing == Missing::Least {
                 // All others are larger.
                 let least = HOLES[1] + 1.0;
-                numbers.iter_mut().enumerate().for_each(|(k, z)| if k != at && *z < least { *z = 50.0 });
+                numbers.iter_mut().enumerate().for_each(|(k, z)| {
+                    if k != at && *z < least {
+                        *z = 50.0
+                    }
+                });
             }
         }
         let units = ["m", "µm", "nm", "Å"];
@@ -473,7 +477,14 @@ fn integers_in_a_unit_of_length_need_a_scale() {
             counts(&group, "z", "");
             group.new_attr::<f64>().create("z multiplier").unwrap().write_scalar(&1e-9).unwrap();
         },
-        "/scan/z has integers and its group the attribute z multiplier: write the heights as floats",
+        "/scan/z has integers and the group /scan the attribute z multiplier: write the heights as floats",
+    );
+    says(
+        &|file| {
+            counts(&file.create_group("scan").unwrap(), "z", "");
+            file.new_attr::<f64>().create("nm_per_count").unwrap().write_scalar(&0.1).unwrap();
+        },
+        "/scan/z has integers and the group / the attribute nm_per_count: write the heights as floats",
     );
     let plain = made(|file| drop(counts(file, "z", "")), None).unwrap();
     assert_eq!((plain.heights[[1, 2]], plain.unit), (6.0, None));

@@ -644,9 +644,7 @@ fn main_xml(kind: &str, scale: &str, data: &str) -> Vec<u8> {
 fn entries_of_x3p_are_found_whatever_their_folder_case_and_slashes() {
     let heights: Vec<u8> = (1..7).flat_map(|z| f64::from(z).to_le_bytes()).collect();
     let link = |name: &str, valid: &str| {
-        format!(
-            "<DataLink><PointDataLink>{name}</PointDataLink><ValidPointsLink>{valid}</ValidPointsLink></DataLink>"
-        )
+        format!("<DataLink><PointDataLink>{name}</PointDataLink><ValidPointsLink>{valid}</ValidPointsLink></DataLink>")
     };
     let expected = ndarray::array![[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]];
     for (main, data, valid, linked, linked_valid) in [
@@ -678,9 +676,8 @@ fn entries_of_x3p_are_found_whatever_their_folder_case_and_slashes() {
 #[test]
 fn x3p_may_list_its_heights_in_the_description() {
     let zip = |xml: Vec<u8>| made::zipped(&[("main.xml", xml)], CompressionMethod::Deflated);
-    let listed = |kind: &str, scale: &str, data: &str| {
-        zip(main_xml(kind, scale, &format!("<DataList>{data}</DataList>")))
-    };
+    let listed =
+        |kind: &str, scale: &str, data: &str| zip(main_xml(kind, scale, &format!("<DataList>{data}</DataList>")));
     let datum = |values: &[&str]| values.iter().map(|z| format!("<Datum>{z}</Datum>\n")).collect::<String>();
     let all = ["1", "-2.5e0", " 3 ", "4", "5", "6"];
     let map = read(listed("D", "", &datum(&all)));
@@ -717,7 +714,8 @@ fn nanoscope_with(section: &str, names: &str) -> Vec<u8> {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
     let end = whole.iter().position(|byte| *byte == 0x1a).unwrap();
     let header = text(&whole[..end]).replace("\\*Ciao image list", &format!("{section}\\*Ciao image list"));
-    let mut header = header.replace("S [Height] \"Height\"", names).replace("offset: 1024", "offset: 2048").into_bytes();
+    let mut header =
+        header.replace("S [Height] \"Height\"", names).replace("offset: 1024", "offset: 2048").into_bytes();
     header.push(0x1a);
     header.resize(2048, 0);
     [header, whole[1024..].to_vec()].concat()
