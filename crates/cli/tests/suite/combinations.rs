@@ -5,7 +5,7 @@
 //!
 //! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: --
 //! --nocapture` takes so many (default: 300) and prints counts; `GFMD_COMBINATION=N` runs the case N alone and keeps
-//! its folder.
+//! its folder, as `GFMD_HISTORY=N` does with a history.
 
 #![expect(clippy::print_stdout, reason = "the counts of cases")]
 
@@ -13,6 +13,7 @@ mod contact;
 mod draw;
 mod elastic;
 mod found;
+mod histories;
 mod numbers;
 mod outlets;
 mod path;
@@ -27,10 +28,14 @@ use crate::common::gfmd;
 use draw::Case;
 use found::Found;
 use gfmd_files::Reader;
+use histories::History;
 use serde_json::Value;
 
 /// The number of cases of the default run.
 const CASES: u64 = 300;
+
+/// The number of histories that are drawn in the default run, before those of other kinds are left out.
+const HISTORIES: u64 = 120;
 
 /// Cases of longer runs in which the program or a definition was wrong: the default run takes them too.
 const ONCE_WRONG: [u64; 16] =
@@ -178,15 +183,43 @@ struct Counts {
     bad: Vec<String>,
 }
 
-#[test]
-fn every_number_of_a_random_combination_is_its_definition() {
+/// A random problem.
+trait Problem: Sync {
+    /// The command.
+    fn words(&self) -> String;
+
+    /// The kinds to which it belongs.
+    fn kinds(&self) -> Vec<&'static str>;
+
+    /// Solves it and checks all that comes out; its end, with the reason if there is no result.
+    fn run(&self, folder: &Path, found: &mut Found) -> (End, String);
+}
+
+impl Problem for Case {
+    fn words(&self) -> String {
+        format!("{} [{}]", self.words.join(" "), self.further)
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        Self::kinds(self)
+    }
+
+    fn run(&self, folder: &Path, found: &mut Found) -> (End, String) {
+        run(self, folder, found)
+    }
+}
+
+/// Runs the problems that `draw` makes of the seeds below the number of cases, or the one that `alone` names, and
+/// requires that all are right and that some of each kind are solved.
+fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl Fn(u64, &Path) -> Option<P> + Sync) {
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number of cases"));
-    let alone = number("GFMD_COMBINATION");
-    let cases = number("GFMD_COMBINATIONS").unwrap_or(CASES);
+    let name = alone;
+    let alone = number(name);
+    let cases = number("GFMD_COMBINATIONS").unwrap_or(default);
     let started = Instant::now();
     let drawn: Vec<u64> = match alone {
         Some(alone) => vec![alone],
-        None => (0..cases).chain(ONCE_WRONG.into_iter().filter(|index| *index >= cases)).collect(),
+        None => (0..cases).chain(once_wrong.iter().copied().filter(|index| *index >= cases)).collect(),
     };
     let next = AtomicUsize::new(0);
     let counts = Mutex::new(Counts::default());
@@ -196,22 +229,22 @@ fn every_number_of_a_random_combination_is_its_definition() {
             scope.spawn(|| {
                 while let Some(index) = drawn.get(next.fetch_add(1, Ordering::Relaxed)).copied() {
                     let folder = tempfile::tempdir().unwrap();
-                    let case = Case::draw(index, folder.path());
+                    let Some(problem) = draw(index, folder.path()) else { continue };
                     let mut found = Found::default();
                     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                        run(&case, folder.path(), &mut found)
+                        problem.run(folder.path(), &mut found)
                     }));
                     let (ended, why) = outcome.unwrap_or_else(|_| {
                         found.complain("the test panicked".into());
                         (End::Failed, String::new())
                     });
-                    let words = case.words.join(" ");
+                    let words = problem.words();
                     if alone.is_some() {
                         println!("{words}\n{ended:?} {why}, in {}", folder.keep().display());
                     }
                     let mut counts = counts.lock().unwrap();
                     counts.compared += found.compared;
-                    for kind in case.kinds().into_iter().chain(["all"]) {
+                    for kind in problem.kinds().into_iter().chain(["all"]) {
                         *counts.ends.entry((kind.into(), ended)).or_default() += 1;
                     }
                     if ended == End::Refused {
@@ -223,24 +256,16 @@ fn every_number_of_a_random_combination_is_its_definition() {
                     if !found.complaints.is_empty() {
                         let all = found.complaints.len();
                         let shown: Vec<String> = found.complaints.into_iter().take(4).collect();
-                        counts.bad.push(format!(
-                            "GFMD_COMBINATION={index}: gfmd {words} [{}]\n    {all}: {}",
-                            case.further,
-                            shown.join("\n    ")
-                        ));
+                        counts.bad.push(format!("{name}={index}: gfmd {words}\n    {all}: {}", shown.join("\n    ")));
                     }
                 }
             });
         }
     });
     let Counts { ends, refused, undefined, compared, bad } = counts.into_inner().unwrap();
-    println!(
-        "{} cases in {:.0} s, {compared} comparisons, {} bad",
-        drawn.len(),
-        started.elapsed().as_secs_f64(),
-        bad.len()
-    );
     let of = |kind: &str, end: End| ends.get(&(kind.to_owned(), end)).copied().unwrap_or(0);
+    let taken = [End::Solved, End::Refused, End::Failed].map(|end| of("all", end)).iter().sum::<usize>();
+    println!("{taken} cases in {:.0} s, {compared} comparisons, {} bad", started.elapsed().as_secs_f64(), bad.len());
     let mut kinds: Vec<&String> = ends.keys().map(|(kind, _)| kind).collect();
     kinds.dedup();
     for kind in kinds {
@@ -252,11 +277,21 @@ fn every_number_of_a_random_combination_is_its_definition() {
         );
     }
     println!("refused by: {refused:?}\nnull for a reason: {undefined:#?}");
-    assert!(bad.is_empty(), "{} of {} cases are bad:\n{}", bad.len(), drawn.len(), bad.join("\n"));
-    if alone.is_none() && cases >= CASES {
-        assert!(of("all", End::Solved) * 2 > cases as usize, "most problems can be solved");
+    assert!(bad.is_empty(), "{} of {taken} cases are bad:\n{}", bad.len(), bad.join("\n"));
+    if alone.is_none() && cases >= default {
+        assert!(of("all", End::Solved) * 2 > taken, "most problems can be solved");
         for (kind, _) in ends.keys() {
             assert!(of(kind, End::Solved) > 0, "{kind}: nothing solved");
         }
     }
+}
+
+#[test]
+fn every_number_of_a_random_combination_is_its_definition() {
+    survey("GFMD_COMBINATION", CASES, &ONCE_WRONG, |index, folder| Some(Case::draw(index, folder)));
+}
+
+#[test]
+fn every_command_reads_the_result_of_a_random_history() {
+    survey("GFMD_HISTORY", HISTORIES, &[], History::draw);
 }
