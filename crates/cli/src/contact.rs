@@ -30,6 +30,7 @@ use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
+use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
@@ -303,7 +304,7 @@ impl Loads {
         prepared.check_drives(&contact, drives, args.control.flag(), args.problem.solver.tol)?;
         prepared.warn_of_drives(drives, args.control.flag(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
-        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let config = toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
         let kept = match output {
             Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {

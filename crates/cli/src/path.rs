@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use self::waypoints::WaypointArgs;
 use crate::course::{AroundArgs, Course, Followed, StepArgs, Way};
 use gfmd_problem::options::BodyArgs;
+use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
@@ -150,7 +151,7 @@ impl Args {
     fn config(&self) -> Result<String, Failure> {
         let energy_solves = Some(self.energy_solves());
         let resolved = Self { source: self.source.resolved()?, energy_solves, ..self.clone() };
-        toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+        toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))
     }
 }
 

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
 use gfmd_problem::check_size;
+use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
@@ -458,7 +459,7 @@ impl Prepared {
     ) -> Result<PathBuf, Failure> {
         let n = Some(self.grids[0].points()[0]);
         let resolved = Args { height: Some(self.height), n, ..args.clone() };
-        let config = toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let config = toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         let mut archive = Archive::create(output, &session.provenance(config))?;
         let [x, y] = axes(&self.grids[0], "length");
         let component = Dimension::labels("component", &report.components, "component of the vector");

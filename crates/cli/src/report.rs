@@ -108,21 +108,25 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     check_replaceable("--out", output.path())?;
     let mut page = page_of(&reader, kind, session)?;
     page.remarks.splice(0..0, gfmd_report::warnings(&reader));
-    let text = gfmd_report::whole_page(&page, &reader, kind, intact, again(kind, &reader).as_deref()).into_string();
+    let text = gfmd_report::whole_page(&page, &reader, kind, intact, &again(kind, &reader)).into_string();
     output.write(|file| file.write_all(text.as_bytes()))?;
     let out = output.path().to_path_buf();
     Ok(Report { file: file.clone(), kind, figures: page.figures(), remarks: page.remarks, out })
 }
 
-/// The command that repeats the run of a result; none if its configuration is one that `check` refuses.
-fn again(kind: Kind, reader: &Reader) -> Option<String> {
+/// The command that repeats the run of a result, or the reason why no command does.
+fn again(kind: Kind, reader: &Reader) -> Result<String, String> {
     let text = reader.text("/", "config").unwrap_or_default();
     let Some(Check { read, .. }) = check::of(kind) else {
-        return Some("gfmd kappa-sweep --config sweep.toml --out again.h5".into());
+        return Ok("gfmd kappa-sweep --config sweep.toml --out again.h5".into());
     };
-    let config = read(kind, &text);
-    let words: Vec<String> = config.ok()?.words().iter().map(|word| quoted(word)).collect();
-    Some(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
+    let config = read(kind, &text).map_err(|error| format!("No command repeats it: {error}."))?;
+    if let Some(key) = config.array() {
+        let name = key.replace('_', " ");
+        return Err(format!("The {name} was an array in the memory of a program: no command line makes it again."));
+    }
+    let words: Vec<String> = config.words().iter().map(|word| quoted(word)).collect();
+    Ok(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
 }
 
 /// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a

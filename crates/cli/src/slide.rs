@@ -14,6 +14,7 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, Load, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
+use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError};
@@ -100,7 +101,7 @@ impl Args {
     /// The resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
-        toml::to_string(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+        toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))
     }
 
     fn velocities(&self) -> Result<Vec<Velocity>, Failure> {

@@ -24,6 +24,7 @@ use serde::Serialize;
 use crate::report::check_replaceable;
 use crate::session::list_files;
 use gfmd_problem::options::Method;
+use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::parse_choice;
 use gfmd_report::figures::parse_prefix;
@@ -250,7 +251,7 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         report.curves = Some(Curves::of(texture, &radial, &grid));
     }
     let resolved = Args { source: args.source.resolved()?, ..args.clone() };
-    let config = toml::to_string(&resolved)
+    let config = toml_of(&resolved)
         .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
     let provenance = session.provenance(config);
     // A page has the functions without being asked for them; JSON and file do not.

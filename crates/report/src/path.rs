@@ -94,8 +94,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     let friction = ["friction", "shear_strength"].into_iter().find(|name| table.contains_key(*name));
-    let law = friction
-        .map_or_else(|| word("law"), |name| format!("{}, {} {}", word("law"), name.replace('_', " "), word(name)));
+    let law =
+        friction.map_or_else(|| word("law"), |name| format!("hard wall, {} {}", name.replace('_', " "), word(name)));
     page.asked(&surface, &table, &law);
     let ways = ["pressure", "p_star", "displacement", "lateral", "time", "prony", "moduli", "relaxes"]
         .map(|name| (name, word(name)));

@@ -23,6 +23,7 @@ mod pictures;
 mod plastic;
 mod punch;
 mod relaxing;
+mod repeat;
 mod report;
 mod scan;
 mod seams;

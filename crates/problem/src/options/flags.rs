@@ -1,6 +1,7 @@
 //! Groups of flags as data: their defaults, and what a configuration says of them.
 
 use clap::{Args, Command, FromArgMatches};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -9,6 +10,9 @@ use crate::Unusable;
 
 /// The longest value in a message.
 const LONGEST: usize = 200;
+
+/// Flags with a default that go with another flag alone.
+const BESIDE: [(&str, &str); 3] = [("roll_off_shape", "roll_off"), ("moduli", "prony"), ("relaxes", "prony")];
 
 /// A group of flags of which none is given: the defaults that the help names.
 pub fn without_flags<A: Args + FromArgMatches>() -> A {
@@ -38,6 +42,28 @@ macro_rules! defaults_of_flags {
 pub fn keys<A: Args>() -> Vec<String> {
     let command = A::augment_args(Command::new("gfmd"));
     command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+}
+
+/// Takes out of a table the defaults of flags that cannot be given beside the others in it.
+pub fn leave_out_idle<A: Args>(table: &mut Table) {
+    let command = A::augment_args(Command::new("gfmd"));
+    let given = command.get_arguments().filter(|flag| table.contains_key(flag.get_id().as_str()));
+    let excluded = given.flat_map(|flag| command.get_arg_conflicts_with(flag)).map(|flag| flag.get_id().to_string());
+    let alone = BESIDE.iter().filter(|(_, needed)| !table.contains_key(*needed)).map(|(key, _)| (*key).to_owned());
+    for key in excluded.chain(alone).collect::<Vec<_>>() {
+        table.remove(&key);
+    }
+}
+
+/// The configuration of a run with these flags as TOML, in the order of the flags.
+///
+/// # Errors
+/// A number that TOML does not have.
+pub fn toml_of<A: Args + Serialize>(args: &A) -> Result<String, toml::ser::Error> {
+    let mut table = Table::try_from(args)?;
+    leave_out_idle::<A>(&mut table);
+    let lines = keys::<A>().into_iter().filter_map(|key| table.remove_entry(&key)).collect::<Vec<_>>();
+    lines.into_iter().chain(table).map(|line| toml::to_string(&Table::from_iter([line]))).collect()
 }
 
 /// A group of flags from a table of its keys, and the arrays of options.

@@ -40,6 +40,12 @@ pub type Arrays = BTreeMap<String, ArrayOption>;
 /// The first character of a text that stands for an array. No name of a file has it.
 const MARK: char = '\0';
 
+/// The text of an array in a configuration.
+const ARRAY: &str = "array";
+
+/// The text of a contact in a configuration.
+const CONTACT: &str = "contact";
+
 thread_local! {
     /// The arrays for which the texts of a table stand that is being read.
     static READ: RefCell<Arrays> = const { RefCell::new(Arrays::new()) };
@@ -59,6 +65,11 @@ impl ArrayOption {
     pub fn file(&self) -> Option<&str> {
         if let Self::File(name) = self { Some(name) } else { None }
     }
+
+    /// True for the text in a configuration in place of an array, or of a contact, in memory.
+    pub fn is_in_memory(text: &str) -> bool {
+        [ARRAY, CONTACT].contains(&text)
+    }
 }
 
 impl FromStr for ArrayOption {
@@ -73,8 +84,8 @@ impl fmt::Display for ArrayOption {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::File(name) => name,
-            Self::Array(_) => "array",
-            Self::Load(_) => "contact",
+            Self::Array(_) => ARRAY,
+            Self::Load(_) => CONTACT,
         })
     }
 }

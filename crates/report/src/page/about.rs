@@ -17,8 +17,14 @@ pub fn warnings(reader: &Reader) -> Vec<String> {
     all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
 }
 
-/// The page with the sections of every result. `again` is the command that repeats the run.
-pub fn whole_page(page: &Page, reader: &Reader, kind: Kind, intact: Option<bool>, again: Option<&str>) -> Markup {
+/// The page with the sections of every result. `again` is the command that repeats the run, or the reason why none does.
+pub fn whole_page(
+    page: &Page,
+    reader: &Reader,
+    kind: Kind,
+    intact: Option<bool>,
+    again: &Result<String, String>,
+) -> Markup {
     let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
     let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
     let dated = dated(&root("created"));
@@ -92,19 +98,22 @@ pub(crate) fn command(words: &str) -> Markup {
 }
 
 /// The command that repeats the run, the recorded one, and the check.
-fn repeat(reader: &Reader, kind: Kind, again: Option<&str>, file: &str) -> Markup {
+fn repeat(reader: &Reader, kind: Kind, again: &Result<String, String>, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
     let from_file = reader.text("/surface", "file").ok().map(|path| {
         let sum = reader.text("/surface", "file_sha256").unwrap_or_default();
         html! { p { "The surface was read from " code { (text(&path)) } ", SHA-256 " code { (text(&sum)) } "." } }
     });
     html! {
-        @if let Some(again) = again {
-            p {
-                @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
-                @else { "All flags are written out:" }
+        @match again {
+            Ok(again) => {
+                p {
+                    @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
+                    @else { "All flags are written out:" }
+                }
+                (block(again, command(again)))
             }
-            (block(again, command(again)))
+            Err(reason) => p { (text(reason)) },
         }
         @if let Some(from_file) = from_file { (from_file) }
         p { "To recompute every number of the file from its inputs, and to run it again:" }

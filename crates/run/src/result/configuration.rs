@@ -11,6 +11,7 @@ use toml::{Table, Value};
 use super::Kind;
 use crate::failure::Failure;
 use gfmd_problem::options::flags::{self, keys, line};
+use gfmd_problem::options::given::ArrayOption;
 
 /// Keys that say how a run was shown and kept, and change no number of a result. They are left out.
 const SHOWN: [&str; 10] =
@@ -65,6 +66,8 @@ impl Configuration {
         if let Some(key) = table.keys().find(|key| !keys.contains(key)) {
             return Err(refuse(format!("{} is no key of a result of {}", flags::quoted(key), kind.name())));
         }
+        // Files of earlier versions have them.
+        flags::leave_out_idle::<A>(&mut table);
         let config = Self { table };
         config.as_named::<A>()?;
         Ok(config)
@@ -83,6 +86,12 @@ impl Configuration {
     /// True if the value of this key names a file.
     pub(crate) fn names_a_file(&self, key: &str) -> bool {
         FILES.contains(&key) && self.table.get(key).is_some_and(Value::is_str)
+    }
+
+    /// The option that was an array in memory, if there is one: the configuration does not have its values.
+    pub fn array(&self) -> Option<&str> {
+        let is_array = |key: &&str| self.table.get(*key).and_then(Value::as_str).is_some_and(ArrayOption::is_in_memory);
+        FILES.into_iter().find(is_array)
     }
 
     /// The input of a result of `body`.
