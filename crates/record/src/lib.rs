@@ -47,6 +47,6 @@ pub use column::{Column, Form, Head, Meaning, Number, Origin, Table};
 pub use columns::{COLUMNS, FEWEST_WAVES, UNRESOLVED, columns, not_calibrated, page};
 pub use digits::with_limit;
 pub use json::RecordError;
-pub use record::{Record, lines, reason_of, reasons};
+pub use record::{ROUGH, Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};
 pub use table::{heads, readable, significant, table_of};

@@ -6,7 +6,7 @@ use gfmd_problem::Facts;
 use crate::column::LIMIT;
 use crate::columns::columns;
 use crate::digits::with_limit;
-use crate::{At, Cell, Column, Origin};
+use crate::{At, COLUMNS, Cell, Column, Origin};
 
 /// The numbers of one state: the columns of its problem, and their values.
 #[derive(Clone, Debug)]
@@ -145,7 +145,10 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
     found.into_iter().find(of_row).map(|(_, reason)| reason)
 }
 
-/// The lines below a table of rows: a reason once, with all columns, of those that are `shown`, which it leaves without
+/// The meaning of the sign behind a number.
+pub const ROUGH: &str = "two digits and ~: the error of the number by the grid is not known";
+
+/// The lines below a table of rows: the meaning of `~`, if a number has it, and a reason once, with all columns, of those that are `shown`, which it leaves without
 /// a value; `name` is that of a row, in singular and plural. The columns of the error of a number by the grid are named
 /// by the number.
 pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
@@ -167,6 +170,14 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
             None => listed.push((reason, from_fn(|other| if other == list { vec![named] } else { Vec::new() }))),
         }
     }
+    // Shown with two digits and `~`.
+    let is_in_a_table = |name: &str| COLUMNS.iter().any(|column| column.name == name && column.head.is_some());
+    let is_rough = |row: &Record, column: &Column| {
+        let shown = column.limit_of().filter(|number| is_in_a_table(number));
+        shown.and_then(|number| row.with_limit(number, 1.0)).is_some_and(|shown| shown.ends_with('~'))
+    };
+    let is_rough = rows.iter().any(|row| row.cells.iter().any(|(column, _)| is_rough(row, column)));
+    let rough = is_rough.then(|| ROUGH.to_owned());
     let line = |(reason, [columns, limits]): (String, [Vec<&str>; 2])| {
         let limits = match limits.len() {
             0 => None,
@@ -176,13 +187,12 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
         let named: Vec<String> = columns.into_iter().map(ToOwned::to_owned).chain(limits).collect();
         format!("no {}: {reason}", named.join(", "))
     };
-    listed.into_iter().map(line).collect()
+    rough.into_iter().chain(listed.into_iter().map(line)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::COLUMNS;
 
     fn row(cells: &[(&str, Cell)]) -> Record {
         let column = |name: &str| COLUMNS.iter().find(|column| column.name == name).unwrap();

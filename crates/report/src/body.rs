@@ -5,8 +5,9 @@ use gfmd_plot::{Axis, Chart, Colours, Map, Mark, Panel, Point, Series};
 use maud::html;
 
 use crate::figures::about_zero;
-use crate::page::{Fact, Page, Table, body, config, given, number, text};
+use crate::page::{Fact, Page, Table, body, config, given, list, number, text, unit_for, with_unit};
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 /// The largest relative difference of steps between depths that count as equal.
 const EVEN: f64 = 1e-6;
@@ -26,13 +27,17 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         let unit = text(&reader.text(&format!("/fields/{name}"), "units").unwrap_or_default());
         if unit == "1" { String::new() } else { unit }
     };
+    let known = |name: &str, kind: &str| Some(unit(name)).filter(|unit| !unit.is_empty() && unit != kind);
+    let stress = known("von_mises", "stress").or_else(|| known("stress", "stress"));
+    let units = Units::new(known("depth", "length").as_deref(), stress.as_deref());
     let length = Some(unit("depth")).filter(|unit| unit != "length").unwrap_or_default();
     let most = fields.of("von_mises").map(|field| field.largest_at(0));
     match most.as_ref().and_then(|all| all.iter().zip(&depths).max_by(|a, b| a.0.total_cmp(b.0))) {
         Some((most, depth)) => page.answer.push(html! {
+            @let (factor, name) = unit_for(*most, "stress", &units);
             p.headline {
-                "Largest equivalent stress of von Mises " (number(*most)) " " (unit("von_mises")) " "
-                span { "at the depth " (given(*depth)) " " (length) }
+                "Largest equivalent stress of von Mises " (number(*most * factor)) (name) " "
+                span { "at the depth " (with_unit(*depth, "length", &units)) }
             }
             p { "Of " (depths.len()) " depths" @if !slice.is_empty() { ", in the slice " (text(&slice)) } "." }
         }),
@@ -46,14 +51,14 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         page.asked.push(Fact::new("slice", &slice));
     }
     if depths.len() <= 8 {
-        page.asked.push(Fact(html! { "depths" }, html! { @for depth in &depths { (given(*depth)) " " } (length) }));
+        page.asked.push(Fact(html! { "depths" }, html! { (list(&depths, "length", &units)) }));
     } else if let (Some(first), Some(last)) = (depths.first(), depths.last()) {
         page.asked.push(Fact(
             html! { "depths" },
-            html! { (depths.len()) " from " (given(*first)) " to " (given(*last)) " " (length) },
+            html! { (depths.len()) " from " (with_unit(*first, "length", &units)) " to " (with_unit(*last, "length", &units)) },
         ));
     }
-    page.asked.push(body(&table));
+    page.asked.push(body(&table, &units));
     let sum = reader.text("/input", "file_sha256").unwrap_or_default();
     if !sum.is_empty() {
         page.asked.push(Fact::new("SHA-256 of the input", &sum));

@@ -5,8 +5,9 @@ use gfmd_plot::{Chart, Mark, Point, Series};
 use maud::html;
 
 use crate::figures::{area_chart, theories};
-use crate::page::{Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, text};
-use gfmd_record::{COLUMNS, with_limit};
+use crate::page::{
+    Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, option, text,
+};
 use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
 
@@ -39,18 +40,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let is_line = surface.as_ref().is_ok_and(|surface| surface.grid.is_line());
 
     if let Some(&last) = solved.last() {
-        // A number as it is on an infinitely fine grid, if the file tells that.
-        let shown = |name: &str, unit: f64| {
-            let of = |end: &str| column(&format!("{name}{end}"))[last];
-            let kind = COLUMNS.iter().find(|column| column.name == name).map_or("1", |column| column.unit);
-            let read = loads.units().shown(kind, of(""));
-            let unit = read.as_ref().map_or(unit, |read| read.factor);
-            let [value, limit, error] = ["", "_limit", "_limit_error"].map(|end| unit * of(end));
-            html! {
-                @if limit.is_nan() { (number(value)) } @else { (with_limit(value, limit, error)) }
-                @if let Some(read) = &read { " " (read.name) }
-            }
-        };
+        let shown = |name: &str, times: f64| loads.said(name, last, times);
         let error = column("area_fraction_grid_error")[last];
         page.answer.push(html! {
             p.headline {
@@ -64,6 +54,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
                 (shown("mean_gap", 1.0)) ", largest pressure " (shown("max_pressure", 1.0)) ". "
                 @if kappa[last].is_finite() {
                     "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". "
+                }
+                @if loads.has("area_fraction_limit") && !error.is_finite() {
+                    "Two digits and ~: the error of the number by the grid is not known. "
                 }
                 @if error.is_finite() {
                     "Numbers with brackets are those of an infinitely fine grid; the brackets have the error of their \
@@ -100,7 +93,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         Some(toml::Value::String(file)) => {
             page.asked.push(Fact::new("hardness", &format!("that of each point, {file}")))
         }
-        Some(hardness) => page.asked.push(Fact::new("hardness", &hardness.to_string())),
+        Some(hardness) => page.asked.push(Fact(html! { "hardness" }, option("hardness", hardness, &loads.units()))),
         None => {}
     }
     page.asked.push(Fact::new("loads", &format!("{} ({})", loads.len(), controlled(&table))));
@@ -122,11 +115,12 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         mean[load] / (p_star[load] * gradient)
     });
     let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
-    page.fields(reader, &surface, (solved.last().copied(), modulus), hardness.as_ref());
+    let state = solved.last().map_or_else(String::new, |last| format!("load {last}"));
+    page.fields(reader, &surface, (solved.last().copied(), &state, modulus), hardness.as_ref());
     if lower::is_stored(reader) {
         page.asked.push(Fact::new("lower surface", &reader.text("/lower", "description").unwrap_or_default()));
         if let (Ok(surface), Some(&last)) = (&surface, solved.last()) {
-            page.face(reader, surface, (last, modulus), None, &FaceFields::LOWER);
+            page.face(reader, surface, (last, &state, modulus), None, &FaceFields::LOWER);
         }
     }
     page.failure(reader, "load");

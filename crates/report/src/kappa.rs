@@ -8,7 +8,7 @@ use gfmd_sweep::{Alpha, Analysis, BodyConfig, Config, Method, Plan, StatisticsCo
 use maud::{Markup, html};
 
 use crate::figures::{field, pressure};
-use crate::page::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, whole};
+use crate::page::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, transforms, whole};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::Comparison;
 use gfmd_run::session::Session;
@@ -55,7 +55,7 @@ pub fn page(reader: &Reader, session: &Session) -> Result<Page, Failure> {
         }
     }
     page.cost.push(Fact(html! { "contacts" }, whole(loads.len() as f64)));
-    page.cost.push(Fact(html! { "transform pairs" }, number(loads.sum("transform_pairs"))));
+    page.cost.push(Fact(html! { "transform pairs" }, transforms(loads.sum("transform_pairs"))));
     if let Ok(seconds) = reader.number("/", "seconds") {
         page.cost.push(Fact(html! { "time of the last session" }, html! { (number(seconds)) " s" }));
     }

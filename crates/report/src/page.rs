@@ -3,11 +3,13 @@
 mod about;
 mod parts;
 mod reading;
+mod said;
 mod write;
 
 use std::collections::BTreeMap;
 
 use gfmd_plot::{COLUMN, Chart, PlotError};
+use gfmd_record::ROUGH;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::figures::Drawn;
@@ -15,8 +17,9 @@ use crate::figures::Drawn;
 pub(crate) use about::{body, command, page_of};
 pub use about::{warnings, whole_page};
 pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
+pub(crate) use said::{list, option, unit_for, with_unit};
 pub use write::quoted;
-pub(crate) use write::{given, interval, number, of, powers, text, whole};
+pub(crate) use write::{given, interval, number, of, powers, text, transforms, whole};
 
 /// The contents of a page about a result. The sections common to all kinds of results are added when it is written.
 #[derive(Default)]
@@ -305,6 +308,9 @@ fn table(table: &Table) -> Markup {
                     }
                 }
             }
+        }
+        @if table.rows.iter().flatten().any(|cell| cell.0.ends_with('~')) {
+            p.legend { (ROUGH) "." }
         }
     }
 }

@@ -5,7 +5,9 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use maud::html;
 
 use crate::figures::{largest as farthest, length};
-use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, whole};
+use crate::page::{
+    Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, transforms, unit_for, whole,
+};
 use gfmd_measure::GridLimit;
 use gfmd_record::with_limit;
 use gfmd_run::failure::Failure;
@@ -40,7 +42,6 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let converged = column("converged");
     let computed =
         mean.iter().zip(&converged).take_while(|(mean, converged)| mean.is_finite() && **converged != 0.0).count();
-    let largest = |values: &[f64]| values[..computed].iter().copied().filter(|v| !v.is_nan()).fold(f64::NAN, f64::max);
     let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
     let widest = (0..computed).max_by(|a, b| area[*a].total_cmp(&area[*b]));
     if computed == 0 {
@@ -54,34 +55,35 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 
     let sum = |name: &str| column(name)[..computed].iter().copied().filter(|v| !v.is_nan()).reduce(|a, b| a + b);
     let [dissipated, error] = ["dissipated", "dissipated_error"].map(|name| sum(name).unwrap_or(f64::NAN));
+    let units = stored.units();
+    let (factor, unit) = unit_for(dissipated, "stress*length", &units);
+    let lost = match stored.has("dissipated_limit") {
+        true => {
+            let steps = column("dissipated").into_iter().zip(column("dissipated_limit")).take(computed);
+            let fine: f64 = steps.filter(|(lost, _)| !lost.is_nan()).map(|(_, fine)| fine).sum();
+            let half_width = GridLimit::of_two_grids(dissipated, fine).half_width;
+            let half_width = if error > half_width { error } else { half_width };
+            powers(&with_limit(factor * dissipated, factor * fine, factor * half_width))
+        }
+        false => number(factor * dissipated),
+    };
     page.answer.push(html! {
         p.headline {
             @if dissipated.is_finite() {
-                (number(dissipated)) " " span { (stored.unit("dissipated")) } " lost along the path "
-                @if error.is_finite() { span { "± " (number(error)) } }
+                (lost) span { (unit) } " lost along the path "
+                @if error.is_finite() { span { "± " (number(factor * error)) (unit) } }
             } @else { "No energy is defined for this law" }
         }
     });
-    let lowest = |name: &str| {
-        let values = &column(name)[..computed];
-        if values.iter().any(|value| value.is_nan()) {
-            f64::NAN
-        } else {
-            values.iter().copied().fold(f64::INFINITY, f64::min)
-        }
-    };
-    let (pull, fine) = (lowest("mean_pressure"), lowest("mean_pressure_limit"));
-    // That on an infinitely fine grid, if the path was followed on a finer one, too.
-    let pull = if fine.is_nan() {
-        number(pull)
-    } else {
-        html! { (with_limit(pull, fine, GridLimit::of_two_grids(pull, fine).half_width)) }
-    };
+    let lowest = (0..computed).min_by(|a, b| mean[*a].total_cmp(&mean[*b])).unwrap_or(0);
     let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());
     page.answer.push(html! {
         p {
-            (computed) " of " (stored.len()) " steps. Largest contact area " (number(100.0 * largest(&area)))
-            " %, lowest mean pressure " (pull)
+            (computed) " of " (stored.len()) " steps. "
+            @if let Some(widest) = widest {
+                "Largest contact area " (stored.said("area_fraction", widest, 100.0)) " %, "
+            }
+            "lowest mean pressure " (stored.said("mean_pressure", lowest, 1.0))
             @if sideways { ", largest ratio of shear to pressure " (number(friction.fold(f64::NAN, f64::max))) }
             ". "
             @if dissipated.is_finite() && !error.is_finite() {
@@ -94,13 +96,15 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     let friction = ["friction", "shear_strength"].into_iter().find(|name| table.contains_key(*name));
-    let law =
-        friction.map_or_else(|| word("law"), |name| format!("hard wall, {} {}", name.replace('_', " "), word(name)));
+    let law = friction.map_or_else(|| word("law"), |name| format!("hard wall, {}", name.replace('_', " ")));
     page.asked(&surface, &table, &law);
-    let ways = ["pressure", "p_star", "displacement", "lateral", "time", "prony", "moduli", "relaxes"]
-        .map(|name| (name, word(name)));
-    for (name, said) in ways.into_iter().filter(|(_, said)| !said.is_empty()) {
-        page.asked.push(Fact::new(&format!("waypoints, {}", name.replace("p_star", "p*")), &said));
+    let ways = ["pressure", "p_star", "displacement", "lateral", "time"].map(|name| (name, "waypoints, "));
+    let others = ["prony", "moduli", "relaxes", "friction", "shear_strength", "hardness"].map(|name| (name, ""));
+    for (name, of) in ways.into_iter().chain(others) {
+        if let Some(value) = table.get(name) {
+            let term = format!("{of}{}", name.replace("p_star", "p*").replace('_', " "));
+            page.asked.push(Fact(html! { (term) }, option(name, value, &units)));
+        }
     }
     page.asked.push(Fact::new("steps between waypoints", &word("steps")));
     page.asked.push(Fact(html! { "tolerance" }, given(of(&table, "tol"))));
@@ -167,7 +171,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let at_waypoint = waypoints.iter().copied().max_by(|a, b| area[*a].total_cmp(&area[*b]));
     let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
     let shown = at_waypoint.and_then(|step| waypoints.iter().position(|other| *other == step));
-    page.fields(reader, &surface, (shown, scale / gradient), hardness.as_ref());
+    let state = at_waypoint.map_or_else(String::new, |step| format!("step {step}"));
+    page.fields(reader, &surface, (shown, &state, scale / gradient), hardness.as_ref());
     page.failure(reader, "step");
 
     let tolerance = of(&table, "tol");
@@ -179,7 +184,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         });
     }
     page.cost.extend([
-        Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
+        Fact(html! { "transform pairs" }, transforms(stored.sum("transform_pairs"))),
         Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
         Fact(html! { "additional solves" }, whole(stored.sum("extra_solves"))),
     ]);

@@ -6,8 +6,9 @@ use gfmd_plot::{Axis, Chart, Colours, Panel, Series};
 use maud::html;
 
 use crate::figures::{Drawn, about_zero, field};
-use crate::page::{Fact, Page, Table, body, config, given, number, of, text};
+use crate::page::{Fact, Page, Table, body, config, given, number, of, text, transforms};
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 const CITED: [&str; 1] =
     ["I. A. Polonsky, L. M. Keer, A numerical method for solving rough contact problems based on the multi-level \
@@ -65,7 +66,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             @else { ", plane strain" }
         },
     ));
-    page.asked.push(body(&table));
+    page.asked.push(body(&table, &Units::default()));
     page.asked.push(Fact(html! { "points under the punch" }, given(value("contact_nodes"))));
     page.asked.push(Fact(html! { "width" }, given(value("punch_width"))));
     page.asked.push(Fact(html! { "depth" }, given(depth)));
@@ -125,7 +126,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.failure(reader, "search");
     page.cost.extend([
         Fact(html! { "iterations" }, given(value("iterations"))),
-        Fact(html! { "transform pairs" }, given(value("transform_pairs"))),
+        Fact(html! { "transform pairs" }, transforms(value("transform_pairs"))),
         Fact(html! { "time" }, html! { (number(value("seconds"))) " s" }),
     ]);
     Ok(page)

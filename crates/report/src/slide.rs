@@ -7,7 +7,7 @@ use gfmd_unit::Units;
 use maud::html;
 
 use crate::figures::{Drawn, field};
-use crate::page::{Fact, Page, Stored, StoredSurface, Table, config, given, number, of, whole};
+use crate::page::{Fact, Page, Stored, StoredSurface, Table, config, given, number, of, option, whole, with_unit};
 use gfmd_run::failure::Failure;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
@@ -126,8 +126,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let [max_rise, mean_rise, fraction] = ["heat_max_rise", "heat_mean_rise", "heat_fraction"].map(column);
     let of_largest = |values: &[f64]| solved.iter().copied().max_by(|a, b| values[*a].total_cmp(&values[*b]));
     let largest = of_largest(if is_viscoelastic { &friction } else { &max_rise });
+    let units = stored.units();
     let place = |state: usize| {
-        html! { "at the velocity " (given(velocity[state])) ", " i { "p" } "* = " (given(p_star[state])) }
+        html! { "at the velocity " (with_unit(velocity[state], "length/time", &units)) ", " i { "p" } "* = " (given(p_star[state])) }
     };
     if largest.is_none() {
         page.answer.push(html! { p.headline { "No state converged: there is no result" } });
@@ -157,7 +158,6 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, "hard wall");
-    let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
     for (term, key) in [
         ("branches (relaxation time, fraction)", "prony"),
         ("modulus that the branches relax", "moduli"),
@@ -169,8 +169,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("conductivity and diffusivity", "heat"),
         ("friction of the interface", "friction"),
     ] {
-        if table.contains_key(key) {
-            page.asked.push(Fact::new(term, &word(key)));
+        if let Some(value) = table.get(key) {
+            page.asked.push(Fact(html! { (term) }, option(key, value, &units)));
         }
     }
     let tolerance = of(&table, "tol");
@@ -200,12 +200,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     if let (Some(state), Ok(of)) = (solved.last().copied(), &surface) {
         let modulus = mean[state] / (p_star[state] * of.rms_gradient);
         if let (true, Ok(values)) = (has_heat, reader.slab("/fields/temperature", state)) {
-            let caption = html! { "Temperature above the mean of the surface, state " (state + 1) "." };
+            let caption = html! { "Temperature above the mean of the surface, state " (state) "." };
             page.field(&temperature(&of.grid, &values, &of.unit, &of.units), "temperature", &caption);
         }
-        page.fields(reader, &surface, (Some(state), modulus), None);
+        page.fields(reader, &surface, (Some(state), &format!("state {state}"), modulus), None);
     }
-    let units = |name: &str| stored.unit(name);
     let columns: Vec<(&str, &str)> =
         COLUMNS.into_iter().chain(COLUMNS_OF_HEAT.into_iter().filter(|_| has_heat)).collect();
     page.tables.push(Table {
@@ -213,7 +212,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         head: [html! { "state" }]
             .into_iter()
             .chain(columns.iter().map(|(name, head)| {
-                html! { span title=(stored.definition(name)) { (head) } br; small { (units(name)) } }
+                html! { span title=(stored.definition(name)) { (head) } br; small { (stored.unit(name)) } }
             }))
             .collect(),
         rows: (0..stored.len())

@@ -6,7 +6,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
-use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of};
+use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
 use crate::path::{along, waypoints};
 use gfmd_run::failure::Failure;
 
@@ -88,8 +88,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let table = config(reader);
     let mut page = Page { title: "Wear of a rough contact".into(), cited: CITED.to_vec(), ..Page::default() };
     let column = |name: &str| stored.column(name);
-    let [mean, converged, distance, p_star] = ["mean_pressure", "converged", "distance", "p_star"].map(column);
-    let [volume, deepest, area, peak] = ["wear_volume", "max_wear", "area_fraction", "max_pressure"].map(column);
+    let [mean, converged, p_star, peak] = ["mean_pressure", "converged", "p_star", "max_pressure"].map(column);
     let computed =
         mean.iter().zip(&converged).take_while(|(mean, converged)| mean.is_finite() && **converged != 0.0).count();
     let Some(last) = computed.checked_sub(1) else {
@@ -98,23 +97,19 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         return Ok(page);
     };
     let units = stored.units();
-    let read = |name: &str, kind: &str, value: f64| {
-        let shown = units.shown(kind, value);
-        let (factor, unit) = shown.map_or_else(|| (1.0, stored.unit(name)), |shown| (shown.factor, shown.name));
-        html! { (number(value * factor)) " " (unit) }
-    };
+    let shown = |name: &str| stored.said(name, last, 1.0);
     page.answer.push(html! {
         p.headline {
-            (read("wear_volume", "length", volume[last])) " "
-            span { "lost on average over the distance " (read("distance", "length", distance[last])) }
+            (shown("wear_volume")) " "
+            span { "lost on average over the distance " (shown("distance")) }
         }
     });
     page.answer.push(html! {
         p {
             (computed) " of " (stored.len()) " steps. The largest depth lost is "
-            (read("max_wear", "length", deepest[last]))
-            "; the contact area went from " (number(100.0 * area[0])) " % to " (number(100.0 * area[last]))
-            " % of the surface, the largest pressure over the mean from " (number(peak[0] / mean[0])) " to "
+            (shown("max_wear"))
+            "; the contact area went from " (stored.said("area_fraction", 0, 100.0)) " % to "
+            (stored.said("area_fraction", last, 100.0)) " % of the surface, the largest pressure divided by the mean from " (number(peak[0] / mean[0])) " to "
             (number(peak[last] / mean[last])) ". "
         }
     });
@@ -123,9 +118,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, "hard wall, wear");
-    let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
     let coefficient = of(&table, "coefficient");
-    page.asked.push(Fact(html! { "wear coefficient (1/stress)" }, given(coefficient)));
+    let term = if units.stress().is_some() { "wear coefficient" } else { "wear coefficient (1/stress)" };
+    page.asked.push(Fact(html! { (term) }, with_unit(coefficient, "1/stress", &units)));
     for (term, key) in [
         ("distances of the legs", "distance"),
         ("waypoints, pressure", "pressure"),
@@ -133,13 +128,13 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("waypoints, displacement", "displacement"),
         ("steps of a leg", "steps"),
     ] {
-        if table.contains_key(key) {
-            page.asked.push(Fact::new(term, &word(key)));
+        if let Some(value) = table.get(key) {
+            page.asked.push(Fact(html! { (term) }, option(key, value, &units)));
         }
     }
     let tolerance = of(&table, "tol");
     page.asked.push(Fact(html! { "tolerance" }, given(tolerance)));
-    let (mut shown, mut modulus) = (None, f64::NAN);
+    let (mut shown, mut state, mut modulus) = (None, String::new(), f64::NAN);
     if let Ok(surface) = &surface {
         let loudest = (0..computed).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
         let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
@@ -151,7 +146,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.chart(&Chart::new(panels), "wear against distance", &caption);
         }
         let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
-        shown = waypoints(&table, "distance", computed, steps_of_leg).len().checked_sub(1);
+        let waypoints = waypoints(&table, "distance", computed, steps_of_leg);
+        shown = waypoints.len().checked_sub(1);
+        state = waypoints.last().map_or_else(String::new, |step| format!("step {step}"));
         if let Some(depth) = shown.and_then(|index| surface.field(reader, "wear_depth", index).ok()) {
             let caption = html! {
                 "Heights before and after, along the row of the largest wear, as if the rough surface alone wore."
@@ -164,7 +161,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             });
         }
     }
-    page.fields(reader, &surface, (shown, modulus), None);
+    page.fields(reader, &surface, (shown, &state, modulus), None);
     page.failure(reader, "step");
     page.residual(&stored, tolerance);
     page.numbers(&stored, computed, "step");

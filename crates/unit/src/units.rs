@@ -106,6 +106,18 @@ impl Units {
         named.replace("length", &whole(length.unwrap_or_default())).replace("time", "s").replace("temperature", "K")
     }
 
+    /// A number of a kind in words, with up to six significant digits and its unit, if that is known.
+    pub fn words(&self, value: f64, kind: &str) -> String {
+        match self.shown(kind, value) {
+            Some(unit) => unit.text(value),
+            None => {
+                let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+                let name = self.name(kind);
+                if name == kind { rounded.to_string() } else { format!("{rounded} {name}") }
+            }
+        }
+    }
+
     /// The readable unit for numbers of a kind up to `largest`; `None` if the units are unknown.
     pub fn shown(&self, kind: &str, largest: f64) -> Option<Shown> {
         let dimension = Dimension::of(kind)?;

@@ -394,7 +394,8 @@ impl PlanReport {
             loads: plan.config.loads.p_star.clone(),
             runs: runs.len(),
             threads,
-            seconds: points.iter().map(|point| point.seconds).sum(),
+            // The sum of no numbers is -0.
+            seconds: points.iter().fold(0.0, |sum, point| sum + point.seconds),
             memory_bytes: largest.saturating_add(contacts.saturating_mul(CONTACT_BYTES)).saturating_add(PROGRAM_BYTES),
             points,
         })
@@ -411,12 +412,13 @@ impl fmt::Display for PlanReport {
         }
         writeln!(
             f,
-            "\n{}{} runs with {} loads each, about {:.0} s here on {} threads, at most {:.0} MiB",
+            "\n{}{} runs with {} loads each, about {:.0} s here on {} thread{}, at most {:.0} MiB",
             self.shard.as_ref().map(|shard| format!("shard {shard}: ")).unwrap_or_default(),
             self.runs,
             self.loads.len(),
             self.seconds,
             self.threads,
+            if self.threads == 1 { "" } else { "s" },
             mebibytes(self.memory_bytes)
         )
     }

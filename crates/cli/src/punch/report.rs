@@ -12,6 +12,7 @@ use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::{OtherArgs, height};
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::trace::Trace;
+use gfmd_unit::Units;
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -80,7 +81,7 @@ impl fmt::Display for Report {
             Height::Finite(height) => format!("a slab of height {height}"),
             Height::Infinite => "a half-space".into(),
         };
-        let others = self.others.words(None);
+        let others = self.others.words(None, &Units::default());
         let others = if others.is_empty() { others } else { format!("; {others}") };
         writeln!(f, "flat {kind} punch on {body}, E = {}, nu = {}{others}", self.young, self.poisson)?;
         writeln!(

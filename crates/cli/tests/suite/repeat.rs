@@ -43,10 +43,8 @@ fn paste(folder: &Path, name: &str) -> Option<String> {
     (!differing.is_empty()).then(|| format!("{name}: {line}\n{differing:?}"))
 }
 
-#[test]
-fn the_line_of_every_page_makes_the_result_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+/// Writes heights of 16 x 16 points, of some 10 nm in m.
+pub(crate) fn write_scan(path: &Path) {
     let height = |i: usize, j: usize| {
         let wave = |m: usize, n: usize, phase: f64| {
             let (m, n) = ((m * i) as f64 / 16.0, (n * j) as f64 / 16.0);
@@ -55,8 +53,15 @@ fn the_line_of_every_page_makes_the_result_again() {
         1e-8 * (wave(1, 2, 0.3) + wave(3, 1, 1.0) / 4.0 + wave(2, 4, 2.0) / 8.0)
     };
     let rows = (0..16).map(|i| (0..16).map(|j| format!("{:e}", height(i, j))).collect::<Vec<_>>().join(" "));
-    std::fs::write(folder.join("a scan's.txt"), rows.collect::<Vec<_>>().join("\n")).unwrap();
-    std::fs::copy(folder.join("a scan's.txt"), folder.join("scan.txt")).unwrap();
+    std::fs::write(path, rows.collect::<Vec<_>>().join("\n")).unwrap();
+}
+
+#[test]
+fn the_line_of_every_page_makes_the_result_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_scan(&folder.join("scan.txt"));
+    std::fs::copy(folder.join("scan.txt"), folder.join("a scan's.txt")).unwrap();
     ndarray_npy::write_npy(folder.join("h.npy"), &ndarray::Array2::from_elem((16, 16), 0.2)).unwrap();
     let mask = ndarray::Array2::from_shape_fn((16, 16), |(i, j)| f64::from(i < 5 && j < 7));
     ndarray_npy::write_npy(folder.join("mask.npy"), &mask).unwrap();

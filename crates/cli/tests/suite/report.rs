@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::common::{SWEEP, gfmd, json};
+use crate::repeat::write_scan;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
 use gfmd_record::with_limit;
 
@@ -327,6 +328,101 @@ fn surfaces_have_pages_and_functions() {
     assert_eq!(make(folder, "surface --n 16 --report mine.html -q"), Some(2));
     assert_eq!(page(folder, "mine.html"), "<p>mine</p>");
     assert_eq!(make(folder, "surface --n 16 --report none/page.html -q"), Some(2));
+}
+
+/// The text of the parts of a page that begin so, without its tags, up to the next of these ends.
+fn said<'a>(page: &'a str, start: &str, end: &str) -> Vec<String> {
+    let bare = |part: &'a str| -> String {
+        part.split('<').map(|piece| piece.split_once('>').map_or(piece, |(_, text)| text)).collect()
+    };
+    page.split(start).skip(1).filter_map(|rest| rest.split(end).next()).map(bare).collect()
+}
+
+/// Headlines have the digits and the units of the tables, facts have their units, captions the rows of the tables.
+#[test]
+fn numbers_have_the_digits_of_their_tables_and_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_scan(&folder.join("scan.txt"));
+    let scan = "--surface scan.txt --unit m --length 1um --young 10MPa --poisson 0.4";
+    let waves = "--n 16 --eps-f-inv 4";
+    for (name, words, facts) in [
+        ("c", format!("contact {scan} --pressure 10kPa,20kPa --hardness 2GPa"), &["E = 10 MPa, ν = 0.4", "2 GPa"][..]),
+        ("e", format!("contact {waves} --p-star 0.05"), &["E = 1, ν = 0"]),
+        (
+            "b",
+            format!("contact {scan} --pressure 10kPa --second-body 3GPa,0.3 --layer 1GPa,0.2,2um --height 1um"),
+            &[
+                "slab of height 1 µm, E = 10 MPa, ν = 0.4; on a layer of height 2 µm (E = 1 GPa, nu = 0.2)",
+                "against a half-space (E = 3 GPa, nu = 0.3) above",
+            ],
+        ),
+        (
+            "p",
+            format!("path {scan} --law morse --param gamma=1mJ/m^2,range=1nm --displacement=-10nm,20nm --steps 3"),
+            &["−10, 20 nm"],
+        ),
+        (
+            "f",
+            format!("path {scan} --pressure 10kPa --friction 0.3 --lateral 0,-1nm --steps 2"),
+            &["10 kPa", "0, −1 nm"],
+        ),
+        (
+            "r",
+            format!("path {scan} --pressure 10kPa --prony 1ms:0.5 --time 1ms --steps 2"),
+            &["0.001 s : 0.5", "10 kPa"],
+        ),
+        ("s", format!("slide {scan} --prony 1ms:0.5 --pressure 10kPa --velocity 1mm/s:10mm/s:2"), &["1, 10 mm/s"]),
+        (
+            "w",
+            format!("wear {scan} --pressure 10kPa --coefficient 2e-12/Pa --distance 0,1um --steps 2"),
+            &["2 1/TPa", "0, 1 µm", "10 kPa"],
+        ),
+        ("d", "body --surface c.h5 --depths 0,50nm".into(), &["E = 10 MPa", "0, 50 nm"]),
+    ] {
+        assert_eq!(make(folder, &format!("{words} --out {name}.h5 --threads 1 -q")), Some(0), "{words}");
+        assert_eq!(make(folder, &format!("report {name}.h5 -q")), Some(0), "{words}");
+        let page = page(folder, &format!("{name}.html"));
+        let asked = said(&page, "<section id=\"asked\"", "</section>").concat();
+        for fact in facts {
+            assert!(asked.contains(fact), "{name}: {fact}: {asked}");
+        }
+        assert!(page.contains(", 1 thread<") && !page.contains("1 threads"), "{name}");
+        // Maps are in the unit that their captions say.
+        let captions = said(&page, "<figcaption>", "</figcaption>");
+        let is_divided = captions.iter().any(|caption| caption.contains("divided by the modulus E*"));
+        assert_eq!(is_divided, name == "e", "{captions:?}");
+        // The state of a figure is a row of the table.
+        let rows: Vec<String> = said(&page, "<tr><td>", "</td>");
+        for caption in captions.iter().filter(|caption| caption.starts_with("Figure") && caption.contains("ressure, "))
+        {
+            let (word, state) = caption.trim_end_matches('.').rsplit_once(' ').unwrap();
+            assert!(["load", "step", "state"].iter().any(|row| word.ends_with(row)), "{caption}");
+            assert!(rows.iter().any(|row| row == state), "{name}: {caption}: {rows:?}");
+        }
+        if ["c", "b", "w", "p"].contains(&name) {
+            // Two digits and ~ of the table stand in the headline, and are explained below it.
+            let cells = said(&page, "<td>", "</td>");
+            let answer = said(&page, "<section id=\"answer\"", "</section>").concat();
+            assert!(cells.iter().any(|cell| cell.ends_with('~')) && answer.contains("~ "), "{name}: {answer}");
+            assert!(page.contains("two digits and ~: the error of the number by the grid is not known"), "{name}");
+        }
+        let pairs = said(&page, "<dt>transform pairs</dt><dd>", "</dd>");
+        assert!(pairs.iter().all(|count| !count.ends_with(".000") && !count.contains(".0")), "{pairs:?}");
+    }
+    let headline = |name: &str| said(&page(folder, &format!("{name}.html")), "<p class=\"headline\">", "</p>").concat();
+    assert!(
+        headline("c").starts_with("7.8~ %") && page(folder, "c.html").contains("<td>0.078~</td>"),
+        "{}",
+        headline("c")
+    );
+    assert!(headline("s").contains("at the velocity 1 mm/s"), "{}", headline("s"));
+    assert!(headline("w").contains("lost on average over the distance 1.0000 µm"), "{}", headline("w"));
+    assert!(headline("p").contains("J/m²") && !headline("p").contains("Pa"), "{}", headline("p"));
+    assert!(headline("d").contains("kPa at the depth"), "{}", headline("d"));
+    let text = gfmd(folder, &format!("contact {scan} --pressure 10kPa").split(' ').collect::<Vec<_>>());
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("\ntwo digits and ~: the error of the number by the grid is not known\n"), "{text}");
 }
 
 /// Pages of punches, of fields below them, and of sliding, with the numbers of their files.

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use clap::Args;
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, GreenError, Height, Material};
-use gfmd_unit::is_length;
+use gfmd_unit::{Units, is_length};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -154,8 +154,8 @@ impl Layer {
     }
 
     /// The material in words.
-    fn words(&self) -> String {
-        format!("E = {}, nu = {}", self.young, self.poisson)
+    fn words(&self, units: &Units) -> String {
+        format!("E = {}, nu = {}", units.words(self.young, "stress"), self.poisson)
     }
 }
 
@@ -225,16 +225,17 @@ impl BodyArgs {
 
     /// The body in words, unless it is a half-space or a slab on a bonded base, and alone. The words `below` stand in
     /// place of those of the base.
-    pub fn words(&self, below: Option<&str>) -> Option<String> {
+    pub fn words(&self, below: Option<&str>, units: &Units) -> Option<String> {
         if self.others.are_none() && below.is_none() {
             return None;
         }
         let top = match self.height {
-            Height::Finite(height) => format!("slab of height {height}"),
+            Height::Finite(height) => format!("slab of height {}", units.words(height, "length")),
             Height::Infinite => "half-space".to_owned(),
         };
-        let modulus = self.e_star.map_or_else(|| format!("E = {}", self.young()), |e_star| format!("E* = {e_star}"));
-        Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words(below)))
+        let (symbol, modulus) = self.e_star.map_or_else(|| ("E", self.young()), |e_star| ("E*", e_star));
+        let modulus = format!("{symbol} = {}", units.words(modulus, "stress"));
+        Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words(below, units)))
     }
 
     /// Checks the body against a surface on `grid` that is pressed on it: the heights of slabs and layers over the
@@ -358,12 +359,13 @@ impl OtherArgs {
 
     /// The words that these flags add to those for a slab, such as "on a layer of height 0.2 (E = 3, nu = 0.3), on a
     /// half-space". The words `below` stand in place of those of the base.
-    pub fn words(&self, below: Option<&str>) -> String {
+    pub fn words(&self, below: Option<&str>, units: &Units) -> String {
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         let mut parts: Vec<String> = Vec::new();
         for lower in layer {
             let Height::Finite(height) = lower.height else { continue };
-            parts.push(format!("on a layer of height {height} ({})", lower.words()));
+            let height = units.words(height, "length");
+            parts.push(format!("on a layer of height {height} ({})", lower.words(units)));
         }
         match base {
             _ if below.is_some() => parts.extend(below.map(str::to_owned)),
@@ -371,16 +373,16 @@ impl OtherArgs {
             BaseKind::Free => parts.push("free below".into()),
             BaseKind::HalfSpace => {
                 let [young, poisson] = [base_young, base_poisson].map(|value| value.unwrap_or(f64::NAN));
-                parts.push(format!("on a half-space (E = {young}, nu = {poisson})"));
+                parts.push(format!("on a half-space (E = {}, nu = {poisson})", units.words(young, "stress")));
             }
             rigid => parts.push(rigid.meaning().into()),
         }
         if let Some(second) = second_body {
             let kind = match second.height {
                 Height::Infinite => "half-space".to_owned(),
-                Height::Finite(height) => format!("slab of height {height}"),
+                Height::Finite(height) => format!("slab of height {}", units.words(height, "length")),
             };
-            parts.push(format!("against a {kind} ({}) above", second.words()));
+            parts.push(format!("against a {kind} ({}) above", second.words(units)));
         }
         parts.join(", ")
     }

@@ -75,7 +75,7 @@ fn has_columns(key: &str) -> bool {
 }
 
 /// The kind of a number in a row of an option that is a list of rows of this length.
-fn kind_in_row(key: &str, column: usize, length: usize) -> &'static str {
+pub fn kind_in_row(key: &str, column: usize, length: usize) -> &'static str {
     match (key, length) {
         ("compliance", 3) => ["1/length", "1/length", "length/stress"][column.min(2)],
         _ => kinds(key).map_or("1", |kinds| kinds[column % kinds.len()]),
@@ -93,7 +93,8 @@ pub fn takes_units(key: &str) -> bool {
     kinds(key).is_some()
 }
 
-fn kinds(key: &str) -> Option<&'static [&'static str]> {
+/// The kinds of the numbers of an option, of a list in turn; `None` if they have no unit.
+pub fn kinds(key: &str) -> Option<&'static [&'static str]> {
     KINDS.iter().find(|(other, _)| *other == key).map(|(_, kinds)| *kinds)
 }
 

@@ -185,10 +185,18 @@ impl Scene<'_> {
         drawn
     }
 
+    /// True if pressures are shown divided by E*: their unit is not known.
+    pub fn is_divided(&self) -> bool {
+        self.readable().is_none()
+    }
+
+    fn readable(&self) -> Option<Readable> {
+        Units::new(Some(self.unit), self.stress).shown("stress", largest(&self.shown.pressure))
+    }
+
     /// The unit of pressures: a readable unit if the unit is known, otherwise E*.
     fn pressures(&self) -> Pressures {
-        let highest = largest(&self.shown.pressure);
-        match Units::new(Some(self.unit), self.stress).shown("stress", highest) {
+        match self.readable() {
             Some(Readable { factor, name }) => Pressures {
                 over: 1.0 / factor,
                 label: format!("pressure *p* / {name}"),

@@ -4,12 +4,14 @@ use gfmd_files::{Provenance, Reader};
 use maud::{Markup, html};
 use serde::Deserialize as _;
 
+use super::said::with_unit;
 use super::write::{given, of, quoted, text};
 use super::{Common, Fact, Page, block, render};
 
 use gfmd_problem::options::OtherArgs;
 use gfmd_run::lower::{self, LowerArgs};
 use gfmd_run::result::Kind;
+use gfmd_unit::Units;
 
 /// The warnings of the run, a line each.
 pub fn warnings(reader: &Reader) -> Vec<String> {
@@ -28,7 +30,10 @@ pub fn whole_page(
     let root = |name: &str| text(&reader.text("/", name).unwrap_or_default());
     let file = reader.path().file_name().map(|name| text(&name.to_string_lossy())).unwrap_or_default();
     let dated = dated(&root("created"));
-    let threads = reader.number("/", "threads").map(|threads| format!(", {threads} threads")).unwrap_or_default();
+    let threads = reader
+        .number("/", "threads")
+        .map(|threads| format!(", {threads} thread{}", if threads == 1.0 { "" } else { "s" }));
+    let threads = threads.unwrap_or_default();
     let mut cost = Vec::new();
     if !root("machine").is_empty() {
         cost.push(Fact::new("machine", &format!("{}{threads}", root("machine"))));
@@ -126,19 +131,21 @@ fn repeat(reader: &Reader, kind: Kind, again: &Result<String, String>, file: &st
 }
 
 /// The elastic body of a configuration in words.
-pub(crate) fn body(table: &toml::Table) -> Fact {
+pub(crate) fn body(table: &toml::Table, units: &Units) -> Fact {
     let value = |name: &str| Some(of(table, name)).filter(|value| value.is_finite());
     let material = match (value("e_star"), value("young"), value("poisson")) {
-        (Some(e_star), ..) => html! { i { "E" } "* = " (given(e_star)) },
-        (None, Some(young), Some(poisson)) => html! { i { "E" } " = " (given(young)) ", ν = " (given(poisson)) },
+        (Some(e_star), ..) => html! { i { "E" } "* = " (with_unit(e_star, "stress", units)) },
+        (None, Some(young), Some(poisson)) => html! {
+            i { "E" } " = " (with_unit(young, "stress", units)) ", ν = " (given(poisson))
+        },
         _ => html! { "material as in the configuration" },
     };
     let height = match value("height") {
-        Some(height) => html! { "slab of height " (given(height)) },
+        Some(height) => html! { "slab of height " (with_unit(height, "length", units)) },
         None => html! { "half-space" },
     };
     let between = LowerArgs::NAMES.iter().any(|name| table.contains_key(*name)).then_some(lower::BETWEEN);
-    let others = OtherArgs::deserialize(table.clone()).map(|others| others.words(between)).unwrap_or_default();
+    let others = OtherArgs::deserialize(table.clone()).map(|others| others.words(between, units)).unwrap_or_default();
     Fact(html! { "elastic body" }, html! { (height) ", " (material) @if !others.is_empty() { "; " (others) } })
 }
 
@@ -148,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_body_is_named_with_its_material() {
-        let said = |config: &str| body(&config.parse().unwrap()).1.into_string();
+        let said = |config: &str| body(&config.parse().unwrap(), &Units::default()).1.into_string();
         assert_eq!(said("young = 1.0\npoisson = 0.25\nheight = \"inf\""), "half-space, <i>E</i> = 1, ν = 0.25");
         assert_eq!(said("e_star = 2\nheight = 0.5"), "slab of height 0.5, <i>E</i>* = 2");
         let coated = said("e_star = 2\nheight = 0.5\nbase = \"sliding\"\nlayer = [[3.0, 0.25, 0.1]]");
@@ -157,5 +164,11 @@ mod tests {
         assert_eq!(coated, wanted);
         let squeezed = said("e_star = 2\nheight = 0.5\nlower_seed = 2");
         assert_eq!(squeezed, "slab of height 0.5, <i>E</i>* = 2; between two rigid surfaces");
+        let si = Units::new(Some("m"), None);
+        let layers = "young = 1e7\npoisson = 0.4\nheight = 2e-6\nlayer = [[3e9, 0.25, 1e-6]]\nsecond_body = [2e9, 0.3]";
+        let wanted = "slab of height 2 µm, <i>E</i> = 10 MPa, ν = 0.4; on a layer of height 1 µm (E = 3 GPa, nu = 0.25), \
+                      bonded to a rigid base, \
+                      against a half-space (E = 2 GPa, nu = 0.3) above";
+        assert_eq!(body(&layers.parse().unwrap(), &si).1.into_string(), wanted);
     }
 }

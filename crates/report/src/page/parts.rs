@@ -10,7 +10,7 @@ use maud::html;
 
 use super::about::body;
 use super::reading::{FaceFields, InUnit, Stored, StoredSurface};
-use super::write::{given, number, powers, text, whole};
+use super::write::{given, number, powers, text, transforms, whole};
 use super::{Certificate, Fact, Page, Table};
 use crate::figures::{Face, Kind, Scene, heights, rough, sides};
 use gfmd_run::convergence::StoredFailure;
@@ -34,7 +34,7 @@ impl Page {
     /// Adds the effort of all states.
     pub(crate) fn effort(&mut self, stored: &Stored) {
         self.cost.extend([
-            Fact(html! { "transform pairs" }, number(stored.sum("transform_pairs"))),
+            Fact(html! { "transform pairs" }, transforms(stored.sum("transform_pairs"))),
             Fact(html! { "iterations" }, whole(stored.sum("iterations"))),
             Fact(html! { "time" }, html! { (number(stored.sum("seconds"))) " s" }),
         ]);
@@ -61,20 +61,22 @@ impl Page {
             }
             Err(reason) => self.remarks.push(format!("the surface is not shown: {reason}")),
         }
-        self.asked.push(body(table));
+        let units = surface.as_ref().map(|surface| surface.units.clone()).unwrap_or_default();
+        self.asked.push(body(table, &units));
         self.asked.push(Fact::new("interface", law));
     }
 
-    /// Adds the figures of state `index`, whose unit of pressure is `modulus`, and the map of the heights.
+    /// Adds the figures of state `index`, named as in `state`, whose unit of pressure is `modulus`, and the map of the
+    /// heights.
     pub(crate) fn fields(
         &mut self,
         reader: &Reader,
         surface: &Result<StoredSurface, String>,
-        (index, modulus): (Option<usize>, f64),
+        (index, state, modulus): (Option<usize>, &str, f64),
         hardness: Option<&Hardness>,
     ) {
         let (Ok(surface), Some(index)) = (surface, index) else { return };
-        self.face(reader, surface, (index, modulus), hardness, &FaceFields::UPPER);
+        self.face(reader, surface, (index, state, modulus), hardness, &FaceFields::UPPER);
         let caption = html! { "Heights of the rough surface, peaks towards the body." };
         heights(&surface.grid, &surface.heights, &surface.unit, |drawn| {
             self.field(drawn, "heights of the surface", &caption);
@@ -86,7 +88,7 @@ impl Page {
         &mut self,
         reader: &Reader,
         surface: &StoredSurface,
-        (index, modulus): (usize, f64),
+        (index, state, modulus): (usize, &str, f64),
         hardness: Option<&Hardness>,
         fields: &FaceFields,
     ) {
@@ -106,15 +108,14 @@ impl Page {
             rigid: rough(reader.text("/surface", "second_file").is_ok()),
             face: fields.face,
         };
-        let state = html! { ", state " (index + 1) "." };
+        let state = html! { ", " (state) "." };
+        let divided = html! { @if scene.is_divided() { " divided by the modulus " i { "E" } "*" } };
         let drawn = scene.figures(|kind, drawn| {
             let (title, caption) = match kind {
-                Kind::Pressure => {
-                    ("contact pressure", html! { "Contact pressure" (of) " over the modulus " i { "E" } "*" })
-                }
+                Kind::Pressure => ("contact pressure", html! { "Contact pressure" (of) (divided) }),
                 Kind::Traction => (
                     "repulsion and attraction",
-                    html! { "Pressure" (of) " over the modulus, repulsive (blue) and attractive (red)" },
+                    html! { "Pressure" (of) (divided) ", repulsive (blue) and attractive (red)" },
                 ),
                 Kind::Gap => ("gap", html! { "Gap" (of) " on a logarithmic scale" }),
                 Kind::Section => (

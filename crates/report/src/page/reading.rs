@@ -2,10 +2,12 @@
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
-use gfmd_record::Column;
+use gfmd_record::{COLUMNS, Column, with_limit};
 use gfmd_unit::{Shown as Readable, Units};
+use maud::{Markup, html};
 
-use super::write::text;
+use super::said::{plain, unit_for};
+use super::write::{number, powers, text};
 use crate::figures::{Face, Shown};
 use gfmd_run::failure::Failure;
 use gfmd_run::units::units_of_result;
@@ -64,6 +66,17 @@ impl<'a> Stored<'a> {
         units_of_result(self.reader).unwrap_or_default()
     }
 
+    /// A number of a row times `times` as tables show it, with its unit: the limit on fine grids with the digits that
+    /// are certain, two digits and `~` where that is not known, five digits of a number without such a limit.
+    pub(crate) fn said(&self, name: &str, row: usize, times: f64) -> Markup {
+        let [value, limit, error] = ["", "_limit", "_limit_error"].map(|end| self.column(&format!("{name}{end}"))[row]);
+        let kind = COLUMNS.iter().find(|column| column.name == name).map_or("1", |column| column.unit);
+        let (factor, unit) = unit_for(value, kind, &self.units());
+        let [value, limit, error] = [value, limit, error].map(|number| times * factor * number);
+        let limited = self.has(&format!("{name}_limit"));
+        html! { @if limited { (powers(&with_limit(value, limit, error))) } @else { (number(value)) } (unit) }
+    }
+
     /// True if the file has the column.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.reader.contains(&format!("{}/{name}", self.group))
@@ -91,7 +104,7 @@ impl<'a> Stored<'a> {
     /// The unit of a column, as the file has it; empty for a number without one.
     pub(crate) fn unit(&self, name: &str) -> String {
         let unit = self.attribute(name, "units");
-        if unit == "1" { String::new() } else { unit.replace('*', "·").replace("^2", "²") }
+        if unit == "1" { String::new() } else { plain(&unit) }
     }
 
     /// The definition of a column, as the file has it.

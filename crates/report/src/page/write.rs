@@ -42,12 +42,24 @@ pub(crate) fn given(value: f64) -> Markup {
     if !rounded.is_finite() {
         return html! { "–" };
     }
-    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+    if rounded == 0.0 {
+        return html! { "0" };
+    }
+    if (1e-3..1e6).contains(&rounded.abs()) {
         return html! { (rounded.to_string().replace('-', "−")) };
     }
     let scientific = format!("{rounded:e}").replace('-', "−");
     let (mantissa, power) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     html! { @if mantissa != "1" { (mantissa) " × " } "10" sup { (power) } }
+}
+
+/// The number of pairs of transforms; several small ones are a part of one.
+pub(crate) fn transforms(count: f64) -> Markup {
+    if count.is_finite() && count.fract() != 0.0 {
+        html! { (format!("{count:.1}")) }
+    } else {
+        whole(count)
+    }
 }
 
 /// A count.
@@ -114,11 +126,12 @@ mod tests {
         assert_eq!(interval([1.0, f64::INFINITY]).into_string(), "–");
         assert_eq!(interval([2.2431, 2.2562]).into_string(), "[2.243, 2.256]");
         let asked = |value: f64| given(value).into_string();
-        assert_eq!([0.1, 256.0, 0.0, -1.27].map(asked), ["0.1", "256", "0", "−1.27"]);
+        assert_eq!([0.1, 256.0, 0.0, -0.0, -1.27].map(asked), ["0.1", "256", "0", "0", "−1.27"]);
         assert_eq!(
             [1e-8, 7e10, 0.1 + 0.2, f64::NAN].map(asked),
             ["10<sup>−8</sup>", "7 × 10<sup>10</sup>", "0.3", "–"]
         );
+        assert_eq!([45.0, 45.5, f64::NAN].map(|count| transforms(count).into_string()), ["45", "45.5", "–"]);
         assert_eq!(whole(12.0).into_string(), "12");
     }
 
