@@ -4,6 +4,7 @@ mod curves;
 mod file;
 mod listing;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -81,8 +82,9 @@ pub struct Args {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
-    /// Boundary of the surface for these functions: periodic, or free, with differences between points inside alone
-    /// [default: periodic for a surface of method psd and for a mirrored one, else free]
+    /// Boundary of the surface for these functions: periodic, or free, with differences between points inside alone,
+    /// from which rms gradient, rms curvature, m2, m4 and Nayak's parameter then follow, too [default of the functions:
+    /// periodic for a surface of method psd and for a mirrored one, else free]
     #[arg(long, value_parser = parse_choice::<Boundary>())]
     #[serde(skip)]
     boundary: Option<Boundary>,
@@ -151,12 +153,15 @@ pub struct Report {
     pub rms_gradient_central: f64,
     pub rms_gradient_forward: f64,
     pub rms_gradient_inside: f64,
-    pub rms_curvature: f64,
-    pub rms_laplacian: f64,
+    pub rms_curvature: Option<f64>,
+    pub rms_curvature_inside: Option<f64>,
+    pub rms_laplacian: Option<f64>,
     pub m0: f64,
     pub m2: f64,
-    pub m4: f64,
+    pub m4: Option<f64>,
+    pub m4_inside: Option<f64>,
     pub nayak: Option<f64>,
+    pub nayak_inside: Option<f64>,
     pub hurst: Option<f64>,
     pub hurst_error: Option<f64>,
     pub hurst_range: [f64; 2],
@@ -170,6 +175,11 @@ pub struct Report {
     #[serde(flatten)]
     pub second: Option<Second>,
     pub asked: Option<Asked>,
+    /// Why numbers are missing.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub undefined: BTreeMap<&'static str, &'static str>,
+    #[serde(skip)]
+    is_free: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boundary: Option<&'static str>,
     #[serde(flatten)]
@@ -236,7 +246,8 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
     }
     let areal = Areal::of(&surface.heights, &grid).map_err(refused)?;
-    let mut report = Report::new(statistics, &areal, fit.ok(), &spectrum, &grid);
+    let boundary = args.boundary.unwrap_or(Boundary::Periodic);
+    let mut report = Report::new(statistics, boundary, &areal, fit.ok(), &spectrum, &grid);
     (report.source, report.unit) = (surface.description, surface.unit);
     (report.scan, report.second) = (surface.scan, surface.second);
     (report.asked, report.hurst_range, report.window) = (asked, range, args.window);
@@ -310,7 +321,7 @@ pub fn write_report(
         unit,
         boundary: Some(boundary.name()),
         curves: Some(Curves::of(&texture, &radial, grid)),
-        ..Report::new(&statistics, &areal, fit, &spectrum, grid)
+        ..Report::new(&statistics, Boundary::Periodic, &areal, fit, &spectrum, grid)
     };
     let subject = report.subject(heights, grid, &radial, Some(&texture));
     report.write_page(&page, &subject, ("array", None, None, Vec::new()), &session.provenance(String::new()))
@@ -379,17 +390,23 @@ pub fn whole_band(grid: &Grid) -> [f64; 2] {
 }
 
 impl Report {
-    /// The numbers of heights from their statistics and spectrum.
+    /// The numbers of heights from their statistics and spectrum; with free boundaries moments are those of differences
+    /// inside.
     pub fn new(
         found: &Statistics,
+        boundary: Boundary,
         areal: &Areal,
         fit: Option<HurstFit>,
         spectrum: &PowerSpectrum,
         grid: &Grid,
     ) -> Self {
-        let [m0, m2, m4] = found.moments.profile();
+        const FEW: &str = "an axis has fewer than three points";
+        let inside = found.moments_inside();
+        let moments = if boundary == Boundary::Free { &inside } else { &found.moments };
+        let finite = |number: f64| Some(number).filter(|number| !number.is_nan());
+        let [m0, m2, m4] = moments.profile();
         let cut_offs = spectrum.cut_offs();
-        Self {
+        let mut report = Self {
             source: String::new(),
             n: grid.points(),
             length: grid.lengths(),
@@ -405,16 +422,19 @@ impl Report {
             ssk: areal.ssk,
             sku: areal.sku,
             sdr: areal.sdr,
-            rms_gradient: found.moments.rms_gradient(),
+            rms_gradient: moments.rms_gradient(),
             rms_gradient_central: found.rms_gradient_central,
             rms_gradient_forward: found.rms_gradient_forward,
             rms_gradient_inside: found.rms_gradient_inside,
-            rms_curvature: found.moments.rms_curvature(),
-            rms_laplacian: found.moments.rms_laplacian(),
+            rms_curvature: finite(moments.rms_curvature()),
+            rms_curvature_inside: finite(inside.rms_curvature()),
+            rms_laplacian: finite(moments.rms_laplacian()),
             m0,
             m2,
-            m4,
-            nayak: found.moments.nayak(),
+            m4: finite(m4),
+            m4_inside: finite(inside.profile()[2]),
+            nayak: moments.nayak().and_then(finite),
+            nayak_inside: inside.nayak().and_then(finite),
             hurst: fit.map(|fit| fit.hurst),
             hurst_error: fit.map(|fit| fit.standard_error),
             hurst_range: fit.map_or([0.0; 2], |fit| fit.range),
@@ -425,12 +445,20 @@ impl Report {
             scan: None,
             second: None,
             asked: None,
+            undefined: BTreeMap::new(),
+            is_free: boundary == Boundary::Free,
             boundary: None,
             curves: None,
             report: None,
             out: None,
             plots: Vec::new(),
+        };
+        if found.mean_square_laplacian_inside.is_none() {
+            let always = ["rms_curvature_inside", "m4_inside", "nayak_inside"];
+            let if_free = ["rms_curvature", "rms_laplacian", "m4", "nayak"].into_iter().filter(|_| report.is_free);
+            report.undefined.extend(always.into_iter().chain(if_free).map(|name| (name, FEW)));
         }
+        report
     }
 
     /// The surface for figures and pages.
@@ -502,6 +530,10 @@ impl Report {
 
     /// The scalars.
     fn scalars(&self) -> Vec<Number> {
+        let gradient = match self.is_free {
+            true => "rms of the full gradient, by differences inside, as curvature and moments",
+            false => "rms of the full gradient, spectral",
+        };
         let all = [
             ("rms_height", Some(self.rms_height), 1, "root-mean-square height about the mean: Sq of ISO 25178"),
             ("mean", Some(self.mean), 1, "mean height"),
@@ -514,7 +546,7 @@ impl Report {
             ("ssk", self.ssk, 0, "Ssk of ISO 25178: skewness"),
             ("sku", self.sku, 0, "Sku of ISO 25178: kurtosis, 3 of a Gaussian surface"),
             ("sdr", Some(self.sdr), 0, "Sdr of ISO 25178: developed area over that of the plane, less 1"),
-            ("rms_gradient", Some(self.rms_gradient), 0, "rms of the full gradient, spectral"),
+            ("rms_gradient", Some(self.rms_gradient), 0, gradient),
             ("rms_gradient_central", Some(self.rms_gradient_central), 0, "rms gradient by central differences"),
             ("rms_gradient_forward", Some(self.rms_gradient_forward), 0, "rms gradient by forward differences"),
             (
@@ -523,12 +555,15 @@ impl Report {
                 0,
                 "by forward differences, without the periodic seam",
             ),
-            ("rms_curvature", Some(self.rms_curvature), -1, "rms of the mean curvature (h'' of a profile)"),
-            ("rms_laplacian", Some(self.rms_laplacian), -1, "rms of the Laplacian"),
+            ("rms_curvature", self.rms_curvature, -1, "rms of the mean curvature (h'' of a profile)"),
+            ("rms_curvature_inside", self.rms_curvature_inside, -1, "by second differences, without the periodic seam"),
+            ("rms_laplacian", self.rms_laplacian, -1, "rms of the Laplacian"),
             ("m0", Some(self.m0), 2, "zeroth profile moment"),
             ("m2", Some(self.m2), 0, "second profile moment"),
-            ("m4", Some(self.m4), -2, "fourth profile moment"),
+            ("m4", self.m4, -2, "fourth profile moment"),
+            ("m4_inside", self.m4_inside, -2, "by second differences, without the periodic seam"),
             ("nayak", self.nayak, 0, "Nayak's parameter m0 m4/m2^2"),
+            ("nayak_inside", self.nayak_inside, 0, "by differences, without the periodic seam"),
             ("hurst", self.hurst, 0, "fitted Hurst exponent"),
             ("longest_wavelength", self.longest_wavelength, 1, "longest wavelength with power"),
             ("shortest_wavelength", self.shortest_wavelength, 1, "shortest wavelength with power"),
@@ -653,6 +688,35 @@ mod tests {
         let archive = gfmd_files::Reader::open(folder.path().join("h.h5")).unwrap();
         assert!(archive.text("/", "config").unwrap().contains("eps_t_inv = 2.0"));
         assert_eq!(archive.shape("/spectrum/density").unwrap(), [32]);
+    }
+
+    #[test]
+    fn curvatures_of_a_surface_that_does_not_repeat_leave_the_seam_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("cap.npy");
+        let at = |k: usize| (k as f64 + 0.5) / 32.0 - 0.5;
+        let cap = Array2::from_shape_fn((32, 32), |(i, j)| -(at(i).powi(2) + at(j).powi(2)) / 2.0 / 3.0);
+        ndarray_npy::write_npy(&file, &cap).unwrap();
+        let run = |flags: &str| run_line(&format!("--surface {} {flags}", file.display())).unwrap();
+        let near = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
+        let slopes = (1..32).map(|k| ((at(k) - 0.5 / 32.0) / 3.0).powi(2)).sum::<f64>() / 31.0;
+        let mean = cap.sum() / 1024.0;
+        let m0 = cap.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / 1024.0;
+        let m4 = 0.375 * 4.0 / 9.0;
+        let free = run("--boundary free");
+        for report in [&free, &run(""), &run("--boundary periodic --statistics")] {
+            assert!(near(report.rms_curvature_inside, 1.0 / 3.0) && near(report.m4_inside, m4), "{report}");
+            assert!(near(report.nayak_inside, m0 * m4 / slopes.powi(2)), "{report}");
+        }
+        assert!(near(free.rms_curvature, 1.0 / 3.0) && near(free.rms_laplacian, 2.0 / 3.0) && near(free.m4, m4));
+        assert!(near(free.nayak, m0 * m4 / slopes.powi(2)) && near(Some(free.m2), slopes), "{free}");
+        assert_eq!(free.rms_gradient, free.rms_gradient_inside);
+        assert!(run("").rms_curvature.unwrap() > 0.5);
+        ndarray_npy::write_npy(&file, &cap.slice(ndarray::s![..2, ..]).to_owned()).unwrap();
+        let few = run("--boundary free");
+        assert!(
+            few.rms_curvature.is_none() && few.undefined["rms_curvature"].starts_with("an axis has fewer than three")
+        );
     }
 
     #[test]

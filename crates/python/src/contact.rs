@@ -239,6 +239,9 @@ impl Problem {
             });
             let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);
+            if let (None, Some(doubt)) = (&failure, prepared.doubt_of_edge(&state)) {
+                tracing::warn!("{doubt}");
+            }
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
             let record = Record::of(&At { stiffness, seconds, finer, ..at });
             Ok::<_, Failure>((state, record, failure))

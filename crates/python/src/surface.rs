@@ -204,7 +204,14 @@ pub(crate) fn statistics(
         let [longest, shortest] = fit_range.unwrap_or_else(|| whole_band(&grid));
         let fit = spectrum.fit_hurst(longest, shortest);
         let fit = if fit_range.is_some() { Some(fit?) } else { fit.ok() };
-        Ok::<_, gfmd_surface::SurfaceError>(Report::new(&found, &Areal::of(&heights, &grid)?, fit, &spectrum, &grid))
+        Ok::<_, gfmd_surface::SurfaceError>(Report::new(
+            &found,
+            Boundary::Periodic,
+            &Areal::of(&heights, &grid)?,
+            fit,
+            &spectrum,
+            &grid,
+        ))
     })?;
     let report = found.map_err(|error| refused(py, &error))?;
     json::to_string(&report).map_err(|error| refused(py, &error))

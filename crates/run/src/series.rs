@@ -176,7 +176,7 @@ impl Series<'_> {
         let Self { prepared, session, drives, tolerance, .. } = *self;
         let (facts, lift) = (&prepared.facts, prepared.lift());
         let part = Parts::of(facts).name;
-        let (mut file, mut ended) = (file, Ended::default());
+        let (mut file, mut ended, mut is_edge_told) = (file, Ended::default(), false);
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
             ended.records = self.recall(kept, file, path, progress, outlet)?;
         }
@@ -223,6 +223,10 @@ impl Series<'_> {
             let effort = if stopped.is_some() { state.effort() } else { step.effort };
             let step = Step { effort, ..step };
             let at = prepared.at(state, tolerance);
+            if let (false, Some(doubt)) = (is_edge_told || stopped.is_some(), prepared.doubt_of_edge(state)) {
+                session.warn("patch-edge", format!("{place}: {doubt}"));
+                is_edge_told = true;
+            }
             let record =
                 outlet.record(Reached { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
             progress.advance(1.0, &progress_line(&record));

@@ -6,7 +6,9 @@ use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
-use gfmd_surface::{Fill, Interpolation, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer};
+use gfmd_surface::{
+    Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer,
+};
 use gfmd_unit::{Units, canonical, is_length};
 use ndarray::Array2;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -217,6 +219,14 @@ impl Surface {
     /// The highest point of the grid, length.
     pub fn highest(&self) -> f64 {
         self.heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
+    }
+
+    /// The moments: the spectral ones, or those of the differences inside if the surface does not repeat.
+    pub fn moments(&self) -> Moments {
+        match self.boundary {
+            Boundary::Periodic => self.statistics.moments,
+            Boundary::Free => self.statistics.moments_inside(),
+        }
     }
 
     /// The rms gradient: the spectral one, or that of the differences inside if the surface does not repeat.

@@ -25,6 +25,9 @@ pub struct Statistics {
     /// Root-mean-square gradient by forward differences without those across the seam, for heights that are not
     /// periodic.
     pub rms_gradient_inside: f64,
+    /// Mean square of the Laplacian (h″ of a profile) by second differences between points inside, for heights that are
+    /// not periodic, 1/length²; `None` with fewer than three points along an axis.
+    pub mean_square_laplacian_inside: Option<f64>,
     /// The largest slope by forward differences, without those across the seam.
     pub max_slope: f64,
     /// The jump across the seam.
@@ -89,12 +92,28 @@ impl Statistics {
             rms_gradient_central: gradient([0, 1].map(|axis| 0.25 * steps[axis].double)),
             rms_gradient_forward: gradient([0, 1].map(|axis| steps[axis].all)),
             rms_gradient_inside: gradient([0, 1].map(|axis| steps[axis].inside)),
+            mean_square_laplacian_inside: {
+                let lanes = if grid.is_line() { 1.0 } else { ny - 2.0 };
+                (nx > 2.0 && lanes > 0.0).then(|| sum(&rows, 7) / ((nx - 2.0) * lanes))
+            },
             max_slope: most(0.0, |row| row.steepest).sqrt(),
             seam: Seam {
                 across: [0, 1].map(|axis| steps[axis].across.sqrt()),
                 inside: [0, 1].map(|axis| steps[axis].inside.sqrt()),
             },
         })
+    }
+
+    /// The moments of heights that do not repeat, from differences between points inside: no waves, and NaN for the
+    /// Laplacian of fewer than three points along an axis.
+    pub fn moments_inside(&self) -> Moments {
+        Moments {
+            mean_square_gradient: self.rms_gradient_inside.powi(2),
+            mean_square_laplacian: self.mean_square_laplacian_inside.unwrap_or(f64::NAN),
+            mean_square_gradient_of_short_waves: f64::NAN,
+            waves: f64::NAN,
+            ..self.moments
+        }
     }
 
     /// The highest minus the lowest height, length.
@@ -137,8 +156,9 @@ impl Steps {
 #[derive(Clone, Copy)]
 struct Row {
     /// Sums of heights; of squares of steps to the next row, and to the one after it; of those along the row to
-    /// neighbours, inside and across the seam, and to next neighbours, inside and across the seam.
-    sums: [f64; 7],
+    /// neighbours, inside and across the seam, and to next neighbours, inside and across the seam; of squares of the
+    /// Laplacian at the points inside of the next row.
+    sums: [f64; 8],
     lowest: f64,
     highest: f64,
     /// The largest square of a slope by forward differences inside.
@@ -170,8 +190,20 @@ fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
             let y = here.get(j + 1).map_or(0.0, |ahead| (ahead - here[j]) / dy);
             x * x + y * y
         });
+        let laplacian = |j: usize| {
+            let x = (here[j] - behind[j] + (second[j] - behind[j])) / (dx * dx);
+            let y = if grid.is_line() {
+                0.0
+            } else {
+                (behind[j - 1] - behind[j] + (behind[j + 1] - behind[j])) / (dy * dy)
+            };
+            x + y
+        };
+        let inner = if grid.is_line() { 0..1 } else { 1..ny.max(2) - 1 };
+        let bent = if first + i + 2 < nx { inner.map(|j| laplacian(j).powi(2)).sum() } else { 0.0 };
+        let [steps, next_steps] = [squares(here, behind), squares(here, second)];
         Row {
-            sums: [here.iter().sum(), squares(here, behind), squares(here, second), step, seam, double, double_seam],
+            sums: [here.iter().sum(), steps, next_steps, step, seam, double, double_seam, bent],
             lowest: here.iter().copied().fold(f64::INFINITY, f64::min),
             highest: here.iter().copied().fold(f64::NEG_INFINITY, f64::max),
             steepest: slopes.fold(0.0, f64::max),
@@ -181,7 +213,7 @@ fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
     if share.is_whole() {
         return found;
     }
-    let words: Vec<([f64; 7], [f64; 3])> =
+    let words: Vec<([f64; 8], [f64; 3])> =
         found.iter().map(|row| (row.sums, [row.lowest, row.highest, row.steepest])).collect();
     let lengths: Vec<usize> = share.all_rows().iter().map(Range::len).collect();
     let all = share.collect(&words, &lengths).into_iter();

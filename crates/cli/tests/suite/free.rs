@@ -54,6 +54,47 @@ fn attraction_and_layers_on_a_patch_are_recorded_and_recomputed() {
 }
 
 #[test]
+fn contacts_at_the_edge_of_a_patch_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // A cap of radius 3 on a patch of 16 x 16 points and side 1.
+    let at = |k: usize| (k as f64 + 0.5) / 16.0 - 0.5;
+    let cap = ndarray::Array2::from_shape_fn((16, 16), |(i, j)| -(at(i).powi(2) + at(j).powi(2)) / 6.0);
+    ndarray_npy::write_npy(folder.join("cap.npy"), &cap).unwrap();
+    let told = |report: &Value| -> Vec<String> {
+        let all = report["warnings"].as_array().unwrap().iter();
+        all.filter(|found| found["code"] == "patch-edge").map(|found| found["text"].as_str().unwrap().into()).collect()
+    };
+    // The points of the edge that are pressed, by the pressures of the last load.
+    let pressed = |file: &str| {
+        let reader = gfmd_files::Reader::open(folder.join(file)).unwrap();
+        let shape = reader.shape("/fields/pressure").unwrap();
+        let values: Vec<f64> = reader.values("/fields/pressure").unwrap();
+        let last = &values[values.len() - shape[1] * shape[2]..];
+        let is_edge = |k: usize| [k / 16, k % 16].iter().any(|place| [0, 15].contains(place));
+        last.iter().enumerate().filter(|(k, p)| **p > 0.0 && is_edge(*k)).count()
+    };
+    for command in ["contact", "path"] {
+        let flags = format!("{command} --surface cap.npy --boundary free --out {command}.h5 --json --displacement");
+        assert!(told(&run(folder, &format!("{flags} 0.001,0.06"))).is_empty());
+        let report = run(folder, &format!("{flags} 0.001,0.11,0.2"));
+        let (found, count) = (told(&report), pressed(&format!("{command}.h5")));
+        assert!(found.len() == 1 && count == 60, "{found:?} {count}");
+        let name = if command == "contact" { "load 1" } else { "step" };
+        assert!(found[0].starts_with(name) && found[0].contains("of its 60 points"), "{found:?}");
+        let one = run(folder, &format!("{flags} 0.11"));
+        let count = pressed(&format!("{command}.h5"));
+        assert!(count > 0 && (command == "path" || told(&one)[0].contains(&format!("at {count} of its 60"))), "{one}");
+    }
+    assert!(told(&run(folder, "contact --surface cap.npy --displacement 0.02 --json")).is_empty());
+    let line = run(folder, "contact --dim 2 --n 32 --eps-f-inv 4 --boundary free --p-star 3 --json");
+    assert!(told(&line)[0].contains("at 2 of its 2 points"), "{line}");
+    // Laws that pull where they do not touch have no contact at the edge.
+    let law = "--law exponential --param gamma=1e-4,range=4e-3 --displacement 0.001 --json";
+    assert!(told(&run(folder, &format!("contact --surface cap.npy --boundary free {law}"))).is_empty());
+}
+
+#[test]
 fn paths_on_a_patch_lose_energy_and_slip() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

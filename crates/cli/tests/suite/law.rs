@@ -470,6 +470,26 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         assert!((number(found, key) / wanted - 1.0).abs() < 1e-4, "{key}: {found} {wanted}");
     }
     assert!(run(folder.path(), "contact --surface wave.npy --pressure 0.01").get("adhesion").is_none());
+    // A cap of radius R on a patch that does not repeat has the curvature 1/R at every point; the jump at the seam does
+    // not count, whatever the grid.
+    for points in [16_usize, 32, 64] {
+        let step = 1.0 / points as f64;
+        let at = |k: usize| (k as f64 + 0.5) * step - 0.5;
+        let cap = ndarray::Array2::from_shape_fn([points; 2], |(i, j)| -(at(i).powi(2) + at(j).powi(2)) / 2.0 / 3.0);
+        ndarray_npy::write_npy(folder.path().join("cap.npy"), &cap).unwrap();
+        let flags = format!("--surface cap.npy --e-star 2 --law exponential --param gamma={gamma},range={range}");
+        let found = run(folder.path(), &format!("contact {flags} --displacement 0.001 --boundary free"));
+        let slopes = (0..points - 1).map(|k| ((at(k) + step / 2.0) / 3.0).powi(2)).sum::<f64>() / (points - 1) as f64;
+        let gradient = (2.0 * slopes).sqrt();
+        let sticky =
+            gradient * range / (2.0 * length) * (gradient * (4.0 * gradient * 3.0) / (4.0 * range)).powf(2.0 / 3.0);
+        for (key, wanted) in
+            [("tabor", (3.0 * gamma * gamma / 4.0 / range.powi(3)).cbrt()), ("pastewka_robbins", sticky / 1.029_2)]
+        {
+            let ratio = number(&found["adhesion"], key) / wanted;
+            assert!((ratio - 1.0).abs() < 1e-4, "{points}, {key}: {ratio}");
+        }
+    }
     let reported = gfmd(
         folder.path(),
         &format!("contact {} --pressure 0.01", flags(range)).split_whitespace().collect::<Vec<_>>(),

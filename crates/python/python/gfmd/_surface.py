@@ -30,8 +30,9 @@ class Statistics(Record):
             peak_to_valley.
         rms_gradient: of the full gradient, from the spectrum; rms_gradient_central, rms_gradient_forward by
             differences, rms_gradient_inside without the periodic seam.
-        rms_curvature, rms_laplacian: 1/length.
-        m0, m2, m4: moments of the spectrum, length², 1, 1/length²; nayak: m0 m4/m2².
+        rms_curvature, rms_laplacian: 1/length; rms_curvature_inside by differences without the seam.
+        m0, m2, m4: moments of the spectrum, length², 1, 1/length²; nayak: m0 m4/m2²; m4_inside, nayak_inside by
+            differences without the seam.
         hurst, hurst_error: fitted Hurst exponent and its standard error, over the wavelengths hurst_range.
         longest_wavelength, shortest_wavelength: cut-offs found in the spectrum, length.
         seam: along x and y, rms step across the edge of the cell over that inside.
@@ -59,11 +60,14 @@ class Statistics(Record):
     rms_gradient_forward: float
     rms_gradient_inside: float
     rms_curvature: float
+    rms_curvature_inside: float
     rms_laplacian: float
     m0: float
     m2: float
     m4: float
+    m4_inside: float
     nayak: float
+    nayak_inside: float
     hurst: float
     hurst_error: float
     hurst_range: list[float]

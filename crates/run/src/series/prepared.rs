@@ -4,7 +4,7 @@ use std::array::from_fn;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Hardness, Load, Refusal, Solver};
+use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solver};
 use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
@@ -138,8 +138,7 @@ impl Prepared {
             _ => surface.statistics.moments,
         };
         let (prony, wear, dynamics) = (asked.prony.clone(), asked.wear, asked.dynamics);
-        let adhesion =
-            Adhesion::of(&asked.law, &law, &surface.grid, &surface.statistics.moments, body.contact_modulus());
+        let adhesion = Adhesion::of(&asked.law, &law, &surface.grid, &surface.moments(), body.contact_modulus());
         Ok(Self {
             facts,
             surface,
@@ -252,6 +251,24 @@ impl Prepared {
             session.warn("process-zone", unresolved);
         }
         Ok(contact)
+    }
+
+    /// A warning of a contact at the edge of a patch that does not repeat; `None` if it does, or if the edge is free.
+    pub fn doubt_of_edge(&self, state: &Rest) -> Option<String> {
+        let Surface { grid, share, boundary: Boundary::Free, .. } = &self.surface else { return None };
+        let ([nx, ny], first) = (grid.points(), share.rows().start);
+        let is_edge = |i: usize, j: usize| i == 0 || i + 1 == nx || (!grid.is_line() && (j == 0 || j + 1 == ny));
+        let all = (if grid.is_line() { 2 } else { 2 * (nx + ny).saturating_sub(2) }).min(nx * ny);
+        let repulsion = state.repulsion();
+        let own = repulsion.indexed_iter().filter(|((i, j), p)| **p > 0.0 && is_edge(first + i, *j)).count();
+        let pressed: usize = share.each(own).into_iter().sum();
+        (pressed > 0).then(|| {
+            format!(
+                "the contact reaches the edge of the patch, at {pressed} of its {all} points: beyond it nothing presses \
+                 the body, and the pressure at the edge is that of a sharp rim; a contact that goes on needs a larger \
+                 patch"
+            )
+        })
     }
 
     /// The numbers of the problem that no material has, in words: signs that units are mixed up.

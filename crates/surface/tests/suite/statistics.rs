@@ -329,10 +329,48 @@ fn a_seam_shows_where_opposite_edges_do_not_meet() {
     assert_eq!(found.seam.ratio()[1], None);
     assert_relative_eq!(found.rms_gradient_inside, 5.0, max_relative = 1e-13);
     assert!(found.rms_gradient_forward > 20.0);
+    assert!(found.mean_square_laplacian_inside.unwrap() < 1e-20 && found.moments.mean_square_laplacian > 1e3);
     let wave = self_affine(0.8, 1.0, 0.3, 0.1).heights(&grid, 3).unwrap();
     for ratio in Statistics::of(&wave, &grid).unwrap().seam.ratio() {
         assert!((0.5..2.0).contains(&ratio.unwrap()), "{ratio:?}");
     }
+}
+
+#[test]
+fn a_cap_that_does_not_repeat_has_the_curvature_of_its_points_inside() {
+    // z = -x²/2a - y²/2b: h_xx = -1/a, h_yy = -1/b at every point, whatever the seam.
+    let radii = [2.0, 5.0];
+    for (points, lengths) in
+        [([16, 16], [1.0, 1.0]), ([64, 40], [1.0, 3.0]), ([3, 3], [0.2, 0.1]), ([50, 1], [2.0, 1.0])]
+    {
+        let grid = if points[1] == 1 { Grid::line(points[0], lengths[0]) } else { Grid::new(points, lengths) }.unwrap();
+        let at = |axis: usize, k: usize| (k as f64 - 0.4 * points[axis] as f64) * grid.spacing()[axis];
+        let of_y = |j: usize| if grid.is_line() { 0.0 } else { at(1, j).powi(2) / 2.0 / radii[1] };
+        let cap = Array2::from_shape_fn(points, |(i, j)| -at(0, i).powi(2) / 2.0 / radii[0] - of_y(j));
+        let found = Statistics::of(&cap, &grid).unwrap();
+        let inside = found.moments_inside();
+        let laplacian = if grid.is_line() { 0.5 } else { 0.7 };
+        assert_relative_eq!(inside.rms_laplacian(), laplacian, max_relative = 1e-10);
+        assert_relative_eq!(inside.rms_curvature(), if grid.is_line() { 0.5 } else { 0.35 }, max_relative = 1e-10);
+        assert_eq!(inside.rms_gradient(), found.rms_gradient_inside);
+        let [m0, m2, m4] = inside.profile();
+        assert_eq!(m0, found.moments.mean_square_height);
+        assert_relative_eq!(inside.nayak().unwrap(), m0 * m4 / m2.powi(2), max_relative = 1e-14);
+        // The seam counts in the spectral number.
+        assert!(points[0] == 3 || found.moments.rms_laplacian() > 1.5 * laplacian);
+    }
+    for points in [[2, 8], [8, 2]] {
+        let grid = Grid::new(points, [1.0, 1.0]).unwrap();
+        let few = Statistics::of(&Array2::from_shape_fn(points, |(i, j)| (i * j) as f64), &grid).unwrap();
+        assert_eq!(few.mean_square_laplacian_inside, None);
+    }
+    // A wave: the second difference is the exact one times (2 sin(qa/2)/(qa))², up to the points left out at the seam.
+    let (grid, q) = (Grid::line(4000, 1.0).unwrap(), TAU * 20.0);
+    let wave = Array2::from_shape_fn((4000, 1), |(i, _)| (q * i as f64 / 4000.0).sin());
+    let found = Statistics::of(&wave, &grid).unwrap();
+    let reduced = (2.0 * (0.5 * q / 4000.0).sin() * 4000.0 / q).powi(2);
+    let ratio = found.moments_inside().rms_laplacian() / found.moments.rms_laplacian();
+    assert_relative_eq!(ratio / reduced, 1.0, max_relative = 1e-3);
 }
 
 #[test]
