@@ -421,6 +421,11 @@ impl SourceArgs {
             return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
         }
         let Made { heights, grid, share, mut description, scan, origin, second } = self.made(boundary, session)?;
+        for scan in scan.iter().chain(second.as_ref().map(|second| &second.second_scan)) {
+            for text in &scan.warnings {
+                session.warn("doubtful-file", format!("{}: {text}", scan.file));
+            }
+        }
         let name = self.name();
         self.check_sizes(&grid, &heights, &share)?;
         let statistics = Statistics::over(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;

@@ -43,6 +43,11 @@ impl File {
         }
     }
 
+    /// The number of bytes.
+    pub(crate) fn length(&self) -> u64 {
+        self.input.as_ref().map_or(self.head().len() as u64, Input::length)
+    }
+
     pub(crate) fn starts_with(&self, magic: &[u8]) -> bool {
         self.head().starts_with(magic)
     }

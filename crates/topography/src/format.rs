@@ -40,12 +40,14 @@ pub(crate) struct Contents<'a> {
     pub default: Option<usize>,
     /// Other names of channels, by their numbers.
     pub aliases: Vec<(usize, String)>,
+    /// Doubts about the file.
+    pub warnings: Vec<String>,
 }
 
 impl<'a> From<Vec<Channel<'a>>> for Contents<'a> {
     /// The first channel is the default.
     fn from(channels: Vec<Channel<'a>>) -> Self {
-        Self { channels, default: Some(0), aliases: Vec::new() }
+        Self { channels, default: Some(0), aliases: Vec::new(), warnings: Vec::new() }
     }
 }
 

@@ -39,6 +39,7 @@ mod coordinates;
 #[cfg(feature = "hdf5")]
 mod datx;
 mod file;
+mod foreign;
 mod format;
 mod gwyddion;
 mod ibw;
@@ -62,6 +63,7 @@ mod plux;
 #[cfg(feature = "hdf5")]
 mod records;
 mod sdf;
+mod sentinel;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod stored;
@@ -154,6 +156,8 @@ pub struct Topography {
     pub details: Vec<(String, String)>,
     /// Remarks on this file.
     pub notes: Vec<String>,
+    /// Doubts about the file: lines of its head that are not used, heights that may denote missing points.
+    pub warnings: Vec<String>,
     /// Description of file and channel.
     pub source: String,
     /// The SHA-256 of the bytes of the file from which the heights were read.
@@ -235,6 +239,7 @@ impl Topography {
         let mut map = Map { heights, ..Map::default() };
         Ok(Self {
             undefined: map.undefine(),
+            warnings: sentinel::warning(&map.heights).into_iter().collect(),
             heights: map.heights,
             lengths: None,
             unit: None,
@@ -277,6 +282,7 @@ impl Topography {
         let (format, contents) = open(file)?;
         let names = names(&contents.channels);
         let number = choose(&contents, &names, asked)?;
+        let mut warnings: Vec<String> = contents.warnings.iter().map(|warning| line(warning)).collect();
         let Some(channel) = contents.channels.into_iter().nth(number) else {
             return Err("the file holds no height map".into());
         };
@@ -290,6 +296,7 @@ impl Topography {
         if map.heights.is_empty() {
             return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
         }
+        warnings.extend(sentinel::warning(&map.heights));
         let conversion = map.convert()?;
         if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
             return Err(format!("the size is {x} by {y}; it must be positive and finite"));
@@ -310,6 +317,7 @@ impl Topography {
             conversion,
             details: map.details,
             notes: map.notes.iter().map(|note| line(note)).collect(),
+            warnings,
             source,
             sha256: file.checksum()?,
         })
@@ -386,11 +394,18 @@ fn open(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
     if file.head().is_empty() {
         return Err("the file is empty; it must have at least one point".into());
     }
-    let Some(format) = FORMATS.iter().find(|format| (format.sniff)(file)) else {
-        let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-        return Err(format!("the format is unknown; it must be one of {}", names.join(", ")));
-    };
-    Ok((format, (format.open)(file)?))
+    match FORMATS.iter().find(|format| (format.sniff)(file)) {
+        Some(format) if format.name != matrix::FORMAT.name => Ok((format, (format.open)(file)?)),
+        found => match (foreign::refusal(file), found) {
+            (Some(refusal), _) => Err(refusal),
+            (None, Some(format)) => Ok((format, (format.open)(file)?)),
+            (None, None) => {
+                Err("the format is unknown; docs/formats.md lists those that are read; text, X3P or .npy is a \
+                                 way from any program"
+                    .into())
+            }
+        },
+    }
 }
 
 /// The names of channels; their numbers where they have none.

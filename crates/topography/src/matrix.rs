@@ -10,29 +10,40 @@
 //!
 //! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y.
 //! The encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a
-//! decimal point, or a decimal comma where commas do not separate; the exponent may be written as Fortran does
-//! (`1.0D+00`, `1.0-105`), and the sign as the minus of typography. Lines end with LF, CR LF, or CR. Lines before the
-//! first number are a header; one that looks like numbers and has as many words as the lines of numbers is refused.
+//! decimal point, or a decimal comma where commas do not separate; they may stand in quotes; the exponent may be written
+//! as Fortran does (`1.0D+00`, `1.0-105`), and the sign as the minus of typography. Lines end with LF, CR LF, or CR.
+//! Lines before the first number are a header; one that looks like numbers and has as many words as the lines of numbers
+//! is refused. The contents decide between a matrix, with or without labels, and a list of points.
 
+mod axis;
+mod grids;
 mod header;
+mod labels;
 mod number;
 mod points;
 
 use std::borrow::Cow;
 
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 
-use super::bytes::lines;
+use super::bytes::{clip, lines};
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
 
-use header::{Header, Sizes};
-use number::{looks_like, number};
+use header::Header;
+use number::{is_ambiguous, is_missing, last_digit, looks_like, number};
+use points::MOST_COLUMNS;
 
 pub(crate) const FORMAT: Format = Format { name: "text", sniff, open, first_line: FirstLine::Bottom };
 
 /// The first bytes of UTF-16 with the lower byte first.
 const UTF_16: &[u8] = &[0xff, 0xfe];
+
+/// Two words that denote a point without a height.
+const NO_DATA: &str = "no data";
+
+/// The smallest number of labels above the columns.
+const FEWEST_LABELS: usize = 3;
 
 fn sniff(file: &File) -> bool {
     file.starts_with(UTF_16) || !file.head().contains(&0)
@@ -40,25 +51,79 @@ fn sniff(file: &File) -> bool {
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let text = decode(file.bytes()?);
-    let (rows, header) = parse(&text)?;
+    if let Some(channels) = grids::channels(&text)? {
+        return Ok(channels.into());
+    }
+    let (rows, mut header) = parse(&text)?;
+    header.complete(&rows);
+    if let [Some(nx), Some(ny)] = header.points
+        && let Some(channels) = pixels(&rows, &header, [nx, ny])?
+    {
+        return Ok(Contents { warnings: header.warning(true).into_iter().collect(), ..channels.into() });
+    }
     let channel = header.channel.clone().unwrap_or_default();
-    let list = if header.has_size() { None } else { points::list(&rows, &header)? };
-    let map = match list {
-        Some(map) => map,
-        None => {
-            let factor = header.factor;
-            let mut heights = rows.heights()?;
-            let Sizes { unit, lengths, mut notes } = header.sizes(heights.dim().into())?;
-            if let Some(factor) = factor {
-                heights.mapv_inplace(|height| height * factor);
-                notes.push(format!("heights are the numbers times {factor:e}, the factor in the header"));
+    let labelled = if header.has_size() { None } else { labels::labelled(&rows, &header)? };
+    let has_titles = labelled.is_none() && !header.has_size() && !header.titles(rows.columns).is_empty();
+    let (is_matrix, map) = match labelled {
+        Some(map) => (true, map),
+        None if header.has_size() => (true, Map { heights: rows.heights()?, ..Map::default() }),
+        None => match points::list(&rows, &header)? {
+            Some(map) => (false, map),
+            None => {
+                labels::check(&rows)?;
+                (true, Map { heights: rows.heights()?, ..Map::default() })
             }
-            let length_unit = lengths.and(unit.clone());
-            Map { heights, lengths, length_unit, height_unit: unit, notes, ..Map::default() }
-        }
+        },
     };
+    let map = if is_matrix { header.sized(map)? } else { map };
+    let warnings = header.warning(has_titles && !is_matrix).into_iter().collect();
     let (unit, points) = (map.height_unit.clone(), map.heights.dim().into());
-    Ok(Channel { name: channel, unit, points, read: Box::new(move || Ok(map)) }.into())
+    let channel = Channel { name: channel, unit, points, read: Box::new(move || Ok(map)) };
+    Ok(Contents { warnings, ..channel.into() })
+}
+
+/// The channels in the columns of lines for each pixel, as a Nanoscope exports them, by the points in the header;
+/// `None` if the lines are those of a matrix.
+///
+/// # Errors
+/// Another number of lines; no column in a unit of length.
+fn pixels(rows: &Rows, header: &Header, points: [f64; 2]) -> Result<Option<Vec<Channel<'static>>>, String> {
+    let [nx, ny] = points;
+    let found = [rows.columns as f64, rows.rows as f64];
+    if found == points {
+        return Ok(None);
+    }
+    if header.has_size() || found[1] != nx * ny || !(nx >= 1.0 && ny >= 1.0) {
+        let [columns, lines] = [rows.columns, rows.rows];
+        return Err(format!(
+            "there are {lines} lines of {columns} numbers, and the header says {nx} by {ny}; it must be {ny} lines, or a \
+             line for each pixel"
+        ));
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "divisors of the number of lines")]
+    let points = [nx as usize, ny as usize];
+    let (lengths, length_unit) = header.scan(points).unzip();
+    let titles = header.titles(rows.columns);
+    let mut channels = Vec::new();
+    for (column, title) in titles.iter().enumerate().filter(|(_, title)| title.unit.is_some()) {
+        // The first line is the top of the picture.
+        let heights = Array2::from_shape_vec([points[1], points[0]], rows.column(column).collect());
+        let mut heights = heights.map_err(|error| error.to_string())?.reversed_axes();
+        heights.invert_axis(Axis(1));
+        let map = Map {
+            heights,
+            lengths,
+            length_unit: length_unit.clone().flatten(),
+            height_unit: title.unit.clone(),
+            ..Map::default()
+        };
+        let name = title.name.split('(').next().unwrap_or_default().trim().to_owned();
+        channels.push(Channel { name, unit: title.unit.clone(), points, read: Box::new(move || Ok(map)) });
+    }
+    match channels.is_empty() {
+        true => Err(format!("no title of the {} columns has a unit of length; one must have one", rows.columns)),
+        false => Ok(Some(channels)),
+    }
 }
 
 /// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its
@@ -80,8 +145,8 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
     // The first line above the numbers that looks like numbers, as the count of its words and the error of the first.
     let mut doubtful = None;
     for (line, content) in lines(text).enumerate().map(|(index, content)| (index + 1, content.trim())) {
-        if let Some(comment) = content.strip_prefix(['#', '%']) {
-            header.read(line, comment)?;
+        if let Some(comment) = content.strip_prefix(['#', '%']).filter(|_| !starts_with_missing(content)) {
+            header.read(line, comment, true)?;
         } else if !content.is_empty() {
             match rows.push(line, content, text) {
                 Ok(()) => {}
@@ -92,7 +157,7 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
                         doubtful.get_or_insert((words, error.clone()));
                     }
                     refused.get_or_insert(error);
-                    header.read(line, content)?;
+                    header.read(line, content, false)?;
                     header.columns = content.into();
                 }
             }
@@ -103,9 +168,18 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
         _ => {}
     }
     match doubtful {
-        Some((words, error)) if words == rows.columns => Err(error),
-        _ => Ok((rows, header)),
+        Some((words, error)) if words == rows.columns => return Err(error),
+        _ => {}
     }
+    if let Some(missing) = header.missing {
+        rows.values.iter_mut().filter(|value| **value == missing).for_each(|value| *value = f64::NAN);
+    }
+    Ok((rows, header))
+}
+
+/// True if the first word denotes a point without a height, such as `#N/A`, and does not begin a comment.
+fn starts_with_missing(content: &str) -> bool {
+    content.starts_with('#') && content.split([' ', '\t', ';', ',']).next().is_some_and(is_missing)
 }
 
 /// The number of words of a line all of which look like numbers.
@@ -123,16 +197,30 @@ fn looks_like_numbers(content: &str) -> Option<usize> {
 /// The words of a line. A separator at its end ends the last of them.
 fn words(content: &str, separator: char) -> impl Iterator<Item = &str> {
     let content = if separator == ' ' { content } else { content.strip_suffix(separator).unwrap_or(content) };
+    fields(content, separator)
+}
+
+/// The words between separators, without their quotes, which may hold separators. Blanks separate by any number of them.
+fn fields(content: &str, separator: char) -> impl Iterator<Item = &str> {
+    let mut is_quoted = false;
+    let has_quotes = content.contains('"');
     content
-        .split(move |c: char| if separator == ' ' { c.is_whitespace() } else { c == separator })
-        .map(str::trim)
+        .split(move |c: char| {
+            is_quoted ^= has_quotes && c == '"';
+            !is_quoted && if separator == ' ' { c.is_whitespace() } else { c == separator }
+        })
+        .map(move |word| {
+            let word = word.trim();
+            let inside = || word.strip_prefix('"').and_then(|word| word.strip_suffix('"'));
+            if has_quotes { inside().map_or(word, str::trim) } else { word }
+        })
         .filter(move |word| separator != ' ' || !word.is_empty())
 }
 
 /// True if the first word of a line is a number.
 fn starts_with_number(content: &str) -> bool {
     let word = content.split([' ', '\t', ';', ',']).next().unwrap_or_default();
-    word.parse::<f64>().is_ok()
+    word.trim_matches('"').parse::<f64>().is_ok()
 }
 
 /// The numbers of a file, line by line.
@@ -142,13 +230,23 @@ struct Rows {
     columns: usize,
     rows: usize,
     separator: Option<char>,
+    /// The unit of the last digit written in each of the first columns.
+    digits: Vec<f64>,
+    /// True if the first line begins with a separator.
+    has_empty_corner: bool,
+    /// The numbers above the columns, without one above the first.
+    above: Option<Vec<f64>>,
 }
 
 impl Rows {
     /// Takes a line of numbers; after an error, none of them. The text is the whole file.
     fn push(&mut self, line: usize, content: &str, text: &str) -> Result<(), String> {
         let before = self.values.len();
-        let pushed = self.push_numbers(line, content, before);
+        let mut pushed = self.push_numbers(line, content, before);
+        if pushed.is_err() && self.separator == Some(' ') && content.to_lowercase().contains(NO_DATA) {
+            self.values.truncate(before);
+            pushed = self.push_numbers(line, &content.to_lowercase().replace(NO_DATA, "nan"), before);
+        }
         if pushed.is_err() {
             self.values.truncate(before);
         } else if self.rows == 1 {
@@ -165,28 +263,59 @@ impl Rows {
             (1.., Some(separator)) => separator,
             _ => *self.separator.insert(separator(content)),
         };
-        if separator == ' ' {
-            for (column, word) in content.split_whitespace().enumerate() {
-                self.values.push(number(word, line, column + 1)?);
+        if self.rows == 0 {
+            self.digits.clear();
+            self.has_empty_corner = content.starts_with(separator);
+        }
+        for (column, word) in fields(content, separator).enumerate() {
+            if separator == ',' && is_ambiguous(word) {
+                return Err(format!(
+                    "line {line}, column {} is {:?}, whose comma may be decimal or group digits; it must be a point, or \
+                     left out",
+                    column + 1,
+                    clip(word)
+                ));
             }
-        } else {
-            for (column, word) in content.split(separator).enumerate() {
-                self.values.push(number(word.trim(), line, column + 1)?);
-            }
-            // A separator at the end of a line is ignored, unless a number is missing there.
-            let surplus = self.rows == 0 || self.values.len() - before == self.columns + 1;
-            if surplus && content.ends_with(separator) {
-                self.values.pop();
+            let number = number(word, line, column + 1)?;
+            self.values.push(number);
+            if column < MOST_COLUMNS && number.is_finite() {
+                let digit = last_digit(word);
+                self.digits.resize(self.digits.len().max(column + 1), 0.0);
+                self.digits[column] = self.digits[column].max(digit);
             }
         }
-        let found = self.values.len() - before;
+        // A separator at the end of a line is ignored, unless a number is missing there.
+        let surplus = self.rows == 0 || self.values.len() - before == self.columns + 1;
+        if separator != ' ' && surplus && content.ends_with(separator) {
+            self.values.pop();
+        }
+        let mut found = self.values.len() - before;
+        // A line of labels above the columns, of which the first has none.
+        if self.rows == 1 && self.above.is_none() && found == self.columns + 1 && self.columns >= FEWEST_LABELS {
+            let labels: Vec<f64> = self.values.drain(..before).collect();
+            if !axis::Axis::is_progression(&labels, 0.0) {
+                self.values.splice(..0, labels);
+                return Err(self.ragged(line, found));
+            }
+            (self.above, self.rows) = (Some(labels), 0);
+            found = self.values.len();
+        }
         if self.rows == 0 {
             self.columns = found;
         } else if found != self.columns {
-            return Err(format!("line {line} has {found} numbers; it must have {} as the lines before", self.columns));
+            return Err(self.ragged(line, found));
         }
         self.rows += 1;
         Ok(())
+    }
+
+    fn ragged(&self, line: usize, found: usize) -> String {
+        format!("line {line} has {found} numbers; it must have {} as the lines before", self.columns)
+    }
+
+    /// The unit of the last digit written in a column; 0 if it is unknown.
+    fn digit(&self, column: usize) -> f64 {
+        self.digits.get(column).copied().unwrap_or_default()
     }
 
     /// The numbers of a column.
@@ -204,8 +333,13 @@ impl Rows {
 
 /// The separator of the numbers, found from their first line. Between blanks, commas are decimal commas.
 fn separator(content: &str) -> char {
-    match [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)) {
-        Some(',') if content.split(',').any(|word| word.trim().contains(char::is_whitespace)) => ' ',
+    let outside = |separator: char| content.split('"').step_by(2).any(|part| part.contains(separator));
+    match [';', '\t', ','].into_iter().find(|&separator| outside(separator)) {
+        Some(',')
+            if content.split(',').any(|word| word.trim().contains(char::is_whitespace) && !content.contains('"')) =>
+        {
+            ' '
+        }
         Some(separator) => separator,
         None => ' ',
     }

@@ -118,7 +118,7 @@ fn text_that_is_no_matrix_is_refused_by_line_and_column() {
         "the size is 0 by 1; it must be positive and finite",
     );
     let (_folder, name) = file("scan.al3d", b"Alicona\0\x01\x02");
-    assert!(complete(&name).unwrap_err().reason.starts_with("the format is unknown; it must be one of NumPy, "));
+    assert!(complete(&name).unwrap_err().reason.starts_with("the format is unknown; docs/formats.md lists "));
     assert!(complete("no/such/file.txt").unwrap_err().to_string().starts_with("no/such/file.txt: No such file"));
 }
 

@@ -44,6 +44,9 @@ pub struct Scan {
     pub details: Vec<(String, String)>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// Doubts about the file, which are warnings of the run.
+    #[serde(skip)]
+    pub warnings: Vec<String>,
 }
 
 /// Statistics of the defined points after the trend is removed.
@@ -176,6 +179,7 @@ impl SourceArgs {
             conversion: topography.conversion,
             details: topography.details,
             notes,
+            warnings: topography.warnings,
         };
         let (heights, grid) =
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;

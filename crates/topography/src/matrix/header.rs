@@ -1,7 +1,12 @@
 //! The header of a text file: the lines above the numbers.
 
+use ndarray::Axis;
+
 use crate::bytes::clip;
+use crate::format::Map;
 use crate::unit::{Conversion, is_length};
+
+use super::{Rows, words};
 
 /// The entries of the header, in the spellings of several programs and in German.
 #[derive(Debug, Default)]
@@ -11,12 +16,78 @@ pub(super) struct Header {
     pub(super) factor: Option<f64>,
     /// The last line above the numbers, which may name the columns.
     pub(super) columns: String,
+    /// The last comment above the numbers that is no entry.
+    comment: String,
     /// True if the third of three columns says whether a point of a profile is valid.
     pub(super) has_validity: bool,
+    /// The points along x and y.
+    pub(super) points: [Option<f64>; 2],
+    /// True if the first line is the top of the picture.
+    pub(super) is_top_first: bool,
+    /// The number that stands for a point without a height.
+    pub(super) missing: Option<f64>,
+    /// The lines that seem to tell of size, unit or scale, and are not understood.
+    unknown: Vec<String>,
     width: Option<Length>,
     height: Option<Length>,
     pixel: Option<Length>,
+    /// Sides of the scan of a Nanoscope.
+    scan: Option<Scan>,
     value_unit: Option<String>,
+}
+
+/// The sides of a scan, of which the second may be left out, and their unit.
+#[derive(Clone, Debug)]
+struct Scan {
+    sides: Vec<f64>,
+    unit: Option<String>,
+}
+
+/// The meaning of a column by its title.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    X,
+    Y,
+    Z,
+    Other,
+}
+
+/// The title of a column.
+#[derive(Clone, Debug)]
+pub(super) struct Title {
+    pub(super) name: String,
+    pub(super) role: Role,
+    /// Its unit of length.
+    pub(super) unit: Option<String>,
+}
+
+impl Title {
+    fn of(name: &str) -> Self {
+        let lower = name.to_lowercase();
+        let word = |word: &str| match word.trim_end_matches(|c: char| c.is_ascii_digit()) {
+            "x" | "xaxis" | "xpos" | "xposition" | "xcoord" | "xcoordinate" | "lateral" => Some(Role::X),
+            "y" | "yaxis" | "ypos" | "yposition" | "ycoord" | "ycoordinate" => Some(Role::Y),
+            "z" | "zaxis" | "zpos" | "zposition" | "height" | "heights" | "höhe" | "topography" | "elevation" => {
+                Some(Role::Z)
+            }
+            _ => None,
+        };
+        let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|found| !found.is_empty()).peekable();
+        let first = words.peek().copied().and_then(word);
+        let role = first.or_else(|| words.filter(|found| found.len() == 1).find_map(word)).unwrap_or(Role::Other);
+        Self { name: name.into(), role, unit: unit_in(name) }
+    }
+}
+
+/// The last unit of length among the words of a text. The word "in" is no inch here.
+fn unit_in(text: &str) -> Option<String> {
+    let mut words = text.rsplit(|character: char| !character.is_alphabetic() && character != '~');
+    let known = |word: &str| {
+        let small = word.to_lowercase();
+        let whole = if word.len() > 4 && is_length(&small) { small } else { word.to_owned() };
+        (whole != "in" && is_length(&whole)).then_some(whole)
+    };
+    words.find_map(known)
 }
 
 /// A length with its unit, if any.
@@ -27,57 +98,177 @@ struct Length {
 }
 
 /// The unit of heights and lengths, the lengths, and their conversions.
-pub(super) struct Sizes {
-    pub(super) unit: Option<String>,
-    pub(super) lengths: Option<[f64; 2]>,
-    pub(super) notes: Vec<String>,
+struct Sizes {
+    unit: Option<String>,
+    lengths: Option<[f64; 2]>,
+    notes: Vec<String>,
 }
 
 impl Header {
-    /// Parses `Key: value` or `key=value`; other lines are ignored.
-    pub(super) fn read(&mut self, line: usize, content: &str) -> Result<(), String> {
+    /// Parses `Key: value`, `key=value`, or `key,value,unit`, with or without quotes; other lines are ignored.
+    pub(super) fn read(&mut self, line: usize, content: &str, is_comment: bool) -> Result<(), String> {
         self.has_validity |= content.eq_ignore_ascii_case("X;Y;valid");
-        let Some((key, value)) = content.split_once([':', '=']) else { return Ok(()) };
+        let content = content.trim().trim_matches('"').trim_start_matches(['\\', '*', '@']);
+        if self.read_fields(line, content)? || self.read_entry(line, content)? {
+            return Ok(());
+        }
+        if is_comment && content.chars().any(char::is_alphanumeric) {
+            content.clone_into(&mut self.comment);
+        }
+        if tells(content) && self.unknown.len() < MOST_UNKNOWN {
+            self.unknown.push(clip(content));
+        }
+        Ok(())
+    }
+
+    /// Parses `key,value,unit`, the form of the tables of Keyence. Returns false for another line.
+    fn read_fields(&mut self, line: usize, content: &str) -> Result<bool, String> {
+        let separator = [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)).unwrap_or(',');
+        let fields: Vec<&str> = content.split(separator).map(|field| field.trim().trim_matches('"')).collect();
+        let [key, value, rest @ ..] = &fields[..] else { return Ok(false) };
+        let count = || value.parse().map(Some).map_err(|_| format!("line {line} says {value:?}; it must be a number"));
+        match key.to_lowercase().as_str() {
+            key if key.starts_with("xy") && rest.first().is_some_and(|unit| is_length(unit)) => {
+                self.pixel = Some(length(line, &format!("{value} {}", rest[0]))?);
+                self.is_top_first = true;
+            }
+            "horizontal" | "horizont." => self.points[0] = count()?,
+            "vertical" | "vertikal" => self.points[1] = count()?,
+            "unit" | "einheit" => self.value_unit = Some((*value).into()),
+            "output image data" | "bilddatenausg." | "data name" if !value.is_empty() => {
+                if !["height", "höhe"].iter().any(|height| value.to_lowercase().contains(height)) {
+                    return Err(format!("line {line} says that the data are {value:?}; they must be heights"));
+                }
+            }
+            "minimum value" | "maximum value" | "minimum" | "maximum" => {}
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Parses `Key: value` or `key=value`. Returns false for another line or an unknown key.
+    fn read_entry(&mut self, line: usize, content: &str) -> Result<bool, String> {
+        let Some((key, value)) = content.split_once([':', '=']) else { return Ok(false) };
         let value = value.trim();
+        let number = || value.parse().ok();
         match key.trim().to_lowercase().as_str() {
             "channel" | "kanal" => self.channel = Some(value.into()),
             "width" | "breite" | "x-length" => self.width = Some(length(line, value)?),
             "height" | "höhe" | "y-length" => self.height = Some(length(line, value)?),
             "pixel size" => self.pixel = Some(length(line, value)?),
-            "value units" | "value unit" | "z-unit" => self.value_unit = Some(value.into()),
+            "value units" | "value unit" | "z-unit" | "exported image units" => self.value_unit = Some(value.into()),
+            "samps/line" => self.points[0] = number().or(self.points[0]),
+            "lines" => self.points[1] = number().or(self.points[1]),
+            "scan size" => {
+                let mut words = value.split_whitespace().peekable();
+                let mut sides = Vec::new();
+                while let Some(side) = words.next_if(|word| word.parse::<f64>().is_ok()) {
+                    sides.extend(side.parse::<f64>());
+                }
+                self.scan = Some(Scan { sides, unit: words.next().map(str::to_owned) });
+            }
+            "nodata_value" | "nodata" | "nodata value" | "no data value" | "missing value" | "missing_value"
+            | "_fillvalue"
+                if number().is_some() =>
+            {
+                self.missing = number();
+            }
             key => {
                 let conversion = key.strip_prefix("height conversion factor (->");
-                if let Some(unit) = conversion.and_then(|rest| rest.trim().strip_suffix(')')) {
-                    self.factor = Some(length(line, value)?.value);
-                    self.value_unit = Some(unit.trim().into());
-                }
+                let Some(unit) = conversion.and_then(|rest| rest.trim().strip_suffix(')')) else { return Ok(false) };
+                self.factor = Some(length(line, value)?.value);
+                self.value_unit = Some(unit.trim().into());
             }
         }
-        Ok(())
+        Ok(true)
+    }
+
+    /// Counts the lines of a scan whose head gives only the points of one, by the lines for each pixel.
+    pub(super) fn complete(&mut self, rows: &Rows) {
+        if let [Some(nx), None] = self.points
+            && nx >= 1.0
+            && rows.rows as f64 % nx == 0.0
+            && rows.columns as f64 != nx
+        {
+            self.points[1] = Some(rows.rows as f64 / nx);
+        }
     }
 
     pub(super) fn has_size(&self) -> bool {
         self.width.is_some() || self.height.is_some() || self.pixel.is_some()
     }
 
-    /// The unit of length of each column, from the line above the numbers, such as `x in µm, y in µm`. Names may
-    /// contain blanks; if blanks separate them, the units are assigned to the columns if there are equally many.
-    pub(super) fn column_units(&self, columns: usize) -> Vec<Option<String>> {
-        let separator = [';', '\t', ','].into_iter().find(|&separator| self.columns.contains(separator)).unwrap_or(' ');
-        // The word "in" is no inch here.
-        let unit = |column: &str| {
-            let mut words = column.rsplit(|character: char| !character.is_alphabetic() && character != '~');
-            words.find(|word| *word != "in" && is_length(word)).map(str::to_owned)
-        };
-        let mut units: Vec<_> = self.columns.split(separator).map(unit).collect();
-        if separator == ' ' && units.len() != columns {
-            units.retain(Option::is_some);
+    /// True if the comment above the numbers, and no other line, names the columns.
+    pub(super) fn titles_are_comment(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// The titles of the columns, from the line above the numbers, such as `x in µm, y in µm`, or from a comment that
+    /// names x. Without as many titles there are none.
+    pub(super) fn titles(&self, columns: usize) -> Vec<Title> {
+        let above = titles(&self.columns, columns);
+        if !self.columns.is_empty() {
+            return above;
         }
-        if separator == ' ' && units.len() != columns { Vec::new() } else { units }
+        let found = titles(&self.comment, columns);
+        let names_x = found.len() == columns && found.iter().any(|title| title.role == Role::X);
+        if names_x { found } else { Vec::new() }
+    }
+
+    /// A warning that names the lines that seem to tell of size, unit or scale, and are not understood.
+    pub(super) fn warning(&self, titles_are_used: bool) -> Option<String> {
+        let used = [&self.columns, &self.comment].map(|line| clip(line.trim().trim_matches('"')));
+        let unknown = self.unknown.iter().filter(|line| !(titles_are_used && used.contains(line)));
+        let listed: Vec<String> = unknown.map(|line| format!("{line:?}")).collect();
+        (!listed.is_empty()).then(|| {
+            format!(
+                "the head has lines that are not used: {}; --length and --unit give size and unit",
+                listed.join(", ")
+            )
+        })
+    }
+
+    /// The unit and the sides of a scan of a Nanoscope with `points`; the pixels are square without a second side.
+    pub(super) fn scan(&self, [nx, ny]: [usize; 2]) -> Option<([f64; 2], Option<String>)> {
+        let Scan { sides, unit } = self.scan.as_ref()?;
+        let x = *sides.first()?;
+        Some(([x, sides.get(1).copied().unwrap_or(x * ny as f64 / nx as f64)], unit.clone()))
+    }
+
+    /// The matrix with its size and unit, if it has none of its own.
+    ///
+    /// # Errors
+    /// Sizes and units of which some are missing; another number of points.
+    pub(super) fn sized(&self, mut map: Map) -> Result<Map, String> {
+        let points: [usize; 2] = map.heights.dim().into();
+        for (said, found) in self.points.iter().zip(points) {
+            if let Some(said) = said.filter(|said| *said != found as f64) {
+                return Err(format!(
+                    "the matrix has {found} numbers on a side, and the header says {said}; both must agree"
+                ));
+            }
+        }
+        let Sizes { unit, lengths, notes } = self.sizes(points)?;
+        let scan = self.scan(points).filter(|_| lengths.is_none() && unit.is_some());
+        if let Some(factor) = self.factor {
+            map.heights.mapv_inplace(|height| height * factor);
+            map.notes.push(format!("heights are the numbers times {factor:e}, the factor in the header"));
+        }
+        if self.is_top_first {
+            map.heights.invert_axis(Axis(1));
+        }
+        (map.lengths, map.length_unit) = match (lengths, scan) {
+            (Some(lengths), _) => (Some(lengths), unit.clone()),
+            (None, Some((lengths, unit))) => (Some(lengths), unit),
+            (None, None) => (map.lengths, None),
+        };
+        map.height_unit = unit;
+        map.notes.extend(notes);
+        Ok(map)
     }
 
     /// The unit of the heights, and the sizes in this unit.
-    pub(super) fn sizes(&self, [nx, ny]: [usize; 2]) -> Result<Sizes, String> {
+    fn sizes(&self, [nx, ny]: [usize; 2]) -> Result<Sizes, String> {
         let unit = self.value_unit.clone();
         let mut notes = Vec::new();
         let mut along = |name: &str, length: &Length| match (&length.unit, &unit) {
@@ -115,6 +306,69 @@ impl Header {
         };
         Ok(Sizes { unit, lengths, notes })
     }
+}
+
+/// The titles in a line, if blanks separate them only if there are as many as columns.
+fn titles(line: &str, columns: usize) -> Vec<Title> {
+    let line = line.trim();
+    let separator = [';', '\t', ','].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
+    if separator != ' ' {
+        return words(line, separator).map(Title::of).collect();
+    }
+    // A unit belongs to the title before it: `x (µm)`, `x in µm`.
+    let mut names: Vec<String> = Vec::new();
+    for word in words(line, ' ') {
+        let bare = word.trim_matches(|c: char| !c.is_alphabetic() && c != '~');
+        let is_unit = word.starts_with(['(', '[', '/']) || word.eq_ignore_ascii_case("in") || is_length(bare);
+        match names.last_mut() {
+            Some(name) if is_unit => *name = format!("{name} {word}"),
+            _ => names.push(word.into()),
+        }
+    }
+    if names.len() == columns { names.iter().map(|name| Title::of(name)).collect() } else { Vec::new() }
+}
+
+/// The largest number of lines of a head that a warning names.
+const MOST_UNKNOWN: usize = 3;
+
+/// True for a line that seems to tell of size, unit, scale or missing points: one of their words and a number or a unit
+/// of length.
+fn tells(line: &str) -> bool {
+    const WORDS: [&str; 26] = [
+        "size",
+        "scale",
+        "unit",
+        "length",
+        "width",
+        "height",
+        "spacing",
+        "pixel",
+        "resolution",
+        "nodata",
+        "no data",
+        "missing",
+        "invalid",
+        "factor",
+        "calibration",
+        "increment",
+        "step",
+        "range",
+        "cell",
+        "pitch",
+        "sampling",
+        "delta",
+        "einheit",
+        "breite",
+        "höhe",
+        "skal",
+    ];
+    let lower = line.to_lowercase();
+    let has_number = lower.chars().any(|c| c.is_ascii_digit());
+    let has_unit = unit_in(line).is_some();
+    let short = |word: &str| matches!(word, "dx" | "dy" | "dz" | "x" | "y" | "z");
+    let named = WORDS.iter().any(|word| lower.contains(word))
+        || lower.split(|c: char| !c.is_alphanumeric()).any(short) && line.contains([':', '=']);
+    named && (has_number || has_unit)
 }
 
 /// Parses a length with or without a unit, such as `10.00 µm`.

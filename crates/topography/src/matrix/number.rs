@@ -2,8 +2,33 @@
 
 use crate::bytes::clip;
 
-/// Words that denote a point without a height.
-const MISSING: [&str; 6] = ["nan", "-nan", "na", "bad", "-", "--"];
+/// Words that denote a point without a height, in small letters.
+const MISSING: [&str; 24] = [
+    "nan",
+    "na",
+    "n/a",
+    "#n/a",
+    "<na>",
+    "n.a.",
+    "#nv",
+    "#num!",
+    "#value!",
+    "#div/0!",
+    "bad",
+    "null",
+    "nil",
+    "none",
+    "no data",
+    "nodata",
+    "no_data",
+    "missing",
+    "invalid",
+    "undefined",
+    "void",
+    "over",
+    "under",
+    "nan(ind)",
+];
 
 /// The longest number that is rewritten before it is read, in bytes.
 const LONGEST: usize = 64;
@@ -20,8 +45,36 @@ pub(super) fn number(word: &str, line: usize, column: usize) -> Result<f64, Stri
     rewritten.ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))
 }
 
-fn is_missing(word: &str) -> bool {
-    word.is_empty() || MISSING.contains(&word.to_ascii_lowercase().as_str())
+/// True for a word that denotes a point without a height, or the empty one between two separators: one of several
+/// programs, dashes, stars or question marks, or what C writes on Windows (`1.#QNAN`, `-1.#IND`, `1.#INF`).
+pub(super) fn is_missing(word: &str) -> bool {
+    let drawn = |mark: char| word.chars().all(|c| c == mark);
+    drawn('-')
+        || drawn('*')
+        || drawn('?')
+        || word.trim_start_matches(['-', '+']).starts_with("1.#")
+        || word.len() <= LONGEST && MISSING.contains(&word.trim_start_matches('-').to_ascii_lowercase().as_str())
+}
+
+/// True for a group of digits whose comma may be a decimal comma or may stand between thousands: `1,234`.
+pub(super) fn is_ambiguous(word: &str) -> bool {
+    let mut groups = word.trim_start_matches(['-', '+']).split(',');
+    let digits = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
+    groups.next().is_some_and(|first| (1..=3).contains(&first.len()) && digits(first))
+        && groups.clone().next().is_some()
+        && groups.all(|group| group.len() == 3 && digits(group))
+}
+
+/// The unit of the last digit of a number as it is written: 0.01 for `1.50`, 0.1 for `2.50e1`.
+pub(super) fn last_digit(word: &str) -> f64 {
+    let word = word.as_bytes();
+    let at = |bytes: &[u8], found: fn(u8) -> bool| bytes.iter().position(|&byte| found(byte));
+    let end = at(word, |byte| matches!(byte, b'e' | b'E' | b'd' | b'D')).unwrap_or(word.len());
+    let (mantissa, exponent) = word.split_at(end);
+    let decimals = at(mantissa, |byte| matches!(byte, b'.' | b',')).map_or(0, |point| mantissa.len() - point - 1);
+    let exponent = exponent.get(1..).and_then(|text| std::str::from_utf8(text).ok()?.parse().ok()).unwrap_or(0_i32);
+    let decimals = i32::try_from(decimals).unwrap_or(i32::MAX);
+    10_f64.powi(exponent.saturating_sub(decimals))
 }
 
 /// A number as Rust and C write it: with a decimal point for a decimal comma, the sign `-` for the minus of typography,

@@ -1,16 +1,15 @@
-//! Lists of points: `x y z` on a lattice in any order, with or without all its points, and `x z` at even distances.
+//! Lists of points: `x y z` on a lattice in any order, with or without all its points, and `x z` at even distances,
+//! among other columns or alone.
 
 use ndarray::Array2;
 
 use super::Rows;
-use super::header::Header;
+use super::axis::{self, Axis};
+use super::header::{Header, Role, Title};
 use crate::format::Map;
 use crate::unit::Sides;
 
-/// The largest distance of a coordinate from its lattice point, in spacings, that counts as rounding.
-const OFF: f64 = 0.05;
-
-/// The smallest number of lines that may be a list of points.
+/// The smallest number of lines that may be a list of points without titles.
 const FEWEST: usize = 4;
 
 /// The number of lines of three numbers above which they are not silently taken as a matrix.
@@ -19,128 +18,258 @@ const MANY: usize = 16;
 /// The largest ratio of the points of a lattice to those in the list.
 const SPARSEST: usize = 4;
 
+/// The largest number of columns of a list.
+pub(super) const MOST_COLUMNS: usize = 16;
+
+/// The way to write a matrix that might be a list.
+pub(super) const AS_MATRIX: &str = "a matrix must have a header with Width and Height";
+
+/// The columns of a list of points.
+#[derive(Clone, Copy, Debug)]
+struct Columns {
+    x: usize,
+    /// `None` of a profile.
+    y: Option<usize>,
+    z: usize,
+}
+
 /// The height map in a list of points; `None` if the rows are a matrix.
 ///
 /// # Errors
-/// Points that are not on a lattice, where the rows can hardly be a matrix.
+/// Points that are not on a lattice, where the rows can hardly be a matrix; titles that name several coordinates.
 pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> {
-    let units = header.column_units(rows.columns);
-    let unit = |column: usize| units.get(column).cloned().flatten();
-    // The columns of x, of y if there is one, and of the heights.
-    let with_units = |mut map: Map, [x, y]: [Option<usize>; 2], height: usize| {
-        let [along_x, along_y] = map.lengths.unwrap_or([1.0; 2]);
-        let sides = Sides::of((along_x, x.and_then(unit)), y.map(|y| (along_y, unit(y))))?;
-        (map.lengths, map.length_unit, map.notes) = (Some(sides.lengths), sides.unit, sides.notes);
-        map.height_unit = unit(height);
-        Ok(Some(map))
-    };
+    let titles = header.titles(rows.columns);
+    if let Some(columns) = Columns::named(&titles, rows.columns)? {
+        return columns.map(rows, &titles, header).map(Some);
+    }
+    // Separators at the ends of the lines make empty columns.
+    let width =
+        (0..rows.columns).rev().find(|column| !rows.column(*column).all(f64::is_nan)).map_or(0, |last| last + 1);
+    let profile = |x: usize, z: usize| Columns { x, y: None, z }.map(rows, &titles, header).map(Some);
     match rows.columns {
-        _ if rows.rows < FEWEST => Ok(None),
         3 if header.has_validity => {
-            let heights = rows.column(1).zip(rows.column(2)).map(|(z, valid)| if valid == 0.0 { f64::NAN } else { z });
-            profile(rows.column(0).collect(), heights).and_then(|map| with_units(map, [Some(0), None], 1))
-        }
-        2 if is_monotonic(rows.column(0)) => {
-            profile(rows.column(0).collect(), rows.column(1)).and_then(|map| with_units(map, [Some(0), None], 1))
-        }
-        // Separators at the ends of the lines make empty columns.
-        3 if is_monotonic(rows.column(0)) && rows.column(2).all(f64::is_nan) => {
-            profile(rows.column(0).collect(), rows.column(1)).and_then(|map| with_units(map, [Some(0), None], 1))
-        }
-        3 => match surface(rows) {
-            Some(map) => with_units(map, [Some(0), Some(1)], 2),
-            // A number of the point in the first column.
-            None if is_monotonic(rows.column(0)) && is_monotonic(rows.column(1)) => {
-                profile(rows.column(1).collect(), rows.column(2)).and_then(|map| with_units(map, [Some(1), None], 2))
+            let mut map = Columns { x: 0, y: None, z: 1 }.map(rows, &titles, header)?;
+            for (height, valid) in map.heights.iter_mut().zip(rows.column(2)) {
+                *height = if valid == 0.0 { f64::NAN } else { *height };
             }
-            None if rows.rows < MANY => Ok(None),
-            None => Err(format!(
+            Ok(Some(map))
+        }
+        2 if rows.column(0).all(f64::is_nan) && rows.rows > 1 => {
+            Err("each line is a dash and a number, a list of YAML; heights must be a matrix or points x z".into())
+        }
+        _ if rows.rows < FEWEST => Ok(None),
+        2 => profile(0, 1),
+        3 if width == 2 && is_monotonic(rows.column(0)) => profile(0, 1),
+        3 => {
+            let columns = Columns { x: 0, y: Some(1), z: 2 };
+            if let Some(map) = columns.surface(rows)? {
+                return columns.with_units(map, &titles, header).map(Some);
+            }
+            let is_number = |start: f64| rows.column(0).enumerate().all(|(row, found)| found == start + row as f64);
+            // A number of the point in the first column.
+            if rows.column(0).next().is_some_and(is_number) && is_monotonic(rows.column(1)) {
+                return profile(1, 2);
+            }
+            if rows.rows < MANY {
+                return Ok(None);
+            }
+            Err(format!(
                 "the {} lines of three numbers are not the points x y z of a lattice; a matrix with three columns must \
                  have a header with Width and Height",
                 rows.rows
-            )),
-        },
+            ))
+        }
+        4..=MOST_COLUMNS => {
+            let Some(columns) = Columns::found(rows)? else { return Ok(None) };
+            let Some(map) = columns.surface(rows)? else { return Ok(None) };
+            columns.with_units(map, &titles, header).map(Some)
+        }
         _ => Ok(None),
     }
 }
 
-fn is_monotonic(column: impl Iterator<Item = f64> + Clone) -> bool {
-    let next = column.clone().skip(1);
-    column.zip(next).all(|(here, next)| next > here)
+/// True if each number is larger than the one before, or each is smaller.
+pub(super) fn is_monotonic(column: impl Iterator<Item = f64> + Clone) -> bool {
+    let pairs = || column.clone().zip(column.clone().skip(1));
+    pairs().all(|(here, next)| next > here) || pairs().all(|(here, next)| next < here)
 }
 
-/// The profile of heights at even distances.
-fn profile(x: Vec<f64>, heights: impl Iterator<Item = f64>) -> Result<Map, String> {
-    let axis = Axis::of(&x)
-        .filter(|axis| axis.count == x.len())
-        .ok_or_else(|| format!("the {} points x z are not at even distances; they must be", x.len()))?;
-    let heights: Vec<f64> = heights.collect();
-    let heights = Array2::from_shape_vec((x.len(), 1), heights).map_err(|error| error.to_string())?;
-    Ok(Map { heights, lengths: Some([axis.step * axis.count as f64, 1.0]), ..Map::default() })
-}
-
-/// The surface through points x y z on a lattice; lattice points missing from the list are undefined.
-fn surface(rows: &Rows) -> Option<Map> {
-    let axis = |column: usize| Axis::of(&rows.column(column).collect::<Vec<_>>());
-    let (x, y) = (axis(0)?, axis(1)?);
-    if x.count < 2 || y.count < 2 || x.count.checked_mul(y.count)? > SPARSEST * rows.rows {
-        return None;
+/// True if the points with these coordinates are those of a lattice, of which few are missing.
+pub(super) fn is_lattice(x: &[f64], y: &[f64]) -> bool {
+    let [count_x, count_y] = [x, y].map(axis::count);
+    let is_full = |full: usize| (x.len()..=x.len() + x.len() / 4).contains(&full);
+    if count_x.min(count_y) < 2 || !count_x.checked_mul(count_y).is_some_and(is_full) {
+        return false;
     }
-    let mut heights = Array2::from_elem((x.count, y.count), f64::NAN);
-    let mut seen = Array2::from_elem((x.count, y.count), false);
-    for ((at_x, at_y), z) in rows.column(0).zip(rows.column(1)).zip(rows.column(2)) {
-        let place = [x.index(at_x), y.index(at_y)];
-        if std::mem::replace(&mut seen[place], true) {
-            return None;
-        }
-        heights[place] = z;
-    }
-    let lengths = [x.step * x.count as f64, y.step * y.count as f64];
-    Some(Map { heights, lengths: Some(lengths), ..Map::default() })
+    let mut points: Vec<_> = x.iter().zip(y).map(|(x, y)| (x.to_bits(), y.to_bits())).collect();
+    points.sort_unstable();
+    points.windows(2).all(|pair| pair[0] != pair[1])
 }
 
-/// Evenly spaced coordinates.
-struct Axis {
-    first: f64,
-    step: f64,
-    count: usize,
-}
-
-impl Axis {
-    /// The lattice of coordinates, each of which occurs any number of times. `None` if there is none.
-    fn of(coordinates: &[f64]) -> Option<Self> {
-        let mut sorted = coordinates.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let (first, last) = (*sorted.first()?, *sorted.last()?);
-        if !(last - first).is_finite() || last <= first {
-            return None;
+impl Columns {
+    /// The columns by their titles; `None` if these name no coordinates.
+    ///
+    /// # Errors
+    /// Several columns with the title of one coordinate.
+    fn named(titles: &[Title], columns: usize) -> Result<Option<Self>, String> {
+        let with = |role: Role| -> Vec<usize> { (0..titles.len()).filter(|k| titles[*k].role == role).collect() };
+        let (x, y, z) = (with(Role::X), with(Role::Y), with(Role::Z));
+        let several = |name: &str, found: &[usize]| {
+            let names: Vec<&str> = found.iter().map(|column| titles[*column].name.as_str()).collect();
+            format!("the columns {} are all called {name}; only one must be", names.join(", "))
+        };
+        for (name, found) in [("x", &x), ("y", &y)] {
+            if found.len() > 1 && !z.is_empty() {
+                return Err(several(name, found));
+            }
         }
-        // Steps far below the largest are rounding between points of one column.
-        let steps = || sorted.windows(2).map(|pair| pair[1] - pair[0]);
-        let largest = steps().fold(0.0, f64::max);
-        let smallest = steps().filter(|step| *step > 0.1 * largest).fold(f64::INFINITY, f64::min);
-        let single = || steps().filter(|step| *step > 0.1 * largest && *step < 1.5 * smallest);
-        let mean = single().sum::<f64>() / single().count() as f64;
-        let intervals = ((last - first) / mean).round();
-        if intervals > coordinates.len() as f64 {
-            return None;
+        let is_z = |column: &usize| titles[*column].name.trim().starts_with(['z', 'Z']);
+        let height = || match z[..] {
+            [height] => Ok(Some(height)),
+            [] => Ok(None),
+            _ => match z.iter().copied().filter(is_z).collect::<Vec<_>>()[..] {
+                [height] => Ok(Some(height)),
+                _ => Err(several("z", &z)),
+            },
+        };
+        match (&x[..], &y[..]) {
+            ([x], [y]) => match height()? {
+                Some(z) => Ok(Some(Self { x: *x, y: Some(*y), z })),
+                None if columns == 3 => Ok(Some(Self { x: *x, y: Some(*y), z: 3 - x - y })),
+                // The height of a curve is often called y.
+                None if columns == 2 => Ok(Some(Self { x: *x, y: None, z: *y })),
+                None => Err("columns are called x and y, but none z or height; one must be".into()),
+            },
+            ([along], []) | ([], [along]) => match height()? {
+                Some(z) => Ok(Some(Self { x: *along, y: None, z })),
+                None if columns == 2 => Ok(Some(Self { x: *along, y: None, z: 1 - along })),
+                None => Ok(None),
+            },
+            _ => Ok(None),
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "from zero to the number of coordinates"
-        )]
-        let axis = Self { first, step: (last - first) / intervals, count: intervals as usize + 1 };
-        let off = |x: f64| (x - first) / axis.step - ((x - first) / axis.step).round();
-        sorted.iter().all(|&x| off(x).abs() <= OFF).then_some(axis)
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a coordinate of the axis, which begins at the first"
-    )]
-    fn index(&self, coordinate: f64) -> usize {
-        (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1)
+    /// The pair of neighbouring columns that forms a full lattice, and the column behind it.
+    ///
+    /// # Errors
+    /// The errors of an axis.
+    fn found(rows: &Rows) -> Result<Option<Self>, String> {
+        for x in 0..rows.columns - 2 {
+            let (y, z) = (x + 1, x + 2);
+            let [along_x, along_y] = [x, y].map(|column| rows.column(column).collect::<Vec<_>>());
+            if rows.rows < FEWEST + 2 || !is_lattice(&along_x, &along_y) {
+                continue;
+            }
+            let columns = Self { x, y: Some(y), z };
+            if columns.surface(rows)?.is_some() {
+                return Ok(Some(columns));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The map with the units of the columns.
+    fn map(self, rows: &Rows, titles: &[Title], header: &Header) -> Result<Map, String> {
+        let map = match self.y {
+            None => self.profile(rows)?,
+            Some(y) => self.surface(rows)?.ok_or_else(|| {
+                let name = |column: usize| titles.get(column).map_or("", |title| title.name.trim());
+                format!(
+                    "the {} points in the columns {}, {}, {} are not on a lattice, each point once; they must be",
+                    rows.rows,
+                    name(self.x),
+                    name(y),
+                    name(self.z)
+                )
+            })?,
+        };
+        self.with_units(map, titles, header)
+    }
+
+    fn with_units(self, mut map: Map, titles: &[Title], header: &Header) -> Result<Map, String> {
+        let used = [Some(self.x), self.y, Some(self.z)];
+        let with =
+            used.iter().flatten().filter(|column| titles.get(**column).is_some_and(|title| title.unit.is_some()));
+        // A comment that gives some of the units is a remark; a line of titles must give all.
+        let is_remark = header.titles_are_comment() && with.count() < used.iter().flatten().count();
+        let unit = |column: usize| titles.get(column).filter(|_| !is_remark).and_then(|title| title.unit.clone());
+        let [along_x, along_y] = map.lengths.unwrap_or([1.0; 2]);
+        let sides = Sides::of((along_x, unit(self.x)), self.y.map(|y| (along_y, unit(y))))?;
+        map.height_unit = unit(self.z);
+        if let (Some(unit), None, Some(title)) = (&sides.unit, &map.height_unit, titles.get(self.z)) {
+            return Err(format!(
+                "the unit of x is {unit} but the title {:?} of the heights has no unit of length; it must have one",
+                title.name.trim()
+            ));
+        }
+        map.lengths = Some(sides.lengths);
+        map.length_unit = sides.unit;
+        map.notes.extend(sides.notes);
+        if titles.len() > used.iter().flatten().count() || titles.is_empty() && used.iter().flatten().any(|k| *k > 2) {
+            let name = |column: usize| {
+                titles.get(column).map_or_else(|| (column + 1).to_string(), |title| title.name.trim().to_owned())
+            };
+            let names: Vec<String> = used.iter().flatten().map(|column| name(*column)).collect();
+            map.notes.push(format!("the columns {} are read, others are left out", names.join(", ")));
+        }
+        Ok(map)
+    }
+
+    /// The profile of heights at even distances, from the smallest x.
+    fn profile(self, rows: &Rows) -> Result<Map, String> {
+        let mut x: Vec<f64> = rows.column(self.x).collect();
+        let mut heights: Vec<f64> = rows.column(self.z).collect();
+        let is_falling = x.first() > x.last();
+        let goes_on = |pair: &[f64]| if is_falling { pair[1] < pair[0] } else { pair[1] > pair[0] };
+        if let Some(at) = x.windows(2).position(|pair| !goes_on(pair)) {
+            let matrix = if rows.columns == 2 { format!("; {AS_MATRIX}") } else { String::new() };
+            return Err(format!(
+                "x is {} at point {} and {} at point {} of {}; it must rise, or fall, from point to point{matrix}",
+                x[at],
+                at + 1,
+                x[at + 1],
+                at + 2,
+                x.len()
+            ));
+        }
+        if is_falling {
+            x.reverse();
+            heights.reverse();
+        }
+        let axis = Axis::rising(&x, rows.digit(self.x))
+            .ok_or_else(|| format!("the {} points x z are not at even distances; they must be", x.len()))?;
+        let notes = axis.note("x").into_iter().collect();
+        let heights = Array2::from_shape_vec((x.len(), 1), heights).map_err(|error| error.to_string())?;
+        Ok(Map { heights, lengths: Some([axis.length(), 1.0]), notes, ..Map::default() })
+    }
+
+    /// The surface through points x y z on a lattice; lattice points missing from the list are undefined.
+    ///
+    /// # Errors
+    /// Coordinates that may be rounded or have gaps, of what is a list otherwise.
+    fn surface(self, rows: &Rows) -> Result<Option<Map>, String> {
+        let Some(y) = self.y else { return Ok(None) };
+        let coordinates = [self.x, y].map(|column| rows.column(column).collect::<Vec<_>>());
+        let [count_x, count_y] = [0, 1].map(|axis| axis::count(&coordinates[axis]));
+        let is_list = count_x > 1 && count_y > 1 && 2 * count_x.saturating_mul(count_y) <= 3 * rows.rows;
+        let along = |index: usize, name: &str, column: usize| match Axis::of(&coordinates[index], rows.digit(column)) {
+            Err(reason) if is_list => Err(format!("the coordinates {name} are not even: {reason}")),
+            found => Ok(found.unwrap_or_default()),
+        };
+        let (Some(x), Some(y)) = (along(0, "x", self.x)?, along(1, "y", y)?) else { return Ok(None) };
+        if x.count < 2 || y.count < 2 || x.count.checked_mul(y.count).is_none_or(|most| most > SPARSEST * rows.rows) {
+            return Ok(None);
+        }
+        let mut heights = Array2::from_elem((x.count, y.count), f64::NAN);
+        let mut seen = Array2::from_elem((x.count, y.count), false);
+        for ((at_x, at_y), z) in coordinates[0].iter().zip(&coordinates[1]).zip(rows.column(self.z)) {
+            let place = [x.index(*at_x), y.index(*at_y)];
+            if std::mem::replace(&mut seen[place], true) {
+                return Ok(None);
+            }
+            heights[place] = z;
+        }
+        let notes = [x.note("x"), y.note("y")].into_iter().flatten().collect();
+        Ok(Some(Map { heights, lengths: Some([x.length(), y.length()]), notes, ..Map::default() }))
     }
 }

@@ -494,7 +494,7 @@ fn columns_of_points_have_units_of_their_own() {
     for (header, says) in [
         ("x in µm;y;z in nm", "the unit of x is µm but y has no unit"),
         ("x;y;z in nm", "the unit of the heights is nm but the lengths have no unit"),
-        ("x in m;y in m;z", "the unit of the lengths is m but the heights have no unit"),
+        ("x in m;y in m;z", "the unit of x is m but the title \"z\" of the heights has no unit of length"),
     ] {
         let found = list(header).unwrap_err();
         assert!(found.starts_with(says), "{header}: {found}");
@@ -573,7 +573,7 @@ fn numbers_of_fortran_and_typography_are_read_and_others_refused_by_name() {
         assert_eq!(text(&format!("{line}\n3 4\n")).unwrap_err(), says);
     }
     for header in
-        ["x y", "20.05.2024 12:30:11", "20.05.2024 1", "2024-01-15 Smith", "256x256 8bit", "1.5.2 -", "a 1_0", "1_0"]
+        ["a b", "20.05.2024 12:30:11", "20.05.2024 1", "2024-01-15 Smith", "256x256 8bit", "1.5.2 -", "a 1_0", "1_0"]
     {
         assert_eq!(heights(&format!("{header}\n1 2\n3 4\n")), ndarray::array![[1.0, 3.0], [2.0, 4.0]], "{header}");
     }

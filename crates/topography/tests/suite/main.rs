@@ -7,3 +7,4 @@ mod formats;
 mod instruments;
 #[path = "../harness/made.rs"]
 mod made;
+mod text;

@@ -1,0 +1,270 @@
+//! Lattices of coordinates, which may be rounded to the digits written.
+
+/// The largest distance of a coordinate from its lattice point, in spacings, that counts as rounding.
+const OFF: f64 = 0.05;
+
+/// The largest distance from even spacing, in spacings, that counts as an error of arithmetic.
+const EVEN: f64 = 1e-6;
+
+/// The shares of steps of two digits, among those of one, that a rounded coordinate has and gaps hardly have.
+const MIXED: [f64; 2] = [0.2, 0.8];
+
+/// The smallest number of coordinates by which rounding is told from gaps.
+const TOLD: usize = 8;
+
+/// The largest ratio of lattice points to coordinates written as whole numbers.
+const GAPS: f64 = 1.3;
+
+/// Evenly spaced coordinates.
+#[derive(Debug, PartialEq)]
+pub(super) struct Axis {
+    first: f64,
+    pub(super) step: f64,
+    pub(super) count: usize,
+    /// The coordinates as they are written and half the range of spacings that they allow, if they are rounded.
+    rounded: Option<(Vec<f64>, f64)>,
+}
+
+impl Axis {
+    /// The lattice of coordinates, each of which occurs any number of times; `digit` is the unit of the last digit
+    /// written. `None` if there is none.
+    ///
+    /// # Errors
+    /// Coordinates that may be rounded, or may have gaps.
+    pub(super) fn of(coordinates: &[f64], digit: f64) -> Result<Option<Self>, String> {
+        let places = distinct(coordinates);
+        if let Some(axis) = Self::even(&places) {
+            return Ok(Some(axis));
+        }
+        let unclear = || {
+            format!(
+                "they are written to {digit:e} only, and may be rounded or have gaps; more digits must be written, or \
+                 all points, or a matrix"
+            )
+        };
+        let whole = digit >= 1.0;
+        if let Some(axis) = Self::fitted(&places, digit) {
+            let digits = |pair: &[f64]| ((pair[1] - pair[0]) / digit).round();
+            let long = places.windows(2).filter(|pair| digits(pair) > 1.5).count() as f64 / (places.len() - 1) as f64;
+            let is_rounded = axis.step >= 2.0 * digit
+                || places.windows(2).all(|pair| digits(pair) > 1.5)
+                || places.len() >= TOLD && (MIXED[0]..=MIXED[1]).contains(&long);
+            match (is_rounded, whole) {
+                (true, _) => return Ok(Some(axis)),
+                (false, true) => {}
+                (false, false) => return Err(unclear()),
+            }
+        }
+        let Some(axis) = Self::with_gaps(coordinates) else { return Ok(None) };
+        let most = if whole { GAPS } else { 1.0 };
+        let is_coarse = axis.step < 3.5 * digit && axis.count as f64 > most * places.len() as f64;
+        if is_coarse { Err(unclear()) } else { Ok(Some(axis)) }
+    }
+
+    /// The lattice of coordinates of which each is the next point, rising; `None` if there is none.
+    pub(super) fn rising(coordinates: &[f64], digit: f64) -> Option<Self> {
+        if !coordinates.windows(2).all(|pair| pair[1] > pair[0]) {
+            return None;
+        }
+        let full = |axis: &Self| axis.count == coordinates.len();
+        Self::even(coordinates)
+            .or_else(|| Self::fitted(coordinates, digit))
+            .or_else(|| Self::with_gaps(coordinates))
+            .filter(full)
+    }
+
+    /// Returns true if each coordinate is the next point of a lattice, rising or falling, within the digits written.
+    pub(super) fn is_progression(coordinates: &[f64], digit: f64) -> bool {
+        let next = |axis: Option<Self>| axis.is_some_and(|axis| axis.count == coordinates.len());
+        let even = |places: &[f64]| {
+            places.windows(2).all(|pair| pair[1] > pair[0])
+                && (next(Self::even(places))
+                    || next(
+                        Self::fitted(places, digit).filter(|axis| axis.step >= 3.0 * digit || places.len() >= TOLD),
+                    ))
+        };
+        even(coordinates) || even(&coordinates.iter().rev().copied().collect::<Vec<_>>())
+    }
+
+    /// The axis of coordinates that rise at even distances but for errors of arithmetic.
+    fn even(places: &[f64]) -> Option<Self> {
+        let (first, last) = (*places.first()?, *places.last()?);
+        if !(last - first).is_finite() || last <= first {
+            return None;
+        }
+        let step = (last - first) / (places.len() - 1) as f64;
+        let most = EVEN * step + 4.0 * f64::EPSILON * first.abs().max(last.abs());
+        let is_even = |(index, place): (usize, &f64)| (place - first - index as f64 * step).abs() <= most;
+        let axis = Self { first, step, count: places.len(), rounded: None };
+        places.iter().enumerate().all(is_even).then_some(axis)
+    }
+
+    /// The axis in the middle of those whose points, rounded to the last digit, are the rising coordinates.
+    fn fitted(places: &[f64], digit: f64) -> Option<Self> {
+        let (first, last) = (*places.first()?, *places.last()?);
+        let steps = places.len().checked_sub(1).filter(|steps| *steps > 0)? as f64;
+        if !(last - first).is_finite() || last <= first || !(digit > 0.0 && digit.is_finite()) {
+            return None;
+        }
+        // The lowest and the highest of the first points that the coordinates have for a spacing.
+        let range = |step: f64| {
+            places.iter().enumerate().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (index, place)| {
+                let found = place - index as f64 * step;
+                [low.min(found), high.max(found)]
+            })
+        };
+        let width = |step: f64| {
+            let [low, high] = range(step);
+            high - low
+        };
+        let most = digit * (1.0 + 1e-9) + 8.0 * f64::EPSILON * first.abs().max(last.abs());
+        let [mut low, mut high] = [-1.0, 1.0].map(|sign| (last - first + sign * most) / steps);
+        let ends = [low, high];
+        // The width is a convex function of the spacing.
+        for _ in 0..SEARCHES {
+            let [left, right] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            if width(left) <= most {
+                (low, high) = (left, left);
+            } else if width(right) <= most {
+                (low, high) = (right, right);
+            } else if width(left) < width(right) {
+                high = right;
+            } else {
+                low = left;
+            }
+        }
+        let inside = f64::midpoint(low, high);
+        let fits = width(inside) <= most;
+        if !fits {
+            return None;
+        }
+        let [low, high] = ends.map(|end| {
+            let [mut inside, mut outside] = [inside, end];
+            for _ in 0..SEARCHES {
+                let middle = f64::midpoint(inside, outside);
+                if width(middle) <= most { inside = middle } else { outside = middle }
+            }
+            inside
+        });
+        let step = f64::midpoint(low, high);
+        let [lowest, highest] = range(step);
+        let first = f64::midpoint(lowest, highest);
+        (step > 0.0).then(|| Self {
+            first,
+            step,
+            count: places.len(),
+            rounded: Some((places.to_vec(), 0.5 * (high - low))),
+        })
+    }
+
+    /// The lattice of coordinates, some of whose points may be missing, and which may be off by a part of the spacing.
+    fn with_gaps(coordinates: &[f64]) -> Option<Self> {
+        let mut sorted = coordinates.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let (first, last) = (*sorted.first()?, *sorted.last()?);
+        if !(last - first).is_finite() || last <= first {
+            return None;
+        }
+        // Steps far below the largest are rounding between points of one column.
+        let steps = || sorted.windows(2).map(|pair| pair[1] - pair[0]);
+        let largest = steps().fold(0.0, f64::max);
+        let smallest = steps().filter(|step| *step > 0.1 * largest).fold(f64::INFINITY, f64::min);
+        let single = || steps().filter(|step| *step > 0.1 * largest && *step < 1.5 * smallest);
+        let mean = single().sum::<f64>() / single().count() as f64;
+        let intervals = ((last - first) / mean).round();
+        if intervals > coordinates.len() as f64 {
+            return None;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from zero to the number of coordinates"
+        )]
+        let axis = Self { first, step: (last - first) / intervals, count: intervals as usize + 1, rounded: None };
+        let off = |x: f64| (x - first) / axis.step - ((x - first) / axis.step).round();
+        sorted.iter().all(|&x| off(x).abs() <= OFF).then_some(axis)
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a coordinate of the axis, which begins at the first"
+    )]
+    pub(super) fn index(&self, coordinate: f64) -> usize {
+        match &self.rounded {
+            Some((places, _)) => places.partition_point(|place| *place < coordinate).min(self.count - 1),
+            None => (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1),
+        }
+    }
+
+    /// The length, as many spacings as points.
+    pub(super) fn length(&self) -> f64 {
+        self.step * self.count as f64
+    }
+
+    /// A remark on a spacing that follows from rounded coordinates.
+    pub(super) fn note(&self, name: &str) -> Option<String> {
+        let (_, half) = self.rounded.as_ref()?;
+        Some(format!(
+            "the coordinates {name} are rounded; a spacing of {:.6e}, within {:.1e}, agrees with their digits (--length \
+             gives it exactly)",
+            self.step, half
+        ))
+    }
+}
+
+/// The number of steps of a search by halves or thirds.
+const SEARCHES: usize = 60;
+
+/// The different coordinates, rising.
+fn distinct(coordinates: &[f64]) -> Vec<f64> {
+    let mut sorted = coordinates.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    sorted
+}
+
+/// The number of different coordinates.
+pub(super) fn count(coordinates: &[f64]) -> usize {
+    distinct(coordinates).len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rounded(step: f64, points: impl IntoIterator<Item = u32>, digit: f64) -> Vec<f64> {
+        points.into_iter().map(|k| (f64::from(k) * step / digit).round() * digit).collect()
+    }
+
+    #[test]
+    fn rounded_coordinates_have_the_spacing_that_their_digits_allow() {
+        for (step, count) in [(0.15625, 12), (0.15625, 200), (0.1 / 3.0 * 4.0, 9), (0.7312, 30), (33.333_333, 8)] {
+            let found = Axis::of(&rounded(step, 0..count, 0.1), 0.1).unwrap().unwrap();
+            let allowed = found.rounded.as_ref().unwrap().1;
+            assert_eq!(found.count, count as usize);
+            assert!((found.step - step).abs() <= allowed * (1.0 + 1e-6), "{step} {found:?}");
+            // The digits leave a range of spacings that shrinks with the number of points.
+            assert!(allowed < 0.1 / f64::from(count - 1), "{step} {allowed}");
+            let found = Axis::rising(&rounded(step, 0..count, 0.1), 0.1).unwrap();
+            assert_eq!(found.index(found.rounded.as_ref().unwrap().0[3]), 3);
+        }
+        // Not rounded: the spacing is that between the ends, to the bit.
+        let exact = Axis::of(&[0.0, 0.5, 1.5, 1.0, 0.5], 0.1).unwrap().unwrap();
+        assert_eq!((exact.step, exact.count, exact.rounded), (0.5, 4, None));
+    }
+
+    #[test]
+    fn gaps_are_no_rounding() {
+        // A column is missing, of a lattice of several digits and of whole numbers.
+        let gap = |step: f64, digit| Axis::of(&rounded(step, (0..12).filter(|k| *k != 5), digit), digit);
+        assert_eq!(gap(0.5, 0.1).unwrap().unwrap().count, 12);
+        assert_eq!(gap(1.0, 1.0).unwrap().unwrap().count, 12);
+        // Of one digit, and rounded: either is possible.
+        assert!(gap(0.1, 0.1).unwrap_err().starts_with("they are written to 1e-1 only"));
+        let twice = |k: u32| [k, k];
+        assert!(Axis::of(&rounded(0.15625, (0..12).filter(|k| *k != 5).flat_map(twice), 0.1), 0.1).is_err());
+        assert_eq!(Axis::rising(&rounded(0.5, (0..12).filter(|k| *k != 5), 0.1), 0.1), None);
+        assert_eq!(Axis::of(&[0.0, 0.11, 0.43, 0.51, 1.0], 0.01), Ok(None));
+    }
+}

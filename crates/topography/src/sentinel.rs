@@ -1,0 +1,119 @@
+//! Heights that may denote missing points.
+
+use ndarray::Array2;
+
+/// Numbers that programs write where nothing was measured, and beyond which no height is.
+const KNOWN: [f64; 12] = [
+    -999.0,
+    -9999.0,
+    -99999.0,
+    -999_999.0,
+    9999.0,
+    99999.0,
+    -32768.0,
+    32767.0,
+    -25400.0,
+    65535.0,
+    -2_147_483_648.0,
+    2_147_483_647.0,
+];
+
+/// The size from which a single number far from all others is no height in any unit.
+const HUGE: f64 = 1e10;
+
+/// The distance from all other heights, in ranges of these, at which a known number is doubtful.
+const KNOWN_FAR: f64 = 2.0;
+
+/// The distance at which any number is doubtful that occurs again.
+const FAR: f64 = 10.0;
+
+/// A warning that names a number far outside all other heights, if it occurs again or programs use it for missing
+/// points; the lowest or the highest of the heights.
+pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
+    let found: Vec<(f64, usize)> = [lowest(heights, 1.0), lowest(heights, -1.0)].into_iter().flatten().collect();
+    let listed: Vec<String> = found
+        .iter()
+        .map(|(height, count)| {
+            let height = if height.abs() < HUGE { height.to_string() } else { format!("{height:e}") };
+            format!("{height} at {count} point{}", if *count == 1 { "" } else { "s" })
+        })
+        .collect();
+    (!listed.is_empty()).then(|| {
+        format!(
+            "the height is {}, far outside all others; this may denote missing points, which must be nan",
+            listed.join(" and ")
+        )
+    })
+}
+
+/// The lowest height times a sign, and its count, if it may denote missing points.
+fn lowest(heights: &Array2<f64>, sign: f64) -> Option<(f64, usize)> {
+    let defined = || heights.iter().map(|height| sign * height).filter(|height| height.is_finite());
+    let extreme = defined().fold(f64::INFINITY, f64::min);
+    let (mut count, mut next, mut highest) = (0_usize, f64::INFINITY, f64::NEG_INFINITY);
+    for height in defined() {
+        if height == extreme {
+            count += 1;
+        } else {
+            (next, highest) = (next.min(height), highest.max(height));
+        }
+    }
+    // Another such number may be at the other end.
+    let before = defined().filter(|height| *height < highest).fold(f64::NEG_INFINITY, f64::max);
+    let end = if before > next && highest - before > FAR * (before - next) { before } else { highest };
+    let range = end - next;
+    let height = sign * extreme;
+    let is_known = KNOWN.contains(&height) || height.abs() >= HUGE;
+    let ranges = if is_known { KNOWN_FAR } else { FAR };
+    // Two levels, such as those of a punch, have no range.
+    (range > 0.0 && next - extreme > ranges * range && (count > 1 || is_known)).then_some((height, count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Heights between -1 and 1, with a number at some points.
+    fn map(number: f64, count: usize) -> Array2<f64> {
+        let mut heights = Array2::from_shape_fn((8, 6), |(i, j)| (1.3 * i as f64 + 0.7 * j as f64).sin());
+        heights.iter_mut().step_by(7).take(count).for_each(|height| *height = number);
+        heights
+    }
+
+    #[test]
+    fn numbers_for_missing_points_are_named() {
+        for number in [-9999.0, -99999.0, -25400.0, 3.402_823e38, -1e10, 1e10, f64::MAX, 32767.0, 1.701_41e38] {
+            for count in [1, 3] {
+                let text = warning(&map(number, count)).unwrap();
+                let points = if count == 1 { "1 point," } else { "3 points," };
+                assert!(text.contains(&format!(" at {points} far outside")), "{text}");
+                assert!(number.abs() >= HUGE || text.contains(&number.to_string()), "{text}");
+            }
+        }
+        // Another number must occur again, as -32768 does that was scaled.
+        assert!(warning(&map(-327.68e-3 * 100.0, 2)).is_some());
+        assert_eq!(warning(&map(-327.68e-3 * 100.0, 1)), None);
+        // Both ends.
+        let mut both = map(-9999.0, 2);
+        both[[7, 5]] = 1e10;
+        let text = warning(&both).unwrap();
+        assert!(text.contains("-9999 at 2 points and 1e10 at 1 point"), "{text}");
+    }
+
+    #[test]
+    fn heights_are_no_missing_points() {
+        // Ordinary heights, a spike, a flat floor that is not far, two levels, and one.
+        for heights in [
+            map(0.5, 3),
+            map(-40.0, 1),
+            map(-8.0, 9),
+            map(0.0, 48),
+            Array2::from_shape_fn((4, 4), |(i, _)| f64::from(i > 1)),
+        ] {
+            assert_eq!(warning(&heights), None);
+        }
+        assert_eq!(warning(&Array2::from_elem((2, 2), f64::NAN)), None);
+        let steps = Array2::from_shape_fn((40, 1), |(i, _)| -9999.0 + 400.0 * i as f64);
+        assert_eq!(warning(&steps), None);
+    }
+}
