@@ -2,7 +2,7 @@
 
 use gfmd_relax::{Budget, Ending, InnerWatch, Variables, Visit, Watch, Why};
 
-use crate::{Effort, Fields, Refusal};
+use crate::{Effort, Fields, Load, Refusal};
 
 /// A state whose residuals are over a scale of lengths that follows from its displacement.
 pub(crate) trait Refined: Fields {
@@ -27,6 +27,18 @@ impl Variables for Stage {
     fn visit(&mut self, visitor: &mut dyn Visit) {
         visitor.number(&mut self.length_scale);
         self.effort.visit(visitor);
+    }
+}
+
+/// The largest part of a prescribed approach that is within the tolerance on the coarsest scale.
+const OF_THE_APPROACH: f64 = 0.1;
+
+/// The coarsest scale of lengths of a search under `load`, at most `scale`: without pressure, a surface that is moved by
+/// a prescribed approach must not be within the tolerance.
+pub(crate) fn coarsest(scale: f64, load: Load, tolerance: f64) -> f64 {
+    match load {
+        Load::Approach(approach) if approach > 0.0 => scale.min(OF_THE_APPROACH * approach / tolerance),
+        _ => scale,
     }
 }
 

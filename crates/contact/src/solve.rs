@@ -3,7 +3,7 @@ use gfmd_relax::{Budget, Watch};
 use crate::attempt::{Attempt, Reached};
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
-use crate::refine::refine;
+use crate::refine::{coarsest, refine};
 use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, judge};
 
 impl Contact {
@@ -69,7 +69,7 @@ impl Equilibrium for Contact {
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
         let load = self.units().drive(drive).load;
         let watch = &mut self.units().shown(watch);
-        let coarsest = self.length_scale(load);
+        let coarsest = coarsest(self.length_scale(load), load, budget.tolerance);
         let (solution, ending) = refine(coarsest, budget, start, watch, |length_scale, budget, start, watch| {
             let attempt =
                 Attempt { contact: self, load, length_scale, budget, start, watch, effort: Effort::default() };

@@ -12,7 +12,7 @@ use gfmd_response::{PlateResponse, PlateTransforms};
 use gfmd_vector::with_contiguous;
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
-use crate::refine::{Refined, refine};
+use crate::refine::{Refined, coarsest, refine};
 use crate::solution::Conditions;
 use crate::{
     Drive, Effort, Equilibrium, Fields, Load, Refusal, Residual, Resumable, RigidSurface, Solution, SolveError, Solver,
@@ -221,7 +221,7 @@ impl Equilibrium for SqueezedContact {
         self.check_resolution(drive, budget.tolerance)?;
         let start = start.map(|start| self.check_start(start)).transpose()?;
         let load = self.units.drive(drive).load;
-        let coarsest = self.length_scale(load);
+        let coarsest = coarsest(self.length_scale(load), load, budget.tolerance);
         let (state, ending) = refine(coarsest, budget, start, watch, |length_scale, budget, start, watch| {
             let ended = dual::solve(self, load, length_scale, &budget, start, watch)?;
             let mut state = self.certified(ended.pressure, load);

@@ -5,7 +5,7 @@ mod path;
 mod single;
 mod sums;
 
-use constants::{CHANGE, DOWNHILL, PLAIN};
+use constants::{CHANGE, DOWNHILL, PLAIN, STALLED};
 use gfmd_vector::Share;
 pub use pair::Paired;
 
@@ -138,6 +138,9 @@ struct Course {
     length: f64,
     /// The residual at the last refresh.
     reference: f64,
+    /// The least residual since then, and the number of iterations in which it has not fallen further.
+    least: f64,
+    stalled: u64,
     /// True if the last step brought no variable to a bound.
     settled: bool,
     /// True if the gradient was computed from x.
@@ -147,10 +150,22 @@ struct Course {
 
 impl Course {
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        visitor.numbers(&mut [&mut self.length, &mut self.reference]);
+        visitor.numbers(&mut [&mut self.length, &mut self.reference, &mut self.least]);
         visitor.flag(&mut self.settled);
         visitor.flag(&mut self.is_fresh);
+        visitor.count(&mut self.stalled);
         visitor.count(&mut self.iteration);
+    }
+
+    /// Notes the residual of an iterate. Returns true if it stays so high that rounding errors of the images in the
+    /// gradient may be the reason.
+    fn stalls<V: Vectors>(&mut self, worst: f64) -> bool {
+        if worst < self.least {
+            (self.least, self.stalled) = (worst, 0);
+        } else {
+            self.stalled += 1;
+        }
+        self.stalled >= STALLED && worst <= V::refresh_at()
     }
 
     /// Takes one step; false if none begins downhill.
@@ -181,7 +196,15 @@ impl Course {
 }
 
 fn search<V: Vectors>(mut vectors: V, target: &Target, share: &Share, watch: &mut dyn Watch) -> Minimum {
-    let mut course = Course { length: 1.0, reference: f64::INFINITY, settled: false, is_fresh: true, iteration: 0 };
+    let mut course = Course {
+        length: 1.0,
+        reference: f64::INFINITY,
+        least: f64::INFINITY,
+        stalled: 0,
+        settled: false,
+        is_fresh: true,
+        iteration: 0,
+    };
     vectors.refresh();
     if let Some(kept) = watch.recall() {
         vectors.visit(&mut course, kept);
@@ -192,13 +215,15 @@ fn search<V: Vectors>(mut vectors: V, target: &Target, share: &Share, watch: &mu
         let mut now = vectors.settle();
         let worst = now.optimality.worst();
         let is_over = vectors.trusts_images() && worst <= tolerance;
-        if !(course.is_fresh || is_over) && worst <= tolerance.max(V::refresh_at() * course.reference) {
+        let is_due = course.stalls::<V>(worst) || worst <= tolerance.max(V::refresh_at() * course.reference);
+        if !(course.is_fresh || is_over) && is_due {
             vectors.refresh();
             course.is_fresh = true;
             now = vectors.settle();
         }
         if course.is_fresh {
             course.reference = now.optimality.worst();
+            (course.least, course.stalled) = (course.reference, 0);
         }
         now.iteration = course.iteration;
         if let Some(ending) = target.judge(&now, watch, share) {

@@ -69,10 +69,15 @@ impl History {
     fn forecast(&self, aim: f64) -> Option<f64> {
         let end = self.residual.len().checked_sub(1)?;
         let middle = end / 2;
-        let [fall, left] = [self.residual[middle] / self.residual[end], self.residual[end] / aim].map(f64::ln);
+        // A residual that goes up and down has fallen if its least value has.
+        let least = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
+        let [before, after] = [least(&self.residual[..=middle]), least(&self.residual[middle..])];
+        let [fall, left] = [before / after, self.residual[end] / aim].map(f64::ln);
         let steps = (self.iteration[end] - self.iteration[middle]) as f64;
-        // A fall by less than a hundredth over that half is no progress.
-        (fall > 0.01).then(|| self.iteration[end] as f64 + steps * left / fall).filter(|total| *total < 1e9)
+        // A fall by less than a tenth over that half is no progress.
+        (fall > 0.1 && left > 0.0)
+            .then(|| self.iteration[end] as f64 + steps * left / fall)
+            .filter(|total| *total < 1e9)
     }
 }
 
@@ -206,7 +211,10 @@ impl StoredFailure {
 
 /// Advice for a search that ended because of `why`.
 fn advice(why: &Why, history: &History, tolerance: f64) -> String {
+    // A search that sees no residual above the tolerance gains nothing from more iterations.
+    let is_blind = *why == Why::Iterations && history.residual.last().is_some_and(|last| *last <= tolerance);
     match why {
+        _ if is_blind => advice(&Why::Certificate, history, tolerance),
         Why::Iterations => match history.forecast(tolerance) {
             Some(needed) => format!(
                 "at its rate over the last half of the search it needs about {needed:.0} iterations; try \
@@ -276,7 +284,14 @@ mod tests {
         assert!(history((0..200).map(|_| 0.1)).forecast(1e-12).is_none());
         assert!(history(std::iter::empty()).forecast(1e-12).is_none());
         assert!(history((0..200).map(|_| f64::NAN)).forecast(1e-12).is_none());
-        let reported = NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, falling);
+        let noise = |i: i32| 1e-7 * (1.0 + 0.3 * f64::from(i).sin());
+        assert!(history((0..200).map(noise)).forecast(1e-12).is_none());
+        assert!(history((0..200).map(|i| noise(i) * 1.01_f64.powi(i))).forecast(1e-12).is_none());
+        assert!(history((0..200).map(|i| noise(i) * 0.9_f64.powi(i))).forecast(1e-30).is_some());
+        let seen = NotConverged::of(0, vec![("load", 1.0)], 1e-2, &Why::Iterations, falling);
+        assert!(!seen.advice.contains("--max-iter"), "{}", seen.advice);
+        let short = history((0..20).map(|i| 0.9_f64.powi(i)));
+        let reported = NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, short);
         assert_eq!(reported.criteria.len(), 1, "NaN passes no comparison");
         assert_eq!(reported.criteria[0].name, "gap");
         assert!(reported.advice.contains("--max-iter"), "{}", reported.advice);

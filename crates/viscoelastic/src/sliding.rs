@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Boundary, Budget, Contact, Effort, Equilibrium as _, Load, Refusal, Residual, Solution, SolveError, Solved, Solver,
-    Watch, judge,
+    Boundary, Budget, Contact, Effort, Equilibrium as _, Load, Refusal, Residual, RigidSurface, Solution, SolveError,
+    Solved, Solver, Watch, judge,
 };
 use gfmd_field::{Grid, Transform, Workspace};
 use gfmd_green::Body;
@@ -339,7 +339,16 @@ impl<'a> Search<'a> {
             },
             &|a, b| (a.0 + b.0, lower(a.1, b.1)),
         );
-        let (scale, mean) = (surface.length_scale(load), sum / pressure.len() as f64);
+        let [shallow, deep] = reduce(
+            gap.len(),
+            &|range| {
+                let each = indentation[range].iter();
+                each.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], d| [least.min(*d), most.max(*d)])
+            },
+            &|a, b| [a[0].min(b[0]), a[1].max(b[1])],
+        );
+        let scale = RigidSurface::finer_scale(surface.length_scale(load), deep - shallow);
+        let mean = sum / pressure.len() as f64;
         solution.residual = Residual {
             complementarity: match load {
                 Load::Approach(approach) if sum == 0.0 => f64::from(approach > 0.0),

@@ -193,6 +193,26 @@ fn a_small_positive_approach_makes_contact() {
     }
 }
 
+/// Without pressure the surface would be within a loose tolerance.
+#[test]
+fn a_small_approach_makes_contact_at_any_tolerance() {
+    for height in [Height::Infinite, Height::Finite(0.3)] {
+        let contact = contact(height, 1.0, 1.0, 1.0);
+        let stiffness = |tolerance, approach: f64| {
+            let press = contact.press(Load::Approach(approach)).tolerance(tolerance);
+            press.solve().map(|solution| solution.mean_pressure / approach)
+        };
+        let expected = stiffness(1e-8, 1e-7).unwrap();
+        for tolerance in [1e-6, 1e-4, 1e-3, 1e-2] {
+            for approach in [1e-6, 1e-9, 1e-15, 1e-30] {
+                let found = stiffness(tolerance, approach);
+                let found = found.unwrap_or_else(|error| panic!("{tolerance:e} {approach:e}: {error}"));
+                assert!((found / expected - 1.0).abs() < 0.05, "{tolerance:e} {approach:e}: {found:e} {expected:e}");
+            }
+        }
+    }
+}
+
 /// A load far beyond full contact is carried, or refused where rounding errors exceed the tolerance.
 #[test]
 fn large_loads_end() {

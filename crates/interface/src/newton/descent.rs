@@ -29,6 +29,8 @@ pub(super) struct Descent<'a, M: Model> {
     trial: Placed,
     /// T − K w + push: the force on a free point.
     pub(super) force: Vec<f64>,
+    /// The mean force that [`release`](Self::release) subtracted from each component, stress.
+    multipliers: Vec<f64>,
     pub(super) region: TrustRegion<M::Value>,
     /// Lowest curvature that the last search for a direction met, relative to the preconditioner.
     pub(super) lowest: f64,
@@ -85,6 +87,7 @@ impl<'a, M: Model> Descent<'a, M> {
             here: Placed::at(vec![0.0; size], frame),
             trial: Placed::at(frame.starting_position(&interface.elastic, start), frame),
             force: vec![0.0; size],
+            multipliers: vec![0.0; frame.components()],
             region: TrustRegion::new(size),
             lowest: f64::NAN,
             met_negative: false,
@@ -137,18 +140,19 @@ impl<'a, M: Model> Descent<'a, M> {
     /// Finds the points that the wall holds, subtracts the mean force of components whose mean is held, and returns the
     /// residual.
     pub(super) fn release(&mut self) -> f64 {
-        let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, .. } = self;
+        let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, multipliers, .. } = self;
         let points = frame.points();
         let [softest, stiffest] = interface.elastic.stiffness_range();
         let reference = (softest * stiffest).sqrt();
         let (mut unbalanced, mut largest) = (0.0_f64, interface.stress_scale(frame.drive.load));
-        for c in 0..frame.components() {
+        for (c, subtracted) in multipliers.iter_mut().enumerate() {
             let range = c * points..(c + 1) * points;
             let (force, w) = (&mut force[range.clone()], &w[range.clone()]);
             let (traction, curvature) = (reaction.traction(c), reaction.diagonal(c));
             let bound = wall.bound(c);
             let touches = |i: usize| bound.is_some_and(|bound| w[i] >= bound[i]);
             let multiplier = if frame.held[c] { mean_where(force, |i| !touches(i)) } else { 0.0 };
+            *subtracted = multiplier;
             let weigh = |start: usize, (force, weight): (&mut [f64], &mut [M::Value])| {
                 let mut worst = [0.0_f64; 2];
                 for (k, (f, weight)) in force.iter_mut().zip(weight).enumerate() {
@@ -246,14 +250,16 @@ impl<'a, M: Model> Descent<'a, M> {
         };
         for_each([&mut self.trial.w[..]], &along);
         self.place_trial();
-        let Self { frame, here, trial, force, .. } = self;
+        // A mean that is held is so but for rounding errors: their work is not part of the energy.
+        let Self { frame, here, trial, force, multipliers, .. } = self;
         let points = frame.points();
         let [change, promised, size] = reduce(
             here.w.len(),
             &|range| {
                 range.fold([0.0; 3], |sums, k| {
                     let step = trial.w[k] - here.w[k];
-                    let work = step * (0.5 * (here.elastic[k] + trial.elastic[k]) - frame.push_on(k / points));
+                    let uniform = frame.push_on(k / points) - multipliers[k / points];
+                    let work = step * (0.5 * (here.elastic[k] + trial.elastic[k]) - uniform);
                     add(sums, [work, step * force[k], work.abs()])
                 })
             },

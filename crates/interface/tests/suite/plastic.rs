@@ -190,3 +190,19 @@ fn a_state_is_kept_whole() {
     assert_eq!((&again.depth, again.volume, again.dissipated), (&state.depth, state.volume, state.dissipated));
     assert_eq!(again.solution, state.solution);
 }
+
+#[test]
+fn small_steps_take_few_iterations() {
+    // Each step begins so near its end that rounding errors of the gradient in single precision are not small.
+    let budget = Budget { max_iterations: 100, ..Budget::default() };
+    for (hardness, load, fall) in [(0.02, 0.003, 2e-4), (0.03, 0.006, 1e-4), (0.015, 0.003, 4e-4), (0.02, 0.01, 4e-4)] {
+        let contact = plastic(Boundary::Periodic, hardness);
+        let mut path = Path::new(&contact, budget, Refinement::default());
+        for k in 0..300 {
+            let load = Load::MeanPressure(load * (1.0 - fall * f64::from(k)));
+            if let Err(error) = path.step(load.into(), &mut ()) {
+                panic!("hardness {hardness}, step {k}: {error}");
+            }
+        }
+    }
+}

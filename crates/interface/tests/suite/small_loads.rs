@@ -6,6 +6,7 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{FrictionalContact, Interface};
 use gfmd_law::{Dugdale, Exponential, HardWall, Limit, Morse};
+use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
 
 fn half_space(nu: f64) -> Body {
@@ -112,5 +113,22 @@ fn a_load_that_the_tractions_hide_is_refused() {
     // Zero, and the middle of a loop, which is zero but for rounding.
     for mean in [0.0, 1e-19, 1e-5] {
         assert!(interface.press(Load::MeanPressure(mean)).solve().is_ok(), "{mean:e}");
+    }
+}
+
+/// The reference is the solver of the pressure.
+#[test]
+fn a_wall_at_a_prescribed_approach_takes_few_steps() {
+    let grid = Grid::square(96, 1.0).unwrap();
+    let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 6.0, eps_c_inv: 8.0 };
+    let spectrum = numbers.self_affine(1.0, SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) });
+    let load = Load::Approach(0.0063);
+    for seed in 100..124 {
+        let heights = spectrum.heights(&grid, seed).unwrap();
+        let body = half_space(if seed % 2 == 0 { 0.0 } else { 0.5 });
+        let expected = Contact::new(&body, &grid, &heights).unwrap().press(load).solve().unwrap();
+        let interface = Interface::new(&body, &grid, &heights, HardWall).unwrap();
+        let found = interface.press(load).max_iterations(50).solve().unwrap_or_else(|error| panic!("{seed}: {error}"));
+        assert!((found.mean_pressure / expected.mean_pressure - 1.0).abs() < 1e-6, "{seed}");
     }
 }

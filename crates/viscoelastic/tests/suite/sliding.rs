@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use approx::assert_relative_eq;
 use gfmd_contact::{Boundary, Budget, Contact, Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_field::Grid;
-use gfmd_green::{Body, Material};
+use gfmd_green::{Body, Height, Material};
 use gfmd_viscoelastic::{Prony, Relaxes, SlidingContact, SlidingError, SlidingState, Velocity, ViscoelasticContact};
 use ndarray::Array2;
 use serde_json::Value;
@@ -184,6 +184,30 @@ fn rough_sliding_is_found_at_any_loss_from_the_state_beside_it() {
             // With a loss of nearly all of the modulus the contacts of each step are the difficult ones.
             assert!(pairs <= 16.0 || name == "seven", "{name} at 1e{exponent}: {pairs} times the static pairs");
             last = Some(state);
+        }
+    }
+}
+
+/// The contact of a single point is linear.
+#[test]
+fn a_small_approach_makes_contact() {
+    let grid = Grid::square(16, 1.0).unwrap();
+    let heights = rough(&grid, 3);
+    for (poisson, height) in [(0.5, Height::Infinite), (0.4, Height::Finite(0.3))] {
+        let body = Body::new(material(poisson), height).unwrap();
+        let contact = sliding(&body, &grid, &heights, &three(), Relaxes::Both);
+        let stiffness = |approach: f64, tolerance: f64| {
+            let state = slide(&contact, 0.5, 10.0, Load::Approach(approach), tolerance);
+            state.solution.mean_pressure / approach
+        };
+        let expected = stiffness(1e-7, 1e-10);
+        for (approach, tolerance) in [(1e-6, 1e-8), (1e-9, 1e-8), (1e-9, 1e-4), (1e-15, 1e-6), (1e-30, 1e-8)] {
+            let found = stiffness(approach, tolerance);
+            // Residuals are relative to a thousand times the displacement.
+            assert!(
+                (found / expected - 1.0).abs() < (1e3 * tolerance).max(1e-3),
+                "{approach:e} {tolerance:e}: {found:e} {expected:e}"
+            );
         }
     }
 }
