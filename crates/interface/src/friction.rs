@@ -55,8 +55,13 @@ const ROUNDS: usize = 150;
 /// shear is then passed to the normal problem.
 const WHOLE_ROUNDS: usize = 20;
 const PART: f64 = 0.3;
-/// The tolerance of either problem over that of the contact.
+/// The tolerance of either problem divided by the tolerance of the contact, at the end.
 const SHARE: f64 = 0.1;
+/// The tolerance of either problem divided by the residual of the contact before. A round reduces the residual to about
+/// a fifth, so that closer results would be changed by the next one; with larger numbers slabs take more rounds.
+const SHARE_OF_RESIDUAL: f64 = 0.075;
+/// The tolerance of both problems in the first round, and the largest one.
+const FIRST: f64 = 1e-3;
 
 /// The only solver, which alternates between projected conjugate gradients and spectral projected gradients.
 const SOLVERS: [Solver; 1] = [Solver::Auto];
@@ -215,10 +220,10 @@ impl FrictionalContact {
         let mut increment = Increment::new(self, drive, start);
         let mut iterations = 0;
         let mut ending = Ending::GaveUp(Why::Circles);
+        let mut tolerance = FIRST;
         for round in 0..ROUNDS {
-            // Early rounds need less accuracy, since the next round changes their result.
             let part = Budget {
-                tolerance: SHARE * budget.tolerance.max(1e-2 * 0.1_f64.powi(2 * round as i32)),
+                tolerance: tolerance.max(SHARE * budget.tolerance),
                 max_iterations: budget.max_iterations.saturating_sub(iterations),
             };
             let mut part_watch =
@@ -242,6 +247,7 @@ impl FrictionalContact {
             }
             let mut state = certify(&mut increment);
             state.effort.iterations = iterations;
+            tolerance = FIRST.min(SHARE_OF_RESIDUAL * state.residual.worst());
             if state.residual.worst() <= budget.tolerance {
                 self.check_shear(&state, budget.tolerance)?;
                 return Ok(state);
