@@ -5,7 +5,7 @@ use std::path::Path;
 use gfmd_cli::surface::{Curves, Report, whole_band, write_report};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
-use gfmd_files::Topography;
+use gfmd_files::{Topography, TopographyError};
 use gfmd_problem::options::{GeneratorArgs, Method};
 use gfmd_run::failure::Failure;
 use gfmd_run::json;
@@ -85,7 +85,12 @@ type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String, Str
 #[pyfunction]
 #[pyo3(signature = (name, channel=None))]
 pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> PyResult<HeightMap<'py>> {
-    let topography = quick(py, || Topography::read(name, channel))?.map_err(|error| refused(py, &error))?;
+    let read = || {
+        let found = Topography::read(name, channel)?;
+        found.warnings.iter().for_each(|text| tracing::warn!("{name}: {text}"));
+        Ok::<_, TopographyError>(found)
+    };
+    let topography = quick(py, read)?.map_err(|error| refused(py, &error))?;
     let Topography {
         heights,
         undefined,

@@ -10,10 +10,10 @@
 //!
 //! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y.
 //! The encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a
-//! decimal point, or a decimal comma where commas do not separate; they may stand in quotes; the exponent may be written
-//! as Fortran does (`1.0D+00`, `1.0-105`), and the sign as the minus of typography. Lines end with LF, CR LF, or CR.
-//! Lines before the first number are a header; one that looks like numbers and has as many words as the lines of numbers
-//! is refused. The contents decide between a matrix, with or without labels, and a list of points.
+//! decimal point, or a decimal comma where commas do not separate; they may stand in quotes; the exponent may be
+//! written as Fortran does (`1.0D+00`, `1.0-105`), and the sign as the minus of typography. Lines end with LF, CR LF,
+//! or CR. Lines before the first number are a header; one that looks like numbers and has as many words as the lines of
+//! numbers is refused. The contents decide between a matrix, with or without labels, and a list of points.
 
 mod axis;
 mod grids;
@@ -38,6 +38,9 @@ pub(crate) const FORMAT: Format = Format { name: "text", sniff, open, first_line
 
 /// The first bytes of UTF-16 with the lower byte first.
 const UTF_16: &[u8] = &[0xff, 0xfe];
+
+/// The units of the last digits of no number.
+const NO_DIGIT: [f64; 2] = [f64::INFINITY, 0.0];
 
 /// Two words that denote a point without a height.
 const NO_DATA: &str = "no data";
@@ -96,8 +99,8 @@ fn pixels(rows: &Rows, header: &Header, points: [f64; 2]) -> Result<Option<Vec<C
     if header.has_size() || found[1] != nx * ny || !(nx >= 1.0 && ny >= 1.0) {
         let [columns, lines] = [rows.columns, rows.rows];
         return Err(format!(
-            "there are {lines} lines of {columns} numbers, and the header says {nx} by {ny}; it must be {ny} lines, or a \
-             line for each pixel"
+            "there are {lines} lines of {columns} numbers, and the header says {nx} by {ny}; it must be {ny} lines, or \
+             a line for each pixel"
         ));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "divisors of the number of lines")]
@@ -200,7 +203,7 @@ fn words(content: &str, separator: char) -> impl Iterator<Item = &str> {
     fields(content, separator)
 }
 
-/// The words between separators, without their quotes, which may hold separators. Blanks separate by any number of them.
+/// The words between separators, without their quotes, which may hold separators. Any number of blanks separates.
 fn fields(content: &str, separator: char) -> impl Iterator<Item = &str> {
     let mut is_quoted = false;
     let has_quotes = content.contains('"');
@@ -230,8 +233,8 @@ struct Rows {
     columns: usize,
     rows: usize,
     separator: Option<char>,
-    /// The unit of the last digit written in each of the first columns.
-    digits: Vec<f64>,
+    /// The smallest and the largest unit of the last digit written in each of the first columns, zeros aside.
+    digits: Vec<[f64; 2]>,
     /// True if the first line begins with a separator.
     has_empty_corner: bool,
     /// The numbers above the columns, without one above the first.
@@ -270,18 +273,19 @@ impl Rows {
         for (column, word) in fields(content, separator).enumerate() {
             if separator == ',' && is_ambiguous(word) {
                 return Err(format!(
-                    "line {line}, column {} is {:?}, whose comma may be decimal or group digits; it must be a point, or \
-                     left out",
+                    "line {line}, column {} is {:?}, whose comma may be decimal or group digits; it must be a point, \
+                     or left out",
                     column + 1,
                     clip(word)
                 ));
             }
             let number = number(word, line, column + 1)?;
             self.values.push(number);
-            if column < MOST_COLUMNS && number.is_finite() {
+            if column < MOST_COLUMNS && number.is_finite() && number != 0.0 {
                 let digit = last_digit(word);
-                self.digits.resize(self.digits.len().max(column + 1), 0.0);
-                self.digits[column] = self.digits[column].max(digit);
+                self.digits.resize(self.digits.len().max(column + 1), NO_DIGIT);
+                let [fine, coarse] = self.digits[column];
+                self.digits[column] = [fine.min(digit), coarse.max(digit)];
             }
         }
         // A separator at the end of a line is ignored, unless a number is missing there.
@@ -293,7 +297,7 @@ impl Rows {
         // A line of labels above the columns, of which the first has none.
         if self.rows == 1 && self.above.is_none() && found == self.columns + 1 && self.columns >= FEWEST_LABELS {
             let labels: Vec<f64> = self.values.drain(..before).collect();
-            if !axis::Axis::is_progression(&labels, 0.0) {
+            if !axis::Axis::is_progression(&labels, [0.0; 2]) {
                 self.values.splice(..0, labels);
                 return Err(self.ragged(line, found));
             }
@@ -313,9 +317,15 @@ impl Rows {
         format!("line {line} has {found} numbers; it must have {} as the lines before", self.columns)
     }
 
-    /// The unit of the last digit written in a column; 0 if it is unknown.
-    fn digit(&self, column: usize) -> f64 {
-        self.digits.get(column).copied().unwrap_or_default()
+    /// The smallest and the largest unit of the last digit written in a column; 0 if it is unknown.
+    fn digit(&self, column: usize) -> [f64; 2] {
+        self.digits.get(column).copied().filter(|digits| *digits != NO_DIGIT).unwrap_or_default()
+    }
+
+    /// The smallest and the largest unit of the last digits of all columns.
+    fn all_digits(&self) -> [f64; 2] {
+        let all = self.digits.iter().filter(|digits| **digits != NO_DIGIT);
+        all.copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
     }
 
     /// The numbers of a column.

@@ -3,7 +3,8 @@
 use ndarray::Array2;
 
 /// Numbers that programs write where nothing was measured, and beyond which no height is.
-const KNOWN: [f64; 12] = [
+const KNOWN: [f64; 13] = [
+    -999.25,
     -999.0,
     -9999.0,
     -99999.0,

@@ -6,8 +6,8 @@
 //! metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y
 //! axis points up.
 //!
-//! Names of entries may differ from those in `main.xml` in case and slashes, and all may lie in one folder. Instead of a
-//! binary entry `main.xml` itself may list the heights, one number for each point, none for an undefined one.
+//! Names of entries may differ from those in `main.xml` in case and slashes, and all may lie in one folder. Instead of
+//! a binary entry `main.xml` itself may list the heights, one number for each point, none for an undefined one.
 
 use std::io::{BufRead, BufReader, Read};
 

@@ -99,6 +99,7 @@ fn surfaces_that_cannot_be_used() {
     ndarray_npy::write_npy(folder.path().join("cube.npy"), &Array3::<f64>::zeros((2, 2, 2))).unwrap();
     std::fs::write(folder.path().join("words.txt"), "these are\nno heights\n").unwrap();
     std::fs::write(folder.path().join("ragged.txt"), "1 2 3\n4 5\n").unwrap();
+    std::fs::write(folder.path().join("one.txt"), "5\n").unwrap();
     std::fs::write(folder.path().join("broken.npy"), "not an array").unwrap();
     std::fs::write(folder.path().join("broken.h5"), "not a file").unwrap();
     let press = |file: &str, words: &[&str]| {
@@ -108,6 +109,8 @@ fn surfaces_that_cannot_be_used() {
     press("flat.npy", &["flat.npy"]);
     press("cube.npy", &["cube.npy"]);
     press("words.txt", &["words.txt"]);
+    press("one.txt", &["one.txt", "1 x 1 points; it must have at least 2"]);
+    refused(folder.path(), "surface --surface one.txt", 2, &["one.txt", "1 x 1 points; it must have at least 2"]);
     press("ragged.txt", &["ragged.txt"]);
     press("broken.npy", &["broken.npy"]);
     press("broken.h5:/height", &["broken.h5"]);

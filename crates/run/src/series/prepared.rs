@@ -264,8 +264,8 @@ impl Prepared {
         let pressed: usize = share.each(own).into_iter().sum();
         (pressed > 0).then(|| {
             format!(
-                "the contact reaches the edge of the patch, at {pressed} of its {all} points: beyond it nothing presses \
-                 the body, and the pressure at the edge is that of a sharp rim; a contact that goes on needs a larger \
+                "the contact reaches the edge of the patch, at {pressed} of its {all} points: beyond it nothing \
+                 presses the body, and the pressure at the edge is that of a sharp rim; a contact that goes on needs a larger \
                  patch"
             )
         })

@@ -105,6 +105,10 @@ impl SourceArgs {
         }
         let mut heights = topography.heights;
         let [nx, ny] = heights.dim().into();
+        if nx < 2 {
+            let reason = format!("{file}: the grid is {nx} x {ny} points; it must have at least 2 along x");
+            return Err(Failure::Input(reason));
+        }
         memory::fits(memory::SURFACE, file, [nx, ny])?;
         let mut notes = topography.notes;
         let mut size = topography.lengths;

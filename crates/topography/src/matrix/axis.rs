@@ -26,12 +26,13 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The lattice of coordinates, each of which occurs any number of times; `digit` is the unit of the last digit
-    /// written. `None` if there is none.
+    /// The lattice of coordinates, each of which occurs any number of times; the digits are the smallest and the
+    /// largest unit of the last digit written. `None` if there is none.
     ///
     /// # Errors
     /// Coordinates that may be rounded, or may have gaps.
-    pub(super) fn of(coordinates: &[f64], digit: f64) -> Result<Option<Self>, String> {
+    pub(super) fn of(coordinates: &[f64], digits: [f64; 2]) -> Result<Option<Self>, String> {
+        let [digit, _] = digits;
         let places = distinct(coordinates);
         if let Some(axis) = Self::even(&places) {
             return Ok(Some(axis));
@@ -43,11 +44,11 @@ impl Axis {
             )
         };
         let whole = digit >= 1.0;
-        if let Some(axis) = Self::fitted(&places, digit) {
-            let digits = |pair: &[f64]| ((pair[1] - pair[0]) / digit).round();
-            let long = places.windows(2).filter(|pair| digits(pair) > 1.5).count() as f64 / (places.len() - 1) as f64;
+        if let Some((axis, digit)) = Self::fitted(&places, digits) {
+            let count = |pair: &[f64]| ((pair[1] - pair[0]) / digit).round();
+            let long = places.windows(2).filter(|pair| count(pair) > 1.5).count() as f64 / (places.len() - 1) as f64;
             let is_rounded = axis.step >= 2.0 * digit
-                || places.windows(2).all(|pair| digits(pair) > 1.5)
+                || places.windows(2).all(|pair| count(pair) > 1.5)
                 || places.len() >= TOLD && (MIXED[0]..=MIXED[1]).contains(&long);
             match (is_rounded, whole) {
                 (true, _) => return Ok(Some(axis)),
@@ -62,26 +63,25 @@ impl Axis {
     }
 
     /// The lattice of coordinates of which each is the next point, rising; `None` if there is none.
-    pub(super) fn rising(coordinates: &[f64], digit: f64) -> Option<Self> {
+    pub(super) fn rising(coordinates: &[f64], digits: [f64; 2]) -> Option<Self> {
         if !coordinates.windows(2).all(|pair| pair[1] > pair[0]) {
             return None;
         }
         let full = |axis: &Self| axis.count == coordinates.len();
         Self::even(coordinates)
-            .or_else(|| Self::fitted(coordinates, digit))
+            .or_else(|| Self::fitted(coordinates, digits).map(|(axis, _)| axis))
             .or_else(|| Self::with_gaps(coordinates))
             .filter(full)
     }
 
     /// Returns true if each coordinate is the next point of a lattice, rising or falling, within the digits written.
-    pub(super) fn is_progression(coordinates: &[f64], digit: f64) -> bool {
+    pub(super) fn is_progression(coordinates: &[f64], digits: [f64; 2]) -> bool {
         let next = |axis: Option<Self>| axis.is_some_and(|axis| axis.count == coordinates.len());
         let even = |places: &[f64]| {
             places.windows(2).all(|pair| pair[1] > pair[0])
                 && (next(Self::even(places))
-                    || next(
-                        Self::fitted(places, digit).filter(|axis| axis.step >= 3.0 * digit || places.len() >= TOLD),
-                    ))
+                    || Self::fitted(places, digits)
+                        .is_some_and(|(axis, digit)| axis.step >= 3.0 * digit || places.len() >= TOLD))
         };
         even(coordinates) || even(&coordinates.iter().rev().copied().collect::<Vec<_>>())
     }
@@ -99,8 +99,13 @@ impl Axis {
         places.iter().enumerate().all(is_even).then_some(axis)
     }
 
+    /// The axis of the rising coordinates as they are rounded to the smallest or else the largest unit, and this unit.
+    fn fitted(places: &[f64], digits: [f64; 2]) -> Option<(Self, f64)> {
+        digits.into_iter().find_map(|digit| Self::fitted_to(places, digit).map(|axis| (axis, digit)))
+    }
+
     /// The axis in the middle of those whose points, rounded to the last digit, are the rising coordinates.
-    fn fitted(places: &[f64], digit: f64) -> Option<Self> {
+    fn fitted_to(places: &[f64], digit: f64) -> Option<Self> {
         let (first, last) = (*places.first()?, *places.last()?);
         let steps = places.len().checked_sub(1).filter(|steps| *steps > 0)? as f64;
         if !(last - first).is_finite() || last <= first || !(digit > 0.0 && digit.is_finite()) {
@@ -206,8 +211,8 @@ impl Axis {
     pub(super) fn note(&self, name: &str) -> Option<String> {
         let (_, half) = self.rounded.as_ref()?;
         Some(format!(
-            "the coordinates {name} are rounded; a spacing of {:.6e}, within {:.1e}, agrees with their digits (--length \
-             gives it exactly)",
+            "the coordinates {name} are rounded; a spacing of {:.6e}, within {:.1e}, agrees with their digits \
+             (--length gives it exactly)",
             self.step, half
         ))
     }
@@ -240,31 +245,31 @@ mod tests {
     #[test]
     fn rounded_coordinates_have_the_spacing_that_their_digits_allow() {
         for (step, count) in [(0.15625, 12), (0.15625, 200), (0.1 / 3.0 * 4.0, 9), (0.7312, 30), (33.333_333, 8)] {
-            let found = Axis::of(&rounded(step, 0..count, 0.1), 0.1).unwrap().unwrap();
+            let found = Axis::of(&rounded(step, 0..count, 0.1), [0.1; 2]).unwrap().unwrap();
             let allowed = found.rounded.as_ref().unwrap().1;
             assert_eq!(found.count, count as usize);
             assert!((found.step - step).abs() <= allowed * (1.0 + 1e-6), "{step} {found:?}");
             // The digits leave a range of spacings that shrinks with the number of points.
             assert!(allowed < 0.1 / f64::from(count - 1), "{step} {allowed}");
-            let found = Axis::rising(&rounded(step, 0..count, 0.1), 0.1).unwrap();
+            let found = Axis::rising(&rounded(step, 0..count, 0.1), [0.1; 2]).unwrap();
             assert_eq!(found.index(found.rounded.as_ref().unwrap().0[3]), 3);
         }
         // Not rounded: the spacing is that between the ends, to the bit.
-        let exact = Axis::of(&[0.0, 0.5, 1.5, 1.0, 0.5], 0.1).unwrap().unwrap();
+        let exact = Axis::of(&[0.0, 0.5, 1.5, 1.0, 0.5], [0.1; 2]).unwrap().unwrap();
         assert_eq!((exact.step, exact.count, exact.rounded), (0.5, 4, None));
     }
 
     #[test]
     fn gaps_are_no_rounding() {
         // A column is missing, of a lattice of several digits and of whole numbers.
-        let gap = |step: f64, digit| Axis::of(&rounded(step, (0..12).filter(|k| *k != 5), digit), digit);
+        let gap = |step: f64, digit| Axis::of(&rounded(step, (0..12).filter(|k| *k != 5), digit), [digit; 2]);
         assert_eq!(gap(0.5, 0.1).unwrap().unwrap().count, 12);
         assert_eq!(gap(1.0, 1.0).unwrap().unwrap().count, 12);
         // Of one digit, and rounded: either is possible.
         assert!(gap(0.1, 0.1).unwrap_err().starts_with("they are written to 1e-1 only"));
         let twice = |k: u32| [k, k];
-        assert!(Axis::of(&rounded(0.15625, (0..12).filter(|k| *k != 5).flat_map(twice), 0.1), 0.1).is_err());
-        assert_eq!(Axis::rising(&rounded(0.5, (0..12).filter(|k| *k != 5), 0.1), 0.1), None);
-        assert_eq!(Axis::of(&[0.0, 0.11, 0.43, 0.51, 1.0], 0.01), Ok(None));
+        assert!(Axis::of(&rounded(0.15625, (0..12).filter(|k| *k != 5).flat_map(twice), 0.1), [0.1; 2]).is_err());
+        assert_eq!(Axis::rising(&rounded(0.5, (0..12).filter(|k| *k != 5), 0.1), [0.1; 2]), None);
+        assert_eq!(Axis::of(&[0.0, 0.11, 0.43, 0.51, 1.0], [0.01; 2]), Ok(None));
     }
 }

@@ -10,6 +10,9 @@ use crate::format::{Channel, Map};
 /// The smallest number that Surfer does not mean as a height.
 const BLANK: f64 = 1.701_41e38;
 
+/// The largest number of lines in which the head of a grid of Esri begins.
+const LONGEST_HEAD: usize = 64;
+
 /// The blocks of Wyko that hold heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"];
 
@@ -20,17 +23,25 @@ const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"]
 pub(super) fn channels(text: &str) -> Result<Option<Vec<Channel<'static>>>, String> {
     let first = lines(text).map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
     let word = first.split_whitespace().next().unwrap_or_default().to_ascii_lowercase();
+    let mut head =
+        lines(text).map(key).take_while(|key| number(key, 0, 0).is_err() || key.is_empty()).take(LONGEST_HEAD);
+    let is_esri = head.any(|key| matches!(&*key, "ncols" | "nrows"));
     let one = |name: &str, map: Map| {
         let (unit, points) = (map.height_unit.clone(), map.heights.dim().into());
         vec![Channel { name: name.into(), unit, points, read: Box::new(move || Ok(map)) }]
     };
     Ok(match word.as_str() {
-        "ncols" | "nrows" => Some(one("", esri(text)?)),
+        _ if is_esri => Some(one("", esri(text)?)),
         "dsaa" => Some(one("", surfer(text)?)),
         _ if first.starts_with("Wyko ASCII Data File Format") => Some(wyko(text)?),
         _ if first.starts_with("Zygo XYZ Data File") => Some(one("", zygo(text)?)),
         _ => None,
     })
+}
+
+/// The first word of a line, in small letters and without a colon.
+fn key(line: &str) -> String {
+    line.split_whitespace().next().unwrap_or_default().trim_end_matches([':', '=']).to_ascii_lowercase()
 }
 
 /// The number of points of a grid of which the text may hold all.
@@ -68,21 +79,18 @@ fn esri(text: &str) -> Result<Map, String> {
     let mut rest = text;
     loop {
         let line = lines(rest).next().unwrap_or_default();
-        let mut words = line.split_whitespace();
-        let Some(key) = words.next() else {
-            if rest.is_empty() {
-                break;
-            }
-            rest = after(rest, line);
-            continue;
-        };
-        if number(key, 0, 0).is_ok() {
+        let key = key(line);
+        if key.is_empty() && rest.is_empty() || !key.is_empty() && number(&key, 0, 0).is_ok() {
             break;
         }
-        let value = words.next().unwrap_or_default();
+        if key.is_empty() || key.starts_with(['#', '%', '!', '/', ';']) {
+            rest = after(rest, line);
+            continue;
+        }
+        let value = line.split_whitespace().nth(1).unwrap_or_default();
         let value = value.parse().or_else(|_| value.replacen(',', ".", 1).parse());
-        let value: f64 = value.map_err(|_| format!("{} has no number in the head; it must have one", clip(key)))?;
-        match key.to_ascii_lowercase().as_str() {
+        let value: f64 = value.map_err(|_| format!("{} has no number in the head; it must have one", clip(&key)))?;
+        match key.as_str() {
             "ncols" => n[0] = Some(value),
             "nrows" => n[1] = Some(value),
             "cellsize" => cell = [Some(value); 2],
@@ -90,7 +98,7 @@ fn esri(text: &str) -> Result<Map, String> {
             "dy" => cell[1] = Some(value),
             "nodata_value" => missing = value,
             "xllcorner" | "xllcenter" | "yllcorner" | "yllcenter" => {}
-            _ => return Err(format!("the head of the grid of Esri has the key {:?}, which is not known", clip(key))),
+            _ => return Err(format!("the head of the grid of Esri has the key {:?}, which is not known", clip(&key))),
         }
         rest = after(rest, line);
     }

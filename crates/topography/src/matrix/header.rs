@@ -128,7 +128,7 @@ impl Header {
         let [key, value, rest @ ..] = &fields[..] else { return Ok(false) };
         let count = || value.parse().map(Some).map_err(|_| format!("line {line} says {value:?}; it must be a number"));
         match key.to_lowercase().as_str() {
-            key if key.starts_with("xy") && rest.first().is_some_and(|unit| is_length(unit)) => {
+            key if key.contains("xy") && rest.first().is_some_and(|unit| is_length(unit)) => {
                 self.pixel = Some(length(line, &format!("{value} {}", rest[0]))?);
                 self.is_top_first = true;
             }
@@ -141,6 +141,10 @@ impl Header {
                 }
             }
             "minimum value" | "maximum value" | "minimum" | "maximum" => {}
+            // The unit of the heights in another language.
+            _ if self.is_top_first && self.value_unit.is_none() && rest.is_empty() && is_length(value) => {
+                self.value_unit = Some((*value).into());
+            }
             _ => return Ok(false),
         }
         Ok(true)
@@ -260,7 +264,7 @@ impl Header {
         (map.lengths, map.length_unit) = match (lengths, scan) {
             (Some(lengths), _) => (Some(lengths), unit.clone()),
             (None, Some((lengths, unit))) => (Some(lengths), unit),
-            (None, None) => (map.lengths, None),
+            (None, None) => (map.lengths, map.length_unit.take()),
         };
         map.height_unit = unit;
         map.notes.extend(notes);
@@ -329,7 +333,7 @@ fn titles(line: &str, columns: usize) -> Vec<Title> {
 }
 
 /// The largest number of lines of a head that a warning names.
-const MOST_UNKNOWN: usize = 3;
+const MOST_UNKNOWN: usize = 8;
 
 /// True for a line that seems to tell of size, unit, scale or missing points: one of their words and a number or a unit
 /// of length.
@@ -368,7 +372,9 @@ fn tells(line: &str) -> bool {
     let short = |word: &str| matches!(word, "dx" | "dy" | "dz" | "x" | "y" | "z");
     let named = WORDS.iter().any(|word| lower.contains(word))
         || lower.split(|c: char| !c.is_alphanumeric()).any(short) && line.contains([':', '=']);
-    named && (has_number || has_unit)
+    // An entry whose value is a number.
+    let entry = line.split_once([':', '=']).and_then(|(_, value)| value.split_whitespace().next());
+    named && (has_number || has_unit) || entry.is_some_and(|value| value.parse::<f64>().is_ok())
 }
 
 /// Parses a length with or without a unit, such as `10.00 µm`.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::header::Header;
 use super::number::{is_missing, number};
-use super::points::{AS_MATRIX, MOST_COLUMNS, is_monotonic};
+use super::points::{AS_MATRIX, MANY, MOST_COLUMNS, is_monotonic};
 use super::{Rows, separator, words};
 use crate::format::Map;
 
@@ -13,10 +13,13 @@ const FEWEST: usize = 3;
 /// The smallest number of heights that may be numbers of lines, and one more that may be coordinates.
 const DOUBTFUL: usize = 4;
 
+/// The largest number of columns of lines that are taken as points, not as a matrix, if there are many of them.
+const MOST_LIST: usize = 6;
+
 /// The largest number of lines in which two columns are no lattice.
 const LATTICE: usize = 5;
 
-/// The smallest number of lines whose column may be a coordinate at uneven distances, and the largest number of columns.
+/// The smallest number of lines whose column may be a coordinate at uneven distances, and the most columns.
 const LONG: usize = 8;
 
 /// The matrix in rows with labels of columns above it and of rows before it; `None` if there are none. Labels 0, 1, 2,
@@ -58,14 +61,19 @@ pub(super) fn labelled(rows: &Rows, header: &Header) -> Result<Option<Map>, Stri
         map.notes.push("the first line and the first column number the others; they are left out".into());
         return Ok(Some(map));
     }
-    let length = |labels: &[f64], digit: f64| {
+    let length = |labels: &[f64], digits: [f64; 2]| {
         let mut rising = labels.to_vec();
         rising.sort_by(f64::total_cmp);
-        Axis::rising(&rising, digit).map(|axis| axis.length())
+        Axis::rising(&rising, digits).map(|axis| axis.length())
     };
     map.lengths = length(&above, digit).zip(length(&left, rows.digit(0))).map(|(x, y)| [x, y]);
     map.notes.push("the first line and the first column are x and y, which give the size".into());
     Ok(Some(map))
+}
+
+/// True if all lines but the first are even.
+fn is_plane(rows: &Rows, digit: [f64; 2]) -> bool {
+    rows.values.chunks(rows.columns).skip(1).all(|line| Axis::is_progression(line, digit))
 }
 
 /// True for 0, 1, 2, ... and for 1, 2, 3, ...
@@ -73,25 +81,27 @@ fn are_numbers(labels: &[f64]) -> bool {
     [0.0, 1.0].iter().any(|start| labels.iter().enumerate().all(|(index, label)| *label == start + index as f64))
 }
 
-/// The labels above the columns, the unit of their last digit, and the first row of heights.
-fn above(rows: &Rows, header: &Header) -> Option<(Vec<f64>, f64, usize)> {
-    let digit = rows.digits.iter().copied().fold(0.0, f64::max);
+/// The labels above the columns, the units of their last digits, and the first row of heights.
+fn above(rows: &Rows, header: &Header) -> Option<(Vec<f64>, [f64; 2], usize)> {
+    let digit = rows.all_digits();
     if let Some(labels) = &rows.above {
         return Some((labels.clone(), digit, 0));
     }
     let corner = rows.values.first()?;
-    if rows.has_empty_corner && corner.is_nan() {
+    if corner.is_nan() && (rows.has_empty_corner || rows.rows > FEWEST) {
         return Some((rows.values[1..rows.columns].to_vec(), digit, 1));
     }
     let title = header.columns.trim();
-    let mut found = words(title, separator(title));
+    let separator = rows.separator.filter(|separator| title.contains(*separator)).unwrap_or(separator(title));
+    let mut found = words(title, separator);
     let corner = found.next()?;
     let labels: Vec<&str> = found.collect();
     if labels.len() + 1 != rows.columns || number(corner, 0, 0).is_ok() || labels.iter().any(|word| is_missing(word)) {
         return None;
     }
     let numbers: Option<Vec<f64>> = labels.iter().map(|word| number(word, 0, 0).ok()).collect();
-    let digit = labels.iter().map(|word| super::number::last_digit(word)).fold(0.0, f64::max);
+    let digits = labels.iter().map(|word| [super::number::last_digit(word); 2]);
+    let digit = digits.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default();
     numbers.map(|numbers| (numbers, digit, 0))
 }
 
@@ -103,27 +113,32 @@ pub(super) fn check(rows: &Rows) -> Result<(), String> {
     let (columns, lines) = (rows.columns, rows.rows);
     let column = |column: usize| rows.column(column).collect::<Vec<_>>();
     let line = |line: usize| &rows.values[line * columns..(line + 1) * columns];
-    let digit = rows.digits.iter().copied().fold(0.0, f64::max);
-    let is_even = |numbers: &[f64], digit: f64| {
+    let digit = rows.all_digits();
+    let is_even = |numbers: &[f64], digit: [f64; 2]| {
         let least = DOUBTFUL + usize::from(!are_numbers(numbers));
         numbers.len() >= least && Axis::is_progression(numbers, digit)
     };
     let first_column = || is_even(&column(0), rows.digit(0));
     let first_line = || is_even(line(0), digit);
+    let behind = |numbers: &[f64], digit| numbers.len() > DOUBTFUL && Axis::is_progression(&numbers[1..], digit);
+    if columns > 1 && behind(line(0), digit) && behind(&column(0), rows.digit(0)) && !is_plane(rows, digit) {
+        return Err(format!(
+            "the first line and the first column rise or fall evenly, as labels do; the corner must be left empty, or \
+             both left out; {AS_MATRIX}"
+        ));
+    }
     // A plane, and what is made of lines, is even in all its columns or lines.
     if columns > 1 && first_column() && !(1..columns).all(|k| Axis::is_progression(&column(k), digit)) {
         return Err(format!(
-            "the first column rises or falls evenly, as x or labels of rows do; it must be left out, or the points must \
-             be x z or x y z; {AS_MATRIX}"
+            "the first column rises or falls evenly, as x or labels of rows do; it must be left out, or the points \
+             must be x z or x y z; {AS_MATRIX}"
         ));
     }
-    let coordinates: Vec<Vec<f64>> = (0..columns).filter(|_| columns <= MOST_COLUMNS).map(column).collect();
-    let pairs = || (0..coordinates.len()).flat_map(|x| (x + 1..coordinates.len()).map(move |y| [x, y]));
-    let is_lattice = |[x, y]: &[usize; 2]| super::points::is_lattice(&coordinates[*x], &coordinates[*y]);
-    if let Some([x, y]) = pairs().find(|pair| columns > 2 && lines > LATTICE && is_lattice(pair)) {
+    let is_list = (3..=MOST_COLUMNS).contains(&columns) && lines > LATTICE;
+    if let Some([x, y]) = is_list.then(|| super::points::lattice(rows, |_| true)).flatten() {
         return Err(format!(
-            "the columns {} and {} of {columns} are x and y of a lattice, and it is unclear which one is z; a line above \
-             them must name x, y and z; {AS_MATRIX}",
+            "the columns {} and {} of {columns} are x and y of a lattice, and it is unclear which one is z; a line \
+             above must name x, y and z; {AS_MATRIX}",
             x + 1,
             y + 1
         ));
@@ -133,15 +148,21 @@ pub(super) fn check(rows: &Rows) -> Result<(), String> {
         && !(0..columns).all(|k| is_monotonic(rows.column(k)))
     {
         return Err(format!(
-            "column {} of {columns} rises or falls all along the {lines} lines, as x does; a list must have the columns \
-             x y z or x z, and several profiles a file each; {AS_MATRIX}",
+            "column {} of {columns} rises or falls all along the {lines} lines, as x does; a list must have the \
+             columns x y z or x z, and several profiles a file each; {AS_MATRIX}",
             found + 1
+        ));
+    }
+    if (3..=MOST_LIST).contains(&columns) && lines >= MANY.max(4 * columns) {
+        return Err(format!(
+            "the {lines} lines of {columns} numbers may be points or a matrix; a line above them must name the columns \
+             x, y and z, or x and z, of points; {AS_MATRIX}"
         ));
     }
     if lines > 2 && first_line() && !(1..lines).all(|k| Axis::is_progression(line(k), digit)) {
         return Err(format!(
-            "the first line of numbers rises or falls evenly, as labels of columns or x do; it must be left out, or x z \
-             be columns; {AS_MATRIX}"
+            "the first line of numbers rises or falls evenly, as labels of columns or x do; it must be left out, or x \
+             z be columns; {AS_MATRIX}"
         ));
     }
     if lines == 2 && columns >= LONG && is_monotonic(line(0).iter().copied()) {

@@ -3,7 +3,7 @@
 use crate::bytes::clip;
 
 /// Words that denote a point without a height, in small letters.
-const MISSING: [&str; 24] = [
+const MISSING: [&str; 41] = [
     "nan",
     "na",
     "n/a",
@@ -14,20 +14,37 @@ const MISSING: [&str; 24] = [
     "#num!",
     "#value!",
     "#div/0!",
+    "#ref!",
+    "#name?",
+    "#null!",
     "bad",
     "null",
+    "(null)",
+    "<null>",
     "nil",
     "none",
-    "no data",
     "nodata",
     "no_data",
     "missing",
+    "<missing>",
     "invalid",
     "undefined",
+    "undef",
     "void",
+    "masked",
     "over",
     "under",
-    "nan(ind)",
+    "overflow",
+    "underflow",
+    "n.d.",
+    "nd",
+    "n.v.",
+    "''",
+    "no data",
+    "no value",
+    "bad pixel",
+    "out of range",
+    "#n/a n/a",
 ];
 
 /// The longest number that is rewritten before it is read, in bytes.
@@ -49,10 +66,13 @@ pub(super) fn number(word: &str, line: usize, column: usize) -> Result<f64, Stri
 /// programs, dashes, stars or question marks, or what C writes on Windows (`1.#QNAN`, `-1.#IND`, `1.#INF`).
 pub(super) fn is_missing(word: &str) -> bool {
     let drawn = |mark: char| word.chars().all(|c| c == mark);
-    drawn('-')
+    let dashes = |c: char| matches!(c, '-' | '.' | '\u{2014}') || is_minus(c);
+    word.is_empty()
+        || word.chars().all(dashes) && !drawn('.')
         || drawn('*')
         || drawn('?')
         || word.trim_start_matches(['-', '+']).starts_with("1.#")
+        || word.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("nan(")) && word.ends_with(')')
         || word.len() <= LONGEST && MISSING.contains(&word.trim_start_matches('-').to_ascii_lowercase().as_str())
 }
 

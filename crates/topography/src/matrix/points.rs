@@ -13,7 +13,7 @@ use crate::unit::Sides;
 const FEWEST: usize = 4;
 
 /// The number of lines of three numbers above which they are not silently taken as a matrix.
-const MANY: usize = 16;
+pub(super) const MANY: usize = 16;
 
 /// The largest ratio of the points of a lattice to those in the list.
 const SPARSEST: usize = 4;
@@ -42,6 +42,10 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
     if let Some(columns) = Columns::named(&titles, rows.columns)? {
         return columns.map(rows, &titles, header).map(Some);
     }
+    let called = |role: Role| titles.iter().any(|title| title.role == role);
+    if rows.columns > 2 && !header.titles_are_comment() && called(Role::X) && !called(Role::Z) {
+        return Err("a column is called x, but none z or height; one must be".into());
+    }
     // Separators at the ends of the lines make empty columns.
     let width =
         (0..rows.columns).rev().find(|column| !rows.column(*column).all(f64::is_nan)).map_or(0, |last| last + 1);
@@ -54,7 +58,7 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
             }
             Ok(Some(map))
         }
-        2 if rows.column(0).all(f64::is_nan) && rows.rows > 1 => {
+        2.. if rows.separator == Some(' ') && rows.column(0).all(f64::is_nan) && rows.rows > 1 => {
             Err("each line is a dash and a number, a list of YAML; heights must be a matrix or points x z".into())
         }
         _ if rows.rows < FEWEST => Ok(None),
@@ -63,7 +67,7 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
         3 => {
             let columns = Columns { x: 0, y: Some(1), z: 2 };
             if let Some(map) = columns.surface(rows)? {
-                return columns.with_units(map, &titles, header).map(Some);
+                return columns.with_units(map, rows.columns, &titles, header).map(Some);
             }
             let is_number = |start: f64| rows.column(0).enumerate().all(|(row, found)| found == start + row as f64);
             // A number of the point in the first column.
@@ -74,15 +78,15 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
                 return Ok(None);
             }
             Err(format!(
-                "the {} lines of three numbers are not the points x y z of a lattice; a matrix with three columns must \
-                 have a header with Width and Height",
+                "the {} lines of three numbers are not the points x y z of a lattice; they must be, or a line above \
+                 must name x and z of a profile; {AS_MATRIX}",
                 rows.rows
             ))
         }
         4..=MOST_COLUMNS => {
             let Some(columns) = Columns::found(rows)? else { return Ok(None) };
             let Some(map) = columns.surface(rows)? else { return Ok(None) };
-            columns.with_units(map, &titles, header).map(Some)
+            columns.with_units(map, rows.columns, &titles, header).map(Some)
         }
         _ => Ok(None),
     }
@@ -104,6 +108,13 @@ pub(super) fn is_lattice(x: &[f64], y: &[f64]) -> bool {
     let mut points: Vec<_> = x.iter().zip(y).map(|(x, y)| (x.to_bits(), y.to_bits())).collect();
     points.sort_unstable();
     points.windows(2).all(|pair| pair[0] != pair[1])
+}
+
+/// The first pair of columns, of those wanted, that forms a lattice.
+pub(super) fn lattice(rows: &Rows, is_wanted: impl Fn(&[usize; 2]) -> bool) -> Option<[usize; 2]> {
+    let columns: Vec<Vec<f64>> = (0..rows.columns).map(|column| rows.column(column).collect()).collect();
+    let mut pairs = (0..columns.len()).flat_map(|x| (x + 1..columns.len()).map(move |y| [x, y]));
+    pairs.find(|pair| is_wanted(pair) && is_lattice(&columns[pair[0]], &columns[pair[1]]))
 }
 
 impl Columns {
@@ -162,7 +173,18 @@ impl Columns {
             }
             let columns = Self { x, y: Some(y), z };
             if columns.surface(rows)?.is_some() {
-                return Ok(Some(columns));
+                // Two lattices, such as numbers and places of points.
+                let is_other = |pair: &[usize; 2]| !pair.contains(&x) && !pair.contains(&y);
+                return match lattice(rows, is_other) {
+                    None => Ok(Some(columns)),
+                    Some([a, b]) => Err(format!(
+                        "the columns {}, {} and {}, {} are both those of a lattice; a line above must name x, y and z",
+                        x + 1,
+                        y + 1,
+                        a + 1,
+                        b + 1
+                    )),
+                };
             }
         }
         Ok(None)
@@ -183,10 +205,10 @@ impl Columns {
                 )
             })?,
         };
-        self.with_units(map, titles, header)
+        self.with_units(map, rows.columns, titles, header)
     }
 
-    fn with_units(self, mut map: Map, titles: &[Title], header: &Header) -> Result<Map, String> {
+    fn with_units(self, mut map: Map, columns: usize, titles: &[Title], header: &Header) -> Result<Map, String> {
         let used = [Some(self.x), self.y, Some(self.z)];
         let with =
             used.iter().flatten().filter(|column| titles.get(**column).is_some_and(|title| title.unit.is_some()));
@@ -205,7 +227,7 @@ impl Columns {
         map.lengths = Some(sides.lengths);
         map.length_unit = sides.unit;
         map.notes.extend(sides.notes);
-        if titles.len() > used.iter().flatten().count() || titles.is_empty() && used.iter().flatten().any(|k| *k > 2) {
+        if columns > used.iter().flatten().count() {
             let name = |column: usize| {
                 titles.get(column).map_or_else(|| (column + 1).to_string(), |title| title.name.trim().to_owned())
             };

@@ -480,6 +480,13 @@ fn lists_among_other_columns_are_lists() {
         let reason = refusal(&text);
         assert!(reason.contains("lattice") && reason.contains("must"), "{reason}");
     }
+    // Numbers and places of the points, without names.
+    let text = nodes(|k, x, y, z| format!("{} {} {x} {y} {z}\n", k % 6, k / 6));
+    assert!(refusal(&text).contains("are both those of a lattice; a line above must name x, y and z"));
+    check(&read(&format!("i j x y z\n{text}")), &expected, 1.0, Some([3.0, 2.5]), &text);
+    // Points that are on no lattice.
+    let scattered = nodes(|k, _, y, z| format!("{:.3} {y} {z} 1\n", (1.3 * k as f64).sin()));
+    assert!(refusal(&scattered).contains("may be points or a matrix"));
     // Several profiles side by side, with and without names.
     let profiles: String = (0..24)
         .map(|k| f64::from(k) * 0.25)
@@ -487,6 +494,8 @@ fn lists_among_other_columns_are_lists() {
     for text in [profiles.clone(), format!("x1 z1 x2 z2\n{profiles}")] {
         assert!(advises(&refusal(&text)));
     }
+    let reason = refusal(&format!("x (mm),raw (um),waviness (um)\n{}", nodes(|_, x, y, z| format!("{x},{y},{z}\n"))));
+    assert_eq!(reason, "a column is called x, but none z or height; one must be");
     // A narrow map whose column rises unevenly.
     let narrow: String = (0..20)
         .map(|k| f64::from(k * k) * 0.1)
@@ -514,6 +523,17 @@ fn labels_of_rows_and_columns_are_no_heights() {
     assert_eq!((named.heights, named.lengths), (expected.clone(), Some([1.5, 1.5])));
     let numbered = read(",0,1,2\n0,1.0,2.0,3.0\n1,2.0,1.0,2.5\n2,1.5,2.5,1.0\n");
     assert_eq!((numbered.heights, numbered.lengths), (expected, None));
+    let with_unit = "y/x (um),0,0.5,1.0\n0,1.0,2.0,3.0\n0.5,2.0,1.0,2.5\n1.0,1.5,2.5,1.0\n";
+    assert_eq!(read(with_unit).lengths, Some([1.5, 1.5]));
+    // A corner that is a number may be a height.
+    for corner in ["0", "6"] {
+        let text = "- 0.5 1.0 1.5 2.0 2.5\n0.5 1.7 0.4 0.9 2.2 1.8\n1.0 0.9 0.1 0.1 0.4 0.3\n1.5 0.1 1.4 0.7 0.1 0.4\n\
+                    2.0 0.6 0.3 0.5 0.1 0.9\n";
+        let text = text.replacen('-', corner, 1);
+        let reason = refusal(&text);
+        assert!(reason.contains("the corner must be left empty") && advises(&reason), "{reason}");
+        assert_eq!(read(&text.replacen(corner, "nan", 1)).lengths, Some([2.5, 2.0]));
+    }
     // Without the labels of the rows, as programs write columns of numbers.
     let reason = refusal("0,1,2,3,4\n1.7,0.4,0.9,2.2,1.8\n-0.9,0.9,-0.1,-0.1,0.4\n0.1,1.4,0.7,0.1,0.4\n");
     assert!(reason.contains("labels of columns") && advises(&reason), "{reason}");
@@ -531,6 +551,14 @@ fn heads_that_are_known_are_read_and_others_are_named() {
     assert_eq!((found.unit, found.lengths, found.warnings.len()), (None, None, 1));
     assert!(found.warnings[0].contains("Sampling step: 0.5 um"), "{:?}", found.warnings);
     assert!(!found.warnings[0].contains("Operator"), "{:?}", found.warnings);
+    let found = read("north: 2.5\nsouth: 0\nrows: 2\nnull: -9999\n1.0 2.0 3.5\n2.0 1.5 0.5\n");
+    assert!(found.warnings[0].contains("north: 2.5") && found.warnings[0].contains("null: -9999"));
+    // The keys of Esri in any order, behind a comment.
+    let grid = read("# made\ncellsize: 0.5\nnrows: 2\nncols: 3\n1 2 3\n4 -9999 6\n");
+    assert_eq!((grid.lengths, grid.heights[[0, 0]], grid.undefined), (Some([1.5, 1.0]), 4.0, 1));
+    // Keyence in other languages: the line of the pixel has three fields, that of the unit two.
+    let grid = read("\"Etalonnage XY\",\"500\",\"nm\"\n\"Unite\",\"um\"\n\n\"Hauteur\"\n\"1\",\"2\"\n\"4\",\"3\"\n");
+    assert_eq!((grid.lengths, grid.unit.as_deref()), (Some([1.0, 1.0]), Some("µm")));
     // A Nanoscope writes a line for each pixel, with a column for each channel.
     let pixels: String = (0..12).map(|k| format!("{}.5\t{}\t{}\n", k, 2 * k, 7 - k)).collect();
     let head = "\"\\*File list\"\n\"\\Samps/line: 4\"\n\"\\Lines: 3\"\n\"\\Scan Size: 2 um\"\n\
@@ -549,7 +577,8 @@ fn heads_that_are_known_are_read_and_others_are_named() {
 
 #[test]
 fn words_for_missing_points_are_known() {
-    for word in MISSING.iter().chain(&["No Data", "1.#INF", "<NA>", "n/a", "Invalid"]) {
+    for word in MISSING.iter().chain(&["No Data", "1.#INF", "<NA>", "n/a", "Invalid", "n.d.", "—", "--.--", "#REF!"])
+    {
         let text = format!("1.5,2.0,0.5,1.0\n2.5,{word},3.0,0.5\n1.0,2.0,1.5,0.25\n");
         let found = read(&text);
         assert_eq!((found.undefined, found.heights[[1, 1]].is_nan()), (1, true), "{word}");
@@ -598,8 +627,9 @@ fn formats_that_are_not_read_are_named_with_a_way_out() {
         let reason = Topography::from_bytes("scan", bytes, None).unwrap_err().reason;
         assert!(reason.contains(name) && reason.contains("is not read; "), "{reason}");
     }
-    let reason = refusal("- 1.0\n- 2.0\n- 3.0\n");
-    assert!(reason.contains("YAML"), "{reason}");
+    for list in ["- 1.0\n- 2.0\n- 3.0\n", "- 1.0 2.0\n- 2.0 3.0\n"] {
+        assert!(refusal(list).contains("YAML"));
+    }
 }
 
 #[test]
@@ -615,4 +645,25 @@ fn heads_of_instruments_give_size_and_unit() {
     let found = read(&rounded);
     assert!((found.lengths.unwrap()[0] - 31.25).abs() < 1e-3, "{:?}", found.lengths);
     assert!(rms(&found) > 0.5);
+    // Numbers with three digits, as %.3g and %.2e write them.
+    for text in [
+        (0..144).map(|k| format!("{} {} {}.5\n", three(k % 12), three(k / 12), k * k % 31)).collect::<String>(),
+        (0..144)
+            .map(|k| {
+                format!("{:.2e} {:.2e} {}.5\n", 0.15625 * f64::from(k % 12), 0.15625 * f64::from(k / 12), k * k % 31)
+            })
+            .collect(),
+    ] {
+        let found = read(&text);
+        assert_eq!(found.heights.dim(), (12, 12));
+        found.lengths.unwrap().iter().for_each(|length| assert!((length / 1.875 - 1.0).abs() < 0.01, "{length}"));
+    }
+}
+
+/// A multiple of 0.15625 with three digits and without zeros at its end.
+fn three(k: i32) -> String {
+    let value = 0.15625 * f64::from(k);
+    let decimals = if value < 1.0 { 3 } else { 2 };
+    let text = format!("{value:.decimals$}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
