@@ -158,6 +158,8 @@ impl Fields for State {
         let repulsion = self.repulsion();
         let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());
         let summary = Summary::of(repulsion.view(), displacement, gap, self.mean_pressure, scales, boundary);
+        let is_closed = self.wall_pressure.iter().all(|p| *p > 0.0);
+        let summary = if is_closed { summary.at_wall() } else { summary };
         let is_pressed = self.mean_pressure > LEAST_LOAD * summary.max_pressure;
         Summary {
             kappa: if is_pressed { summary.kappa } else { f64::NAN },

@@ -101,6 +101,13 @@ impl Summary {
             elastic_energy: elastic_energy_over(share, pressure, displacement_z),
         }
     }
+
+    /// The numbers of a contact behind a hard wall: if all points touch, the gap is zero, and not what rounding leaves.
+    #[must_use]
+    pub fn at_wall(self) -> Self {
+        let is_closed = self.area_fraction == 1.0 && self.mean_gap.is_finite();
+        Self { mean_gap: if is_closed { 0.0 } else { self.mean_gap }, ..self }
+    }
 }
 
 /// A scalar of `T` as a column of a table or a variable of a file.
@@ -146,6 +153,10 @@ mod tests {
         };
         let whole = of([2, 3], [2, 3]);
         assert_eq!((whole.elastic_energy, whole.mean_gap), (0.25, -0.5));
+        assert_eq!((whole.at_wall().elastic_energy, whole.at_wall().mean_gap), (0.25, 0.0));
+        assert!(of([2, 3], [2, 2]).at_wall().mean_gap.is_nan());
+        let partly = Summary { area_fraction: 0.99, ..whole };
+        assert_eq!(partly.at_wall(), partly);
         for other in [[2, 2], [2, 4], [0, 0]] {
             assert!(of(other, [2, 3]).elastic_energy.is_nan() && of([2, 3], other).mean_gap.is_nan(), "{other:?}");
         }

@@ -90,7 +90,14 @@ def test_channels_of_a_file_are_read_by_name_and_number():
         gfmd.read(FILES / "two.npz", -1)
     with pytest.raises(gfmd.InputError, match="undefined points"):
         gfmd.read(FILES / "holes.nc")
+    heights, size, unit = gfmd.read_heights(FILES / "holes.nc")
     filled = gfmd.read(FILES / "holes.nc", fill="nearest")
+    kept = np.isfinite(heights)
+    assert (~kept).sum() == filled.undefined and np.array_equal(filled.heights[kept], heights[kept])
+    assert (unit, size) == (filled.unit, filled.size)
+    # A part without holes: a row without them is one.
+    rows = np.flatnonzero(kept.all(axis=1))
+    assert len(rows) and gfmd.Surface(heights[rows[0]], unit=unit).undefined == 0
     assert filled.undefined > 0 and np.isfinite(filled.heights).all()
     assert filled.flip().undefined == filled.undefined and filled.flip().format == filled.format
 

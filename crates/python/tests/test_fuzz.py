@@ -204,6 +204,7 @@ ENTRIES = {
         ),
     ),
     "read": (gfmd.read, dict(name=files, size=positive, unit=st.just("m"))),
+    "read_heights": (gfmd.read_heights, dict(name=files)),
     "Surface.statistics": (SURFACE.statistics, dict(fit_range=st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 1.0)))),
     "Surface.detrend": (SURFACE.detrend, dict(trend=st.sampled_from(["mean", "plane", "slope", "quadratic"]))),
     "Surface.periodise": (SURFACE.periodise, dict(way=st.sampled_from(["mirror", "as-is"]))),

@@ -45,7 +45,7 @@ impl<'a> Zip<'a> {
     /// True if the file is a zip archive with all these entries.
     pub(crate) fn has(file: &File, entries: &[&str]) -> bool {
         file.starts_with(b"PK")
-            && Zip::open(file).is_ok_and(|zip| entries.iter().all(|entry| zip.0.index_for_name(entry).is_some()))
+            && Zip::open(file).is_ok_and(|zip| entries.iter().all(|entry| zip.meant(entry).is_some()))
     }
 
     /// The name of the entry that `name` means: the same name, else one that differs in case, slashes or `./` only.
@@ -64,14 +64,16 @@ impl<'a> Zip<'a> {
     /// declares; the checksum is verified at the end.
     pub(crate) fn stream(&mut self, name: &str) -> Result<(impl Read, usize), String> {
         let size = self.1;
-        let entry = self.0.by_name(name).map_err(|error| format!("the entry {name}: {error}"))?;
+        let found = self.meant(name).unwrap_or_else(|| name.to_owned());
+        let entry = self.0.by_name(&found).map_err(|error| format!("the entry {name}: {error}"))?;
         let compressed = entry.compressed_size();
         Ok((entry, usize::try_from(compressed).unwrap_or(usize::MAX).min(size)))
     }
 
     /// Decompresses an entry of at most `most` bytes, whatever size the archive declares; its checksum is verified.
     pub(crate) fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
-        let entry = self.0.by_name(name).map_err(|error| format!("the entry {name}: {error}"))?;
+        let found = self.meant(name).unwrap_or_else(|| name.to_owned());
+        let entry = self.0.by_name(&found).map_err(|error| format!("the entry {name}: {error}"))?;
         let mut bytes = Vec::new();
         entry
             .take(most.saturating_add(1))

@@ -87,6 +87,15 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
         assert!(count > 0 && (command == "path" || told(&one)[0].contains(&format!("at {count} of its 60"))), "{one}");
     }
     assert!(told(&run(folder, "contact --surface cap.npy --displacement 0.02 --json")).is_empty());
+    // Nothing flows through a gap that is closed everywhere, whatever rounding leaves.
+    for command in ["contact", "path"] {
+        let report =
+            run(folder, &format!("{command} --surface cap.npy --boundary free --displacement 0.2 --flow --json"));
+        let of = report.get("loads").unwrap_or(&report["steps"]).as_array().unwrap().last().unwrap();
+        assert_eq!((&of["area_fraction"], &of["mean_gap"]), (&1.0.into(), &0.0.into()));
+        let reasons = of["undefined"].to_string();
+        assert!(reasons.contains("the gap is closed everywhere") && !reasons.contains("the mean gap is"), "{reasons}");
+    }
     let line = run(folder, "contact --dim 2 --n 32 --eps-f-inv 4 --boundary free --p-star 3 --json");
     assert!(told(&line)[0].contains("at 2 of its 2 points"), "{line}");
     // Laws that pull where they do not touch have no contact at the edge.

@@ -56,7 +56,8 @@ fn undefined_points_are_refused_with_their_number_and_the_flag() {
         assert_eq!(
             message,
             "error: scan.txt, channel Height: 1 of 80 points are undefined, the first at [x, y] = [3, 5]; every point \
-             must have a height: --fill harmonic or --fill nearest gives them heights\n",
+             must have a height: --fill harmonic or --fill nearest gives them heights, and gfmd.read_heights of Python \
+             reads them as NaN, to cut the good part out\n",
             "{command}"
         );
     }

@@ -194,6 +194,27 @@ fn a_rough_surface_runs_in_until_the_pressure_is_uniform() {
 }
 
 #[test]
+fn rounding_of_full_contact_is_neither_a_gap_nor_a_figure() {
+    let folder = tempfile::tempdir().unwrap();
+    // All roughness is worn off: a uniform pressure, a body that is flat, no gap.
+    let run = "wear --n 32 --eps-f-inv 4 --p-star 0.5 --coefficient 1e-15/Pa --distance 0,1 --steps 12 --unit m \
+               --length 1um --young 70GPa --plots w --out w.h5 --json";
+    let report = json(folder.path(), &words(run));
+    let steps = report["steps"].as_array().unwrap();
+    let closed: Vec<&Value> = steps.iter().filter(|step| step["area_fraction"] == 1.0).collect();
+    assert!(closed.len() > 4 && closed.iter().all(|step| step["mean_gap"] == 0.0), "{report}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let section = read("w-section.svg");
+    assert!(section.contains("nm") && !section.contains("fm") && !folder.path().join("w-gap.svg").exists());
+    assert_eq!(json(folder.path(), &words("check w.h5 --json"))["differing"], 0);
+    // An open gap keeps its map and its size.
+    let run = "wear --n 32 --eps-f-inv 4 --p-star 0.2 --coefficient 1e-15/Pa --distance 0,1e-4 --steps 1 --unit m \
+               --length 1um --young 70GPa --plots v --json";
+    let open = json(folder.path(), &words(run));
+    assert!(open["steps"][1]["mean_gap"].as_f64().unwrap() > 1e-10 && read("v-gap.svg").contains("nm"));
+}
+
+#[test]
 fn the_finer_grid_is_followed_too() {
     let folder = tempfile::tempdir().unwrap();
     let run =

@@ -138,6 +138,6 @@ impl Fields for FrictionState {
         let pressure = self.pressure();
         let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());
         let summary = Summary::of(pressure.view(), displacement, gap, self.mean_pressure, scales, boundary);
-        Summary { elastic_energy: self.elastic_energy, ..summary }
+        Summary { elastic_energy: self.elastic_energy, ..summary.at_wall() }
     }
 }

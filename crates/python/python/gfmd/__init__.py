@@ -28,7 +28,7 @@ from ._record import Record
 from ._result import Result
 from ._slide import Slide, slide
 from ._solve import contact, contacts
-from ._surface import Statistics, Surface, read, self_affine
+from ._surface import Statistics, Surface, read, read_heights, self_affine
 from ._wear import Wear, wear
 
 __all__ = [
@@ -68,6 +68,7 @@ __all__ = [
     "progress",
     "punch",
     "read",
+    "read_heights",
     "self_affine",
     "slide",
     "wear",

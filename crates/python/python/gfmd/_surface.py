@@ -747,9 +747,7 @@ def read(
         >>> gfmd.read("scan.txt", size=(3e-6, 2e-6), unit="m")
         Surface of 3 x 2 points on 3 x 2 µm (scan.txt)
     """
-    path = _check.path("name", name)
-    asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
-    heights, lengths, known, description, file = _gfmd.read(path, None if asked is None else word("channel", asked))
+    path, (heights, lengths, known, description, file) = _map(name, channel)
     said = parsed(file)
     wanted = None if unit is None else _gfmd.canonical(word("unit", unit))
     if wanted is not None and known is not None:
@@ -760,3 +758,35 @@ def read(
     heights = _check.whole(path, heights, said["undefined"], cell, fill)
     origin = _Origin(_filled(description, said["undefined"], fill), said)
     return _surface(heights, cell, known, origin)
+
+
+def read_heights(
+    name: Union[str, "os.PathLike[str]"], channel: Union[str, int, None] = None
+) -> tuple[Array, Optional[tuple[float, float]], Optional[str]]:
+    """Reads the heights of a file as they are, NaN at undefined points, to cut a part without such points out.
+
+    Args:
+        name, channel: as of `read`.
+
+    Returns:
+        The heights [x, y], the lengths of the whole map, n times the spacing, and the unit of both; None for what the
+        file does not say.
+
+    Raises:
+        InputError: a file that cannot be read, a channel that it does not have.
+
+    Example:
+        >>> np.savetxt("scan.txt", [[0.0, 1.0, np.nan], [0.5, 0.0, 1.0]])
+        >>> heights, size, unit = gfmd.read_heights("scan.txt")
+        >>> gfmd.Surface(heights[:2], size=(2e-6, 2e-6), unit="m")
+        Surface of 2 x 2 points on 2 x 2 µm (array)
+    """
+    _, (heights, lengths, known, _, _) = _map(name, channel)
+    return heights, lengths, known
+
+
+def _map(name: Any, channel: Any) -> tuple[str, Any]:
+    """The name of a file, and a height map in it."""
+    path = _check.path("name", name)
+    asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
+    return path, _gfmd.read(path, None if asked is None else word("channel", asked))

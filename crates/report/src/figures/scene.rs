@@ -128,6 +128,9 @@ pub fn rough(is_composite: bool) -> &'static str {
 /// The index of the colour of contact.
 const CONTACT: usize = 1;
 
+/// The part of the deformation that the residuals of a contact leave: smaller heights and gaps are rounding.
+const ROUNDING: f64 = 1e-8;
+
 impl<'a> Scene<'a> {
     /// The upper face of a contact with this surface.
     pub fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
@@ -150,7 +153,8 @@ impl Scene<'_> {
     }
 
     /// Passes the figures to `take`, one by one: the pressure; with an attraction, the traction of both signs; the gap,
-    /// if known; the section, if the displacement is known as well. A profile has no maps, only pressure and section.
+    /// if known and open somewhere; the section, if the displacement is known as well. A profile has no maps, only
+    /// pressure and section.
     pub fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
         let Shown { pressure, gap, level, .. } = self.shown;
         let is_line = self.grid.is_line();
@@ -164,8 +168,9 @@ impl Scene<'_> {
             let values: Vec<f64> = pressure.iter().map(in_units).collect();
             take(Kind::Traction, &self.traction(&values, in_units(&end), &label))?;
         }
-        if !(gap.is_empty() || is_line) {
-            let mut values: Vec<f64> = self.distances().collect();
+        let mut values: Vec<f64> = self.distances().collect();
+        // A gap that is closed everywhere has no map.
+        if !(gap.is_empty() || is_line) && largest(&values) > ROUNDING * self.deformation() {
             let read = length(self.unit, largest(&values));
             values.iter_mut().for_each(|gap| *gap *= read.factor);
             take(Kind::Gap, &self.gap(&values, &read.name))?;
@@ -204,6 +209,13 @@ impl Scene<'_> {
             },
             None => Pressures { over: self.modulus, label: "pressure *p*/*E*\\*".into(), short: "*p*/*E*\\*".into() },
         }
+    }
+
+    /// The size of the deformation, by the largest pressure and the longest wave.
+    fn deformation(&self) -> f64 {
+        let [lx, ly] = self.grid.lengths();
+        let side = if self.grid.is_line() { lx } else { lx.max(ly) };
+        largest(&self.shown.pressure) * side / self.modulus
     }
 
     /// The distance between the surfaces; zero in contact, and where residuals make it negative.
@@ -245,7 +257,13 @@ impl Scene<'_> {
         heights.extend(self.contacts(&points));
         let side = sides(grid, unit);
         let extent = heights.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max);
-        let height = length(unit, extent);
+        let floor = ROUNDING * self.deformation();
+        if extent <= floor {
+            heights.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y = 0.0);
+        }
+        let height = length(unit, if extent <= floor { self.deformation() } else { extent });
+        let flat = self.deformation() * height.factor;
+        let y = Axis::linear(&format!("height *z* / {}", height.name));
         let axis = || Axis::linear(&format!("*x* / {}", side.name)).over([0.0, (nx - 1) as f64 * dx * side.factor]);
         let known = if *unit == "length" { String::new() } else { format!(" {}", side.name) };
         let place = short(row as f64 * dy * side.factor);
@@ -253,7 +271,7 @@ impl Scene<'_> {
         let upper = Panel {
             title: if grid.is_line() { String::new() } else { title },
             x: axis(),
-            y: Axis::linear(&format!("height *z* / {}", height.name)),
+            y: if extent <= floor && flat > 0.0 { y.over([-flat, flat]) } else { y },
             series: scaled(heights, [side.factor, height.factor]),
             ..Panel::default()
         };

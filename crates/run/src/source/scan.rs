@@ -101,7 +101,10 @@ impl SourceArgs {
         let file = name.as_str();
         if topography.undefined > 0 && self.fill.is_none() {
             let refused = topography.check_complete().map_or_else(|error| error.to_string(), |()| file.into());
-            return Err(Failure::Input(format!("{refused}: --fill harmonic or --fill nearest gives them heights")));
+            return Err(Failure::Input(format!(
+                "{refused}: --fill harmonic or --fill nearest gives them heights, \
+                 and gfmd.read_heights of Python reads them as NaN, to cut the good part out"
+            )));
         }
         let mut heights = topography.heights;
         let [nx, ny] = heights.dim().into();
