@@ -8,9 +8,6 @@ use crate::statistics::checked;
 /// The number of intervals of the curve.
 const INTERVALS: usize = 200;
 
-/// The fraction of the points from which the line of the core is found.
-const CORE: f64 = 0.4;
-
 /// The difference of heights, as a fraction of the range, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -56,70 +53,42 @@ impl Bearing {
         sorted.iter_mut().for_each(|height| *height -= mean);
         let at = |ratio: f64| quantile(&sorted, 1.0 - ratio).unwrap_or(0.0);
         let ratio: Vec<f64> = (0..=INTERVALS).map(|k| k as f64 / INTERVALS as f64).collect();
-        Ok(Self { height: ratio.iter().map(|ratio| at(*ratio)).collect(), ratio, core: Core::of(&sorted, at) })
+        Ok(Self { height: ratio.iter().map(|ratio| at(*ratio)).collect(), ratio, core: Core::of(&sorted) })
     }
 }
 
 impl Core {
-    /// The parameters from heights in ascending order and the function `at`, the height at a ratio.
-    fn of(sorted: &[f64], at: impl Fn(f64) -> f64) -> Option<Self> {
+    /// The parameters from heights in ascending order. The point k from the highest has the ratio (k + 1/2)/n; peaks and
+    /// valleys are the triangles of the area that the points beyond a level fill.
+    fn of(sorted: &[f64]) -> Option<Self> {
         let (Some(lowest), Some(highest)) = (sorted.first(), sorted.last()) else { return None };
         let rounding = ROUNDING * (highest - lowest);
         if lowest == highest {
             return None;
         }
-        let last = sorted.len() - 1;
-        let ratio = |k: usize| k as f64 / last as f64;
-        // The fall within a window is linear between windows that begin or end at a point.
-        let starts = (0..=last).map(ratio).chain((0..=last).map(|k| ratio(k) - CORE));
-        let falls: Vec<(f64, f64)> = starts
-            .filter(|start| (0.0..=1.0 - CORE).contains(start))
-            .map(|start| (start, at(start) - at((start + CORE).min(1.0))))
-            .collect();
-        let least = falls.iter().map(|(_, fall)| *fall).fold(f64::INFINITY, f64::min);
-        let start = falls.iter().filter(|(_, fall)| *fall <= least + rounding).map(|(start, _)| *start);
-        let start = start.fold(f64::INFINITY, f64::min);
-        // The line of least squares, from the integrals of z and of (q - middle) z over the window.
-        let middle = start + 0.5 * CORE;
-        let [area, moment] = integrals(&at, last, [start, (start + CORE).min(1.0)], middle);
-        let sk = -12.0 * moment / CORE.powi(3);
-        let top = area / CORE + sk * middle;
+        let count = sorted.len();
+        let of_core = (2 * count).div_ceil(5).max(2);
+        let height = |k: usize| sorted[count - 1 - k];
+        let fall = |start: usize| height(start) - height(start + of_core - 1);
+        let least = (0..=count - of_core).map(fall).fold(f64::INFINITY, f64::min);
+        let start = (0..=count - of_core).find(|start| fall(*start) <= least + rounding)?;
+        let ratio = |k: usize| (k as f64 + 0.5) / count as f64;
+        let core = start..start + of_core;
+        let middle = ratio(start) + 0.5 * (of_core - 1) as f64 / count as f64;
+        let mean = core.clone().map(height).sum::<f64>() / of_core as f64;
+        let with = |of: &dyn Fn(usize) -> f64| core.clone().map(|k| (ratio(k) - middle) * of(k)).sum::<f64>();
+        let sk = -with(&|k| height(k) - mean) / with(&|k| ratio(k) - middle);
+        let top = mean + sk * middle;
         let bottom = top - sk;
-        // The ratio at which the curve meets a level, and the area between both beyond it.
-        let meets = |level: f64| {
-            let below = sorted.partition_point(|height| *height <= level).clamp(1, last);
-            let [low, high] = [sorted[below - 1], sorted[below]];
-            1.0 - (below as f64 - 1.0 + (level - low) / (high - low)) / last as f64
+        // The part of the points, and twice their mean excess.
+        let beyond = |excess: &dyn Fn(f64) -> f64| {
+            let found = sorted.iter().map(|height| excess(*height)).filter(|excess| *excess > rounding);
+            let (sum, points) = found.fold((0.0, 0.0), |(sum, points), excess| (sum + excess, points + 1.0));
+            (points / count as f64, if points > 0.0 { 2.0 * sum / points } else { 0.0 })
         };
-        let reduced = |area: f64, base: f64| if base > 0.0 { (2.0 * area / base).max(0.0) } else { 0.0 };
-        let (mut smr1, mut spk, mut smr2, mut svk) = (0.0, 0.0, 1.0, 0.0);
-        if highest - top > rounding {
-            smr1 = meets(top);
-            spk = reduced(integrals(&at, last, [0.0, smr1], 0.0)[0] - top * smr1, smr1);
-        }
-        if bottom - lowest > rounding {
-            smr2 = meets(bottom);
-            let base = 1.0 - smr2;
-            svk = reduced(bottom * base - integrals(&at, last, [smr2, 1.0], 0.0)[0], base);
-        }
-        Some(Self { top, sk, spk, svk, smr1, smr2 })
+        let ((smr1, spk), (below, svk)) = (beyond(&|height| height - top), beyond(&|height| bottom - height));
+        Some(Self { top, sk, spk, svk, smr1, smr2: 1.0 - below })
     }
-}
-
-/// The integrals over a range of ratios q of z and of (q - middle) z, where z is linear between the ratios k/last.
-fn integrals(at: impl Fn(f64) -> f64, last: usize, [from, to]: [f64; 2], middle: f64) -> [f64; 2] {
-    let inner = (0..=last).map(|k| k as f64 / last as f64).filter(|q| from < *q && *q < to);
-    let mut sums = [0.0; 2];
-    let mut before = (from, at(from));
-    for q in inner.chain([to]) {
-        let next = (q, at(q));
-        let ((a, low), (b, high)) = (before, next);
-        let (left, right) = (a - middle, b - middle);
-        sums[0] += 0.5 * (b - a) * (low + high);
-        sums[1] += (b - a) / 6.0 * (low * (2.0 * left + right) + high * (left + 2.0 * right));
-        before = next;
-    }
-    sums
 }
 
 #[cfg(test)]
@@ -133,7 +102,8 @@ mod tests {
         let found = Bearing::of(&plane, &grid).unwrap();
         assert!(found.ratio.iter().zip(&found.height).all(|(ratio, height)| (height - (0.5 - ratio)).abs() < 1e-12));
         let core = found.core.unwrap();
-        assert!((core.sk - 1.0).abs() < 1e-9 && core.spk < 1e-3 && core.svk < 1e-3, "{core:?}");
+        // Each of the 10,000 points stands for its part of the ratio.
+        assert!((core.sk - 10_000.0 / 9999.0).abs() < 1e-9 && core.spk < 1e-3 && core.svk < 1e-3, "{core:?}");
         assert_eq!(Bearing::of(&Array2::zeros((100, 100)), &grid).unwrap().core, None);
     }
 
@@ -161,32 +131,31 @@ mod tests {
         close(core.smr2, 0.9009);
     }
 
-    /// The parameters from a curve sampled at many ratios: each window is fitted by sums.
-    fn sampled(sorted: &[f64]) -> Core {
-        const SAMPLES: usize = 20_000;
-        let curve: Vec<f64> =
-            (0..SAMPLES).map(|k| quantile(sorted, 1.0 - (k as f64 + 0.5) / SAMPLES as f64).unwrap()).collect();
-        let span = SAMPLES * 2 / 5;
-        let fall = |start: usize| curve[start] - curve[start + span - 1];
-        let start = (0..=SAMPLES - span).min_by(|a, b| fall(*a).total_cmp(&fall(*b))).unwrap();
-        let ratio = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
-        let window: Vec<[f64; 2]> = (start..start + span).map(|k| [ratio(k), curve[k]]).collect();
-        let mean = [0, 1].map(|c| window.iter().map(|point| point[c]).sum::<f64>() / span as f64);
-        let with = |c: usize| window.iter().map(|point| (point[0] - mean[0]) * (point[c] - mean[c])).sum::<f64>();
-        let slope = with(1) / with(0);
-        let top = mean[1] - slope * mean[0];
+    /// The parameters from all windows of two fifths of the points, from the highest, by the normal equations.
+    fn fitted(sorted: &[f64]) -> Core {
+        let heights: Vec<f64> = sorted.iter().rev().copied().collect();
+        let count = heights.len();
+        let span = (count * 4).div_ceil(10).max(2);
+        let fall = |start: usize| heights[start] - heights[start + span - 1];
+        let start = (0..=count - span).min_by(|a, b| fall(*a).total_cmp(&fall(*b))).unwrap();
+        let [mut q, mut z, mut qq, mut qz] = [0.0; 4];
+        for (k, height) in heights.iter().enumerate().skip(start).take(span) {
+            let ratio = (k as f64 + 0.5) / count as f64;
+            (q, z, qq, qz) = (q + ratio, z + height, qq + ratio * ratio, qz + ratio * height);
+        }
+        let n = span as f64;
+        let slope = (n * qz - q * z) / (n * qq - q * q);
+        let top = (z - slope * q) / n;
         let bottom = top + slope;
-        let (above, below): (Vec<f64>, Vec<f64>) = (curve.iter().map(|z| z - top).filter(|z| *z > 0.0).collect(), {
-            curve.iter().map(|z| bottom - z).filter(|z| *z > 0.0).collect()
-        });
+        let above: Vec<f64> = heights.iter().map(|z| z - top).filter(|z| *z > 0.0).collect();
+        let below: Vec<f64> = heights.iter().map(|z| bottom - z).filter(|z| *z > 0.0).collect();
         let mean = |all: &[f64]| if all.is_empty() { 0.0 } else { 2.0 * all.iter().sum::<f64>() / all.len() as f64 };
-        let part = |all: &[f64]| all.len() as f64 / SAMPLES as f64;
-        let (smr1, smr2) = (part(&above), 1.0 - part(&below));
-        Core { top, sk: -slope, spk: mean(&above), svk: mean(&below), smr1, smr2 }
+        let part = |all: &[f64]| all.len() as f64 / count as f64;
+        Core { top, sk: -slope, spk: mean(&above), svk: mean(&below), smr1: part(&above), smr2: 1.0 - part(&below) }
     }
 
     #[test]
-    fn any_surface_has_the_parameters_of_its_sampled_curve() {
+    fn any_surface_has_the_parameters_of_the_line_through_its_points() {
         // Plateaus with deep valleys, sharp peaks, and few points; heights by a generator of equal numbers.
         let mut state = 1_u64;
         let mut random = || {
@@ -205,15 +174,12 @@ mod tests {
             let mean = sorted.iter().sum::<f64>() / count as f64;
             sorted.sort_by(f64::total_cmp);
             sorted.iter_mut().for_each(|height| *height -= mean);
-            let expected = sampled(&sorted);
+            let expected = fitted(&sorted);
             let range = sorted[count - 1] - sorted[0];
-            let lengths = [found.top - expected.top, found.sk - expected.sk];
-            let reduced = [found.spk - expected.spk, found.svk - expected.svk];
-            let ratios = [found.smr1 - expected.smr1, found.smr2 - expected.smr2];
-            // The samples are 5e-5 apart; ends of the window and levels lie between two of them.
-            assert!(lengths.iter().all(|off| off.abs() < 3e-4 * range), "{case}: {found:?} {expected:?}");
-            assert!(reduced.iter().all(|off| off.abs() < 2e-3 * range), "{case}: {found:?} {expected:?}");
-            assert!(ratios.iter().all(|off| off.abs() < 1e-3), "{case}: {found:?} {expected:?}");
+            let lengths = [found.top - expected.top, found.sk - expected.sk, found.spk - expected.spk];
+            let others = [found.svk - expected.svk, found.smr1 - expected.smr1, found.smr2 - expected.smr2];
+            assert!(lengths.iter().all(|off| off.abs() < 1e-9 * range), "{case}: {found:?} {expected:?}");
+            assert!(others[0].abs() < 1e-9 * range && others[1..].iter().all(|off| off.abs() < 1e-12), "{case}");
         }
     }
 }
