@@ -18,7 +18,7 @@ use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
 use gfmd_run::accuracy;
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
-use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, doubt_of_load, fields};
+use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use gfmd_run::units::of_table;
@@ -279,7 +279,7 @@ impl Problem {
             "p_star" => largest,
             _ => 0.0,
         };
-        doubts.extend(doubt_of_load(p_star, &format!("--{}", control.replace('_', "-"))));
+        doubts.extend(self.prepared.doubt_of_load(p_star, &format!("--{}", control.replace('_', "-"))));
         doubts
     }
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import gfmd
+from gfmd import _errors
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +120,27 @@ def test_units_that_are_mixed_up_are_told(scan):
         gfmd.contact(gfmd.self_affine(n=16, size=1e-4, unit="m"), gfmd.Body(young=70), p_star=0.05)
     with pytest.warns(UserWarning, match="far beyond full contact"):
         gfmd.contact(scan, gfmd.Body(young="1 MPa"), mean_pressure="20 MPa")
+
+
+@pytest.mark.parametrize(
+    "said, spoken",
+    [
+        ("--young is 0; it must be positive", "young is 0; it must be positive"),
+        ("--young 70GPa has its own", 'young="70GPa" has its own'),
+        ("--param gamma=0.05J/m^2 has its own", 'gamma="0.05J/m^2" has its own'),
+        ("as --pressure 1MPa and --young 70GPa are not.", 'as mean_pressure="1MPa" and young="70GPa" are not.'),
+        ("not with a law (--grid-error refine)", 'not with a law (grid_error="refine")'),
+        ("--energy-solves 4 did not suffice", "energy_solves=4 did not suffice"),
+        ("--unit gives them one, as in --unit um, or", 'unit gives them one, as in unit="um", or'),
+        ("--length 5e-324 is too small", "size=5e-324 is too small"),
+        ("--tol 1e-8.", "tolerance=1e-8."),
+        ("--displacement, load 0: 3", "approach, load 0: 3"),
+    ],
+)
+def test_messages_name_arguments_as_python_writes_them(said, spoken):
+    with pytest.raises(gfmd.InputError) as refused:
+        raise _errors.refused(said)
+    assert str(refused.value) == spoken
 
 
 def test_results_are_read_with_units_and_stored_without(scan, pressed, tmp_path):

@@ -35,7 +35,7 @@ pub use finer::{Finer, beside, on_finer_grids, resolved};
 pub use head::is_normal;
 pub use head::{Head, Lower};
 pub use parts::Parts;
-pub use prepared::{Asked, Prepared, check_drive, doubt_of_load};
+pub use prepared::{Asked, Prepared, check_drive};
 pub use pressed::ContactArgs;
 pub use slopes::Slopes;
 pub use stored::records_of;

@@ -203,13 +203,18 @@ fn units_that_are_mixed_up_are_told() {
     says("--unit m --young 70 --p-star 0.1", &["the contact modulus is 7.000e1 Pa"]);
     says("--unit m --young 70e9 --pressure 1e8", &[]);
     says("--unit um --young 70 --pressure 1MPa", &["the contact modulus", "--pressure is"]);
-    says("--young 70 --pressure 1e6", &["far beyond full contact"]);
+    says("--young 70 --pressure 1e6", &["far beyond full contact (some 2): pressure and modulus may be in different"]);
+    // Both have their unit: no other is guessed.
+    for known in ["--unit um --young 1MPa --pressure 100MPa", "--unit m --young 1e6 --pressure 1e8"] {
+        says(known, &["Pa, far beyond full contact (some 2): a stress without a unit is in Pa"]);
+    }
     says("--unit um --young 70 --pressure 0.1", &[]);
     says("--young 1 --pressure 0.01", &[]);
     let law = |gamma: &str| {
         format!("--unit um --young 1e8 --law exponential --param gamma={gamma},range=0.3 --p-star 0.1 --coarse")
     };
     says(&law("0.05"), &["the work of adhesion is 5.0e-8 J/m^2"]);
+    says(&law("1e-8J/m^2"), &["one without a unit is in Pa*µm; --param gamma=0.05J/m^2 has its own"]);
     says(&law("0.05J/m^2"), &[]);
 }
 

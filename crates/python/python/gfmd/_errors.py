@@ -59,14 +59,24 @@ _NAMES = {
 }
 
 
+# The values of flags in messages: numbers, with their unit, and names of choices.
+_VALUE = r"[+-]?\d(?:[^\s,;:)]*[^\s,;:).])?|(?:inf|um|nm|refine|none|all|held|free|half-space|table|mirror|harmonic)\b"
+
+
 def _spoken(text: str) -> str:
-    """The message with names of arguments in place of flags."""
+    """The message with arguments of Python in place of flags: `young="70GPa"` for `--young 70GPa`."""
 
-    def name(flag: re.Match[str]) -> str:
-        words = flag[1].replace("-", "_")
-        return _NAMES.get(words, words)
+    def argument(flag: re.Match[str]) -> str:
+        words, parameter, value = flag[1].replace("-", "_"), flag[2], flag[3]
+        name = _NAMES.get(words, words)
+        if value is None:
+            return name
+        is_number = re.fullmatch(r"[+-]?[\d.]+(?:e[+-]?\d+)?", value)
+        given = value if is_number else f'"{value}"'
+        return f"{parameter or name}={given}"
 
-    return re.sub(r"--([a-z](?:[a-z0-9-]*[a-z0-9])?)", name, text).replace("\n", " ")
+    flags = rf"--([a-z](?:[a-z0-9-]*[a-z0-9])?)(?:[ =](?:([a-z_]+)=)?({_VALUE}))?"
+    return re.sub(flags, argument, text).replace("\n", " ")
 
 
 # The native half calls these.

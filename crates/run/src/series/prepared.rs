@@ -12,6 +12,7 @@ use gfmd_measure::{Scales, top};
 use gfmd_problem::{Facts, Given, Posed, Rest, pose};
 use gfmd_record::At;
 use gfmd_surface::{Moments, Statistics, window};
+use gfmd_unit::Units;
 use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
@@ -274,7 +275,7 @@ impl Prepared {
     /// The numbers of the problem that no material has, in words: signs that units are mixed up.
     pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<String> {
         let units = self.surface.units();
-        let (modulus, length) = (self.body.contact_modulus(), units.length().unwrap_or("length"));
+        let modulus = self.body.contact_modulus();
         let Some(metres) = units.metres() else { return Vec::new() };
         let mut doubts = Vec::new();
         // Without a unit of stress a large modulus can only be one in Pa.
@@ -283,8 +284,8 @@ impl Prepared {
             && modulus * pascals < SOFTEST
         {
             doubts.push(format!(
-                "the contact modulus is {:.3e} Pa, softer than any gel: lengths are in {length}, stresses in {}; \
-                 --young 70GPa gives a modulus with its unit",
+                "the contact modulus is {:.3e} Pa, softer than any gel: a stress without a unit is in {}; \
+                 --young 70GPa has its own",
                 modulus * pascals,
                 units.stress().unwrap_or_default()
             ));
@@ -294,8 +295,8 @@ impl Prepared {
             if work < WEAKEST {
                 doubts.push(format!(
                     "the work of adhesion is {work:.1e} J/m^2, weaker than any attraction of solids (0.001 to 10): \
-                     lengths are in {length}, and so is the length in an energy per area; --param gamma=0.05J/m^2 \
-                     gives it with its unit"
+                     one without a unit is in {}; --param gamma=0.05J/m^2 has its own",
+                    Units::new(units.length(), Some(units.stress().unwrap_or(Units::PASCAL))).name("stress*length")
                 ));
             }
         }
@@ -308,9 +309,23 @@ impl Prepared {
             Load::MeanPressure(pressure) => Some(pressure / self.unit_pressure()),
             Load::Approach(_) => None,
         });
-        if let Some(doubt) = doubt_of_load(reduced.fold(0.0, f64::max), flag) {
+        if let Some(doubt) = self.doubt_of_load(reduced.fold(0.0, f64::max), flag) {
             session.warn(UNITS, doubt);
         }
+    }
+
+    /// The words about a largest reduced pressure far beyond full contact, which `name` gives.
+    pub fn doubt_of_load(&self, p_star: f64, name: &str) -> Option<String> {
+        let units = self.surface.units();
+        let said = units.words(self.unit_pressure(), "stress");
+        let hint = match units.stress() {
+            Some(unit) => format!("a stress without a unit is in {unit}"),
+            None => {
+                "pressure and modulus may be in different units, as --pressure 1MPa and --young 70GPa are not".into()
+            }
+        };
+        let doubt = || format!("{name} is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): {hint}");
+        (p_star > HIGHEST).then(doubt)
     }
 
     /// Checks that a contact can be solved under each of the drives, which `flag` gives.
@@ -348,16 +363,6 @@ const WEAKEST: f64 = 1e-5;
 /// The reduced pressure beyond which a load is no load of a rough contact: at 2 nearly all of the surface is in
 /// contact.
 const HIGHEST: f64 = 10.0;
-
-/// The words about a largest reduced pressure far beyond full contact, which `name` gives.
-pub fn doubt_of_load(p_star: f64, name: &str) -> Option<String> {
-    (p_star > HIGHEST).then(|| {
-        format!(
-            "{name} is {p_star:.3e} times E* g, far beyond full contact (some 2): pressure and modulus may be in \
-             different units; --pressure 1MPa and --young 70GPa give them with theirs"
-        )
-    })
-}
 
 /// Checks that a contact can be solved under a drive, which `name` gives.
 ///
