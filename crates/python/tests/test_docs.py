@@ -1,7 +1,10 @@
 """Every public name is documented, with units, errors and an example that runs; the types agree with the code."""
 
+import ast
+import builtins
 import doctest
 import inspect
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -201,3 +204,37 @@ def test_the_package_and_the_examples_are_typed():
 def test_the_native_half_has_the_types_of_its_stub():
     pytest.importorskip("mypy")
     checked("mypy.stubtest", "gfmd._gfmd")
+
+
+# What stands before a colon in the first line of a property is shown as its type.
+KIND = re.compile(
+    r"(Stress|Length|Without unit|Count|Flag|Seconds|Temperature)[ /*^0-9a-z]*?( along x and y)?( \[[a-z0-9, ]+\])?"
+)
+
+
+@pytest.mark.parametrize("name", [name for name, thing in NAMES.items() if isinstance(thing, property)])
+def test_a_property_is_a_sentence_or_begins_with_its_kind(name):
+    before, colon, behind = inspect.getdoc(NAMES[name]).splitlines()[0].partition(":")
+    assert not (colon and behind) or KIND.fullmatch(before), before
+
+
+def names(cell, context):
+    return {node.id for node in ast.walk(cell) if isinstance(node, ast.Name) and isinstance(node.ctx, context)}
+
+
+def given(cell):
+    """The names that a cell has for itself."""
+    imports = (node for node in ast.walk(cell) if isinstance(node, (ast.Import, ast.ImportFrom)))
+    imported = {(alias.asname or alias.name).split(".")[0] for node in imports for alias in node.names}
+    defined = {node.name for node in ast.walk(cell) if isinstance(node, ast.FunctionDef)}
+    arguments = {node.arg for node in ast.walk(cell) if isinstance(node, ast.arg)}
+    return names(cell, ast.Store) | imported | defined | arguments
+
+
+def test_a_cell_of_the_gallery_needs_the_first_one_alone():
+    text = (FOLDER.parents[1] / "docs" / "gallery.md").read_text(encoding="utf-8")
+    first, *others = (ast.parse(cell) for cell in re.findall(r"```\{code-cell\}[^\n]*\n(.*?)```", text, re.DOTALL))
+    assert len(others) > 20
+    for cell in others:
+        missing = names(cell, ast.Load) - given(cell) - given(first) - set(vars(builtins))
+        assert not missing, ast.unparse(cell)

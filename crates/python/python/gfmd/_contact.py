@@ -114,22 +114,22 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def boundary(self) -> str:
-        """The surroundings of the surface, by name: "periodic" or "free"."""
+        """The surroundings of the surface by name, "periodic" or "free"."""
         return str(self._settings.description["boundary"])
 
     @property
     def hardness(self) -> Union[float, Array, None]:
-        """The largest pressure of a contact with a hardness, stress: a number, or that of each point [x, y]."""
+        """The largest pressure of a contact with a hardness (stress), a number or that of each point [x, y]."""
         return self._settings.arrays.get("hardness", self._settings.description.get("hardness"))
 
     @property
     def components(self) -> str:
-        """The components of the surface displacement that were unknown, by name: "normal", "all" or "held"."""
+        """The components of the surface displacement that were unknown, by name ("normal", "all", "held")."""
         return str(self._settings.description.get("components", "normal"))
 
     @property
     def finite_slope(self) -> bool:
-        """True if slopes were not taken as small: points of the body met the height at their displaced place."""
+        """True if slopes were not taken as small, and points of the body met the height at their displaced place."""
         return bool(self._settings.description.get("finite_slope"))
 
     @property
@@ -164,12 +164,12 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def approach(self) -> float:
-        """Rigid approach beyond first touch, length: the key `displacement`."""
+        """Rigid approach beyond first touch (length), which is also the key `displacement`."""
         return self.displacement
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
-        """The points in contact [x, y]: those that are repelled, as `area_fraction` counts them."""
+        """The points in contact [x, y], which are repelled, as `area_fraction` counts them."""
         return np.asarray(self.repulsion > 0.0)
 
     def __eq__(self, other: object) -> bool:
@@ -241,7 +241,7 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def patches(self) -> Patches:
-        """The patches of points in contact, as `gfmd contact --statistics` measures them: a `Record` of arrays [patch].
+        """The patches of points in contact that `gfmd contact --statistics` measures, as a `Record` of arrays [patch].
 
         Raises:
             InputError: with a lower surface, which has two faces.
@@ -252,7 +252,7 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def distributions(self) -> Record:
-        """Distributions and spectra, as `gfmd contact --statistics` measures them: a `Record` of arrays.
+        """Distributions and spectra that `gfmd contact --statistics` measures, as a `Record` of arrays.
 
         `pressure` (1/stress) over `pressure_at` (stress), `gap` (1/length) over `gap_at` (length): densities over the
         whole surface; with periodic boundaries `pressure_spectrum` (stress² length²) over `wavenumber` (rad/length),

@@ -191,7 +191,7 @@ class Surface:
 
     @property
     def is_periodic(self) -> bool:
-        """True if the origin of the heights tells that they repeat: a spectrum, a mirror, a periodic Topography."""
+        """True if the origin of the heights (a spectrum, a mirror, a periodic Topography) tells that they repeat."""
         return self._origin.periodic
 
     @property
