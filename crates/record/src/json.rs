@@ -1,7 +1,5 @@
 //! Records as JSON: nested, as they are printed, or flat, by the names of a file.
 
-use std::collections::BTreeMap;
-
 use gfmd_problem::Facts;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 use serde_json::Value;
@@ -106,6 +104,37 @@ impl Serialize for Tree<'_> {
     }
 }
 
+/// Each reason once, with the names of the numbers that it leaves without a value.
+pub fn by_reason<'n, 'r>(undefined: impl Iterator<Item = (&'n str, &'r str)>) -> Vec<(&'r str, Vec<&'n str>)> {
+    let mut all: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (name, reason) in undefined {
+        match all.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(name),
+            None => all.push((reason, vec![name])),
+        }
+    }
+    all
+}
+
+/// The reason why a number of a record, or of another object with reasons, has no value.
+pub fn reason_for<'a>(record: &'a Value, name: &str) -> Option<&'a str> {
+    record.get(UNDEFINED)?.as_object()?.iter().find_map(|(key, value)| match value {
+        Value::Array(names) => names.iter().any(|other| other == name).then_some(&**key),
+        // Records of earlier versions have a reason under each name.
+        Value::String(reason) => (key == name).then_some(&**reason),
+        _ => None,
+    })
+}
+
+/// Reasons with the names of numbers as a map.
+struct Reasons<'a>(Vec<(&'a str, Vec<&'a str>)>);
+
+impl Serialize for Reasons<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(reason, names)| (reason, names)))
+    }
+}
+
 /// The record as printed: nested, with the reasons of numbers without a value.
 impl Serialize for Record {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -114,7 +143,7 @@ impl Serialize for Record {
             .iter()
             .filter(|(column, _)| !column.json.is_empty())
             .for_each(|(column, cell)| tree.put(column.json, cell));
-        let reasons: BTreeMap<&str, &str> = self.undefined().collect();
+        let reasons = Reasons(by_reason(self.undefined()));
         let mut map = serializer.serialize_map(None)?;
         for (key, branch) in &tree.0 {
             match branch {
@@ -122,7 +151,7 @@ impl Serialize for Record {
                 Branch::Tree(tree) => map.serialize_entry(key, tree)?,
             }
         }
-        if !reasons.is_empty() {
+        if !reasons.0.is_empty() {
             map.serialize_entry(UNDEFINED, &reasons)?;
         }
         map.end()
@@ -134,7 +163,7 @@ struct Flat<'a>(&'a Record);
 
 impl Serialize for Flat<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let reasons: BTreeMap<&str, &str> = self.0.undefined().collect();
+        let reasons = Reasons(by_reason(self.0.undefined()));
         let mut map = serializer.serialize_map(None)?;
         self.0.cells.iter().try_for_each(|(column, cell)| map.serialize_entry(column.name, cell))?;
         map.serialize_entry(UNDEFINED, &reasons)?;
@@ -168,13 +197,12 @@ impl Record {
     }
 
     fn read(facts: &Facts, value: &Value, place: fn(&Column) -> &'static str) -> Result<Self, RecordError> {
-        let reasons = value.get(UNDEFINED);
         let cells = columns(facts).map(|column| {
             let found = place(column).split('.').try_fold(value, |value, key| match key.parse::<usize>() {
                 Ok(index) => value.get(index),
                 Err(_) => value.get(key),
             });
-            let reason = reasons.and_then(|reasons| reasons.get(column.name)?.as_str());
+            let reason = reason_for(value, column.name);
             let cell = match (found, reason) {
                 (_, Some(reason)) => Cell::undefined(reason.to_owned()),
                 (None | Some(Value::Null), None) => Cell::Real(f64::NAN),
@@ -190,5 +218,36 @@ impl Record {
             Ok((column, cell))
         });
         Ok(Self { cells: cells.collect::<Result<_, _>>()? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::COLUMNS;
+
+    #[test]
+    fn a_reason_is_written_once_and_read_in_both_forms() {
+        let column = |name: &str| COLUMNS.iter().find(|column| column.name == name).unwrap();
+        let no = |reason: &'static str| Cell::undefined(reason);
+        let names = ["area_fraction", "kappa", "stiffness", "stiffness_error", "mean_gap"];
+        let cells = [Cell::Real(0.5), no("pulled"), no("full contact"), no("full contact"), no("pulled")];
+        let record = Record { cells: names.map(column).into_iter().zip(cells).collect() };
+        let nested = serde_json::to_value(&record).unwrap();
+        let wanted =
+            serde_json::json!({"pulled": ["kappa", "mean_gap"], "full contact": ["stiffness", "stiffness_error"]});
+        assert_eq!(nested[UNDEFINED], wanted);
+        let line = record.to_line().unwrap();
+        assert_eq!(line.matches("full contact").count(), 1, "{line}");
+        let facts = Facts::default();
+        let older = serde_json::json!({"area_fraction": 0.5, "undefined": {
+            "kappa": "pulled", "stiffness": "full contact", "stiffness_error": "full contact", "mean_gap": "pulled"
+        }});
+        let of = |read: Record| names.map(|name| read.get(name).cloned());
+        let wanted = names.map(|name| record.get(name).cloned());
+        assert_eq!(of(Record::from_line(&facts, &line).unwrap()), wanted);
+        assert_eq!(of(Record::from_json(&facts, &nested).unwrap()), wanted);
+        assert_eq!(of(Record::from_json(&facts, &older).unwrap()), wanted);
+        assert_eq!(["kappa", "area_fraction"].map(|name| reason_for(&older, name)), [Some("pulled"), None]);
     }
 }

@@ -46,7 +46,7 @@ pub use cell::Cell;
 pub use column::{Column, Form, Head, Meaning, Number, Origin, Table};
 pub use columns::{COLUMNS, FEWEST_WAVES, UNRESOLVED, columns, not_calibrated, page};
 pub use digits::with_limit;
-pub use json::RecordError;
+pub use json::{RecordError, by_reason, reason_for};
 pub use record::{ROUGH, Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};
 pub use table::{heads, readable, significant, table_of};

@@ -55,7 +55,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     } else if let (Some(first), Some(last)) = (depths.first(), depths.last()) {
         page.asked.push(Fact(
             html! { "depths" },
-            html! { (depths.len()) " from " (with_unit(*first, "length", &units)) " to " (with_unit(*last, "length", &units)) },
+            html! {
+                (depths.len()) " from " (with_unit(*first, "length", &units)) " to "
+                (with_unit(*last, "length", &units))
+            },
         ));
     }
     page.asked.push(body(&table, &units));

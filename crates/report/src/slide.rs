@@ -128,7 +128,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let largest = of_largest(if is_viscoelastic { &friction } else { &max_rise });
     let units = stored.units();
     let place = |state: usize| {
-        html! { "at the velocity " (with_unit(velocity[state], "length/time", &units)) ", " i { "p" } "* = " (given(p_star[state])) }
+        let velocity = with_unit(velocity[state], "length/time", &units);
+        html! { "at the velocity " (velocity) ", " i { "p" } "* = " (given(p_star[state])) }
     };
     if largest.is_none() {
         page.answer.push(html! { p.headline { "No state converged: there is no result" } });

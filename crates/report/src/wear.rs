@@ -109,7 +109,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             (computed) " of " (stored.len()) " steps. The largest depth lost is "
             (shown("max_wear"))
             "; the contact area went from " (stored.said("area_fraction", 0, 100.0)) " % to "
-            (stored.said("area_fraction", last, 100.0)) " % of the surface, the largest pressure divided by the mean from " (number(peak[0] / mean[0])) " to "
+            (stored.said("area_fraction", last, 100.0))
+            " % of the surface, the largest pressure divided by the mean from " (number(peak[0] / mean[0])) " to "
             (number(peak[last] / mean[last])) ". "
         }
     });

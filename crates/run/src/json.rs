@@ -2,6 +2,7 @@
 
 use std::io;
 
+use gfmd_record::reason_for;
 use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter, Serializer};
 
@@ -83,11 +84,11 @@ pub fn undefined(report: &serde_json::Value) -> Option<&str> {
                     let ratio = key == "kappa" && entries.contains_key("contact_nodes");
                     ratio && !entries.contains_key("interface_energy")
                 };
-                let has_reason = |key: &str| entries.get("undefined").is_some_and(|reasons| reasons.get(key).is_some());
-                parts.into_iter().find_map(|(key, value)| match value {
+                let has_reason = |key: &str| reason_for(value, key).is_some();
+                parts.into_iter().find_map(|(key, part)| match part {
                     serde_json::Value::Null if has_reason(key) => None,
                     serde_json::Value::Null if missing(key) => Some(key.as_str()),
-                    value => find(key, value),
+                    part => find(key, part),
                 })
             }
             _ => None,
@@ -117,8 +118,10 @@ mod tests {
         assert_eq!(undefined(r#"{"loads":[{"kappa":null,"contact_nodes":1}]}"#), Some("kappa".into()));
         let with_law = r#"{"loads":[{"kappa":null,"contact_nodes":1,"interface_energy":1.0}],"nayak":null}"#;
         assert_eq!(undefined(with_law), None);
-        let with_reason = r#"{"loads":[{"kappa":1.0,"displacement":null,"undefined":{"displacement":"no level"}}]}"#;
-        assert_eq!(undefined(with_reason), None);
+        for reasons in [r#"{"no level":["gap","displacement"]}"#, r#"{"displacement":"no level"}"#] {
+            let with_reason = format!(r#"{{"loads":[{{"kappa":1.0,"displacement":null,"undefined":{reasons}}}]}}"#);
+            assert_eq!(undefined(&with_reason), None);
+        }
         assert_eq!(undefined(r#"{"asked":{"rms_height":null},"new_key":null}"#), None);
     }
 }

@@ -2,6 +2,7 @@
 
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Variable};
+use gfmd_record::by_reason;
 use gfmd_report::surface::Number;
 use gfmd_surface::{Autocorrelation, Bearing, Density, Distributions, RadialBin, Scales, Texture};
 use serde::{Serialize, Serializer};
@@ -277,8 +278,11 @@ impl Curves {
             all.insert(group.into(), inner.into());
         }
         let none = self.numbers.iter().filter(|found| found.number.value.is_none());
-        let reason = |found: &Found| (format!("{}.{}", found.group, found.number.name), found.undefined.into());
-        let undefined: Map<String, Value> = none.map(reason).collect();
+        let reason = |found: &Found| (format!("{}.{}", found.group, found.number.name), found.undefined);
+        let named: Vec<(String, &str)> = none.map(reason).collect();
+        let reasons = by_reason(named.iter().map(|(name, reason)| (&**name, *reason)));
+        let undefined: Map<String, Value> =
+            reasons.into_iter().map(|(reason, names)| (reason.to_owned(), names.into())).collect();
         if !undefined.is_empty() {
             all.insert("undefined".into(), undefined.into());
         }

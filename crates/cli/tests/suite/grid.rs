@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::common::{gfmd, json};
 use gfmd_field::Grid;
+use gfmd_record::reason_for;
 use gfmd_surface::SelfAffine;
 use serde_json::Value;
 
@@ -83,7 +84,7 @@ fn between_the_points_of_a_scan_two_interpolations_tell_what_is_not_known() {
     let scan = "contact --surface scan.npy --length 1 --p-star 0.05 --json -q";
     let one = json(folder.path(), &words(scan));
     assert_eq!(one["grid_error"]["assumes"], "nothing rougher than the pixels");
-    let reason = one["loads"][0]["undefined"]["area_fraction_limit"].as_str().unwrap();
+    let reason = reason_for(&one["loads"][0], "area_fraction_limit").unwrap();
     assert!(reason.contains("what lies between the points decides"), "{reason}");
     assert!(one["loads"][0]["stiffness_limit"].is_number(), "what hardly depends on it has a limit");
     let two = json(folder.path(), &words(&format!("{scan} --grid-error refine")));
@@ -164,14 +165,14 @@ fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
         for load in [0, 1] {
             agree("egg box", [&coarse["loads"][load], &exact["loads"][load]], &names, 1.0);
         }
-        let reason = coarse["loads"][0]["undefined"]["boundary_links_limit"].as_str().unwrap();
+        let reason = reason_for(&coarse["loads"][0], "boundary_links_limit").unwrap();
         assert!(reason.contains("the surface has 2.0 waves"), "{reason}");
     }
     write(&path.join("wave.npy"), 32, 0.0, |x, _| 0.01 * (tau * x).cos());
     for how in ["estimate", "refine"] {
         let flags = format!("contact --surface wave.npy --length 1 --pressure 0.005 --grid-error {how} --json -q");
         let load = json(path, &words(&flags))["loads"][0].take();
-        let reason = load["undefined"]["area_fraction_limit"].as_str().unwrap();
+        let reason = reason_for(&load, "area_fraction_limit").unwrap();
         assert!(reason.contains("slopes that differ by a factor of at most 2"), "{reason}");
     }
     let reported = refused(path, "contact --surface wave.npy --length 1 --pressure 0.005 --accuracy 1%");
@@ -207,11 +208,11 @@ fn the_closed_form_of_a_sphere_is_within_the_errors_of_a_patch() {
             let bound = load[format!("{name}_grid_error")].as_f64().unwrap();
             assert!((value - exact).abs() <= bound && bound < 0.2 * exact, "{n} {offset} {name}: {value} ± {bound}");
         }
-        let reason = load["undefined"]["displacement_limit"].as_str().unwrap();
+        let reason = reason_for(&load, "displacement_limit").unwrap();
         assert!(reason.contains("not measured with free boundaries"), "{reason}");
     }
     let load = press(32, 0.5, 4.0 * 0.6_f64.powi(3) / 3.0);
-    let reason = load["undefined"]["area_fraction_limit"].as_str().unwrap();
+    let reason = reason_for(&load, "area_fraction_limit").unwrap();
     assert!(reason.contains("contacts reach the rim"), "{reason}");
 }
 
@@ -227,7 +228,7 @@ fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
     let (one, two, exact) = (pull(24, "estimate"), pull(24, "refine"), pull(96, "none"));
     assert_eq!(one["lowest_mean_pressure"], two["lowest_mean_pressure"], "the numbers are those of the grid asked for");
     assert!(one.get("lowest_mean_pressure_limit").is_none() && exact["steps"][0].get("area_fraction_limit").is_none());
-    let reason = one["steps"][0]["undefined"]["mean_pressure_limit"].as_str().unwrap();
+    let reason = reason_for(&one["steps"][0], "mean_pressure_limit").unwrap();
     assert!(reason.contains("not with a law"), "{reason}");
     let lowest = limit(&two, "lowest_mean_pressure");
     let found = exact["lowest_mean_pressure"].as_f64().unwrap();

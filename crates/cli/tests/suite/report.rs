@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common::{SWEEP, gfmd, json};
 use crate::repeat::write_scan;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
-use gfmd_record::with_limit;
+use gfmd_record::{reason_for, with_limit};
 
 fn make(folder: &Path, words: &str) -> Option<i32> {
     gfmd(folder, &words.split_whitespace().collect::<Vec<_>>()).status.code()
@@ -320,7 +320,7 @@ fn surfaces_have_pages_and_functions() {
     let flat = "0 0 0 0\n0 0 0 0\n0 0 0 0\n";
     std::fs::write(folder.join("flat.txt"), flat).unwrap();
     let flat = run("surface --surface flat.txt --statistics --report flat.html --json -q");
-    assert_eq!(flat["undefined"]["autocorrelation.sal"], "the surface is flat");
+    assert_eq!(reason_for(&flat, "autocorrelation.sal"), Some("the surface is flat"));
     assert!(flat["autocorrelation"]["sal"].is_null() && flat["bearing_curve"]["sk"].is_null());
 
     // A page that is not of this program stays; one in no folder is refused before the heights are made.

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ._columns import LowerFace, Residuals
-from ._record import Record, parsed, without_null
+from ._record import Record, by_name, parsed, without_null
 
 
 class Residual(Residuals):
@@ -36,8 +36,10 @@ def of_load(record: str) -> dict[str, Any]:
     """The numbers of a load, from its JSON: parts as Records, NaN in place of null."""
 
     def part(name: str, value: Any) -> Any:
-        if not isinstance(value, dict) or name == "undefined":
+        if not isinstance(value, dict):
             return value
+        if name == "undefined":
+            return by_name(value)
         kind = {"residual": Residual, "lower": LowerFace}.get(name, Record)
         return kind(without_null({key: part(key, entry) for key, entry in value.items()}))
 

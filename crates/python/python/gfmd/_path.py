@@ -15,7 +15,7 @@ from ._check import Array, Quantity, flag, integer, number, numbers, quantities,
 from ._columns import FLOW, StepFields, Steps
 from ._errors import InputError
 from ._leak import Leaks
-from ._record import Record
+from ._record import Record, by_name
 from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
 
@@ -134,7 +134,9 @@ def _flow(found: dict[str, Any]) -> dict[str, Any]:
 def gathered(values: dict[str, Any]) -> dict[str, Any]:
     """The report of a path with the numbers of its steps as arrays."""
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
-    undefined = {name: reason for step in values["steps"] for name, reason in step.pop("undefined", {}).items()}
+    undefined: dict[str, str] = {}
+    for step in values["steps"]:
+        undefined |= by_name(step.pop("undefined", {}))
     flows = [_flow(step.pop("flow", {})) for step in values["steps"]]
     rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
     names = dict.fromkeys(name for row in rows for name in row)

@@ -107,6 +107,11 @@ def parsed(text: str) -> dict[str, Any]:
     return found
 
 
+def by_name(reasons: Mapping[str, list[str]]) -> dict[str, str]:
+    """The reasons why numbers have no value, by the names of these, of JSON, which has each reason once."""
+    return {name: reason for reason, names in reasons.items() for name in names}
+
+
 def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
     """The values with NaN in place of null."""
 

@@ -19,7 +19,8 @@ pub fn warnings(reader: &Reader) -> Vec<String> {
     all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
 }
 
-/// The page with the sections of every result. `again` is the command that repeats the run, or the reason why none does.
+/// The page with the sections of every result. `again` is the command that repeats the run, or the reason why none
+/// does.
 pub fn whole_page(
     page: &Page,
     reader: &Reader,
@@ -166,9 +167,8 @@ mod tests {
         assert_eq!(squeezed, "slab of height 0.5, <i>E</i>* = 2; between two rigid surfaces");
         let si = Units::new(Some("m"), None);
         let layers = "young = 1e7\npoisson = 0.4\nheight = 2e-6\nlayer = [[3e9, 0.25, 1e-6]]\nsecond_body = [2e9, 0.3]";
-        let wanted = "slab of height 2 µm, <i>E</i> = 10 MPa, ν = 0.4; on a layer of height 1 µm (E = 3 GPa, nu = 0.25), \
-                      bonded to a rigid base, \
-                      against a half-space (E = 2 GPa, nu = 0.3) above";
+        let wanted = "slab of height 2 µm, <i>E</i> = 10 MPa, ν = 0.4; on a layer of height 1 µm (E = 3 GPa, nu = \
+                      0.25), bonded to a rigid base, against a half-space (E = 2 GPa, nu = 0.3) above";
         assert_eq!(body(&layers.parse().unwrap(), &si).1.into_string(), wanted);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use gfmd_record::reason_for;
 use serde_json::Value;
 
 #[derive(Default)]
@@ -53,7 +54,7 @@ impl Found {
     /// A number that is null has a reason in words.
     pub(crate) fn null(&mut self, record: &Value, key: &str) {
         self.compared += 1;
-        match record["undefined"][key].as_str() {
+        match reason_for(record, key) {
             Some(reason) if reason.len() > 10 => *self.undefined.entry(format!("{key}: {reason}")).or_default() += 1,
             _ => self.complaints.push(format!("{key} is null without a reason")),
         }
@@ -71,7 +72,9 @@ impl Found {
                 false => self.must(value.is_finite(), || format!("{name} is {value}")),
             }
         }
-        for name in record["undefined"].as_object().into_iter().flatten().map(|(name, _)| name) {
+        let named =
+            record["undefined"].as_object().into_iter().flatten().flat_map(|(_, names)| names.as_array().unwrap());
+        for name in named.map(|name| name.as_str().unwrap()) {
             self.must(all.get(name).is_some_and(|value| value.is_nan()), || {
                 format!("{name} has a reason to be null, and is not")
             });
