@@ -25,6 +25,7 @@ pub mod contact;
 mod course;
 pub mod damping;
 pub mod green;
+mod guess;
 pub mod kappa_sweep;
 pub mod law;
 pub mod path;

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::session::Common;
 use crate::{
-    body, check, completions, contact, damping, green, kappa_sweep, law, path, processes, punch, report, session,
+    body, check, completions, contact, damping, green, guess, kappa_sweep, law, path, processes, punch, report, session,
     slide, surface, theory, wear,
 };
 use gfmd_problem::options::flags::of_keys;
@@ -111,7 +111,7 @@ fn together<C: Subcommand + Sync>(
         return 2;
     }
     let command = named(Line::<C>::command(), name);
-    let plain = of_words(&command, words.to_vec());
+    let plain = guess::understood(&command, words.to_vec()).and_then(|words| of_words(&command, words));
     let plain = match world {
         Some(world) => agree(&**world, plain),
         None => plain,

@@ -156,6 +156,20 @@ impl Kind {
         names.join(", ")
     }
 
+    /// The law to take for a model of this name that is none of them; nothing if there is none.
+    pub(crate) fn instead_of(name: &str) -> &'static str {
+        match name.to_lowercase().as_str() {
+            "jkr" => "; JKR is the limit of a short range: exponential with gamma and a range far below the peak heights",
+            "dmt" => "; DMT is the limit of a long range: exponential with gamma and a range above the peak heights",
+            "maugis" | "maugis-dugdale" | "md" => "; Maugis' model is dugdale with gamma and range",
+            "lennard-jones" | "lj" | "van-der-waals" | "vdw" => {
+                "; morse has a like well, and table takes gaps and tractions of any law (--law-table)"
+            }
+            "none" | "rigid" | "hertz" | "wall" | "hard_wall" | "hardwall" => "; contact without adhesion is hard-wall",
+            _ => "",
+        }
+    }
+
     /// True if the law has this parameter.
     pub fn has(self, name: &str) -> bool {
         self.parameters().iter().any(|parameter| parameter.name == name)

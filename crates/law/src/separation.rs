@@ -81,7 +81,7 @@ pub enum LawError {
         allowed: &'static str,
     },
     /// An unknown name of a law.
-    #[error("the law is {found:?}; it must be one of {}", Kind::names(|_| true))]
+    #[error("the law is {found:?}; it must be one of {}{}", Kind::names(|_| true), Kind::instead_of(found))]
     Name {
         /// The name asked for.
         found: String,

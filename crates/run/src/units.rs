@@ -39,9 +39,13 @@ fn refused(command: &str, key: &str, text: &str) -> Failure {
 /// The units of the first row `A:B` of a table; none of numbers without one.
 fn units_of_rows(rows: &str) -> [Option<String>; 2] {
     let first = rows.split(',').next().and_then(|row| row.split_once(':')).unwrap_or_default();
+    [unit_in(first.0), unit_in(first.1)]
+}
+
+/// The unit of a number with one; `None` of a number without.
+fn unit_in(text: &str) -> Option<String> {
     let in_number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
-    let unit = |text: &str| Some(text.trim_start_matches(in_number).trim().to_owned()).filter(|unit| !unit.is_empty());
-    [unit(first.0), unit(first.1)]
+    Some(text.trim().trim_start_matches(in_number).trim().to_owned()).filter(|unit| !unit.is_empty())
 }
 
 /// The source of the units of a problem.
@@ -155,6 +159,14 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
                 words.extend([flag.into(), found.clone().into()]);
                 *own = Some(found);
             }
+        }
+    }
+    // The heights that a command makes itself have no other unit than that of the length of their cell.
+    if let (None, None, Some(length)) = (&source.unit, &source.surface, value_of("length")) {
+        let found = length.split(',').find_map(unit_in);
+        if let Some(found) = found {
+            words.extend([format!("--{UNIT}").into(), found.clone().into()]);
+            source.unit = Some(found);
         }
     }
     let units = source.units()?;

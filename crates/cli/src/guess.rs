@@ -1,0 +1,249 @@
+//! Command lines as people write them first: words put into the form that the parser reads, and what to write instead
+//! of an option that a command lacks.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use clap::{Arg, Command};
+use gfmd_problem::options::quantities::takes_units;
+use gfmd_run::failure::Failure;
+use gfmd_unit::Quantity;
+
+/// The flag of the surface.
+const SURFACE: &str = "--surface";
+
+/// Names by which options are sought, and the flags that exist.
+const OTHER_NAMES: &[(&[&str], &str)] = &[
+    (&["nu", "poisson-ratio", "poissons-ratio"], "poisson"),
+    (&["e", "modulus", "young-modulus", "youngs-modulus", "elastic-modulus"], "young"),
+    (&["estar", "contact-modulus", "reduced-modulus"], "e-star"),
+    (&["load", "mean-pressure", "stress", "nominal-pressure"], "pressure"),
+    (&["reduced-pressure", "pstar"], "p-star"),
+    (&["approach", "indentation", "penetration", "disp", "depth"], "displacement"),
+    (&["size", "cell", "lx", "physical-size"], "length"),
+    (&["input", "file", "topography", "heights", "scan"], "surface"),
+    (&["output", "o", "save"], "out"),
+    (&["rms-slope", "slope", "hrms-prime"], "rms-gradient"),
+    (&["rms", "hrms", "sq", "rms-roughness"], "rms-height"),
+    (&["h", "hurst-exponent"], "hurst"),
+    (&["points", "grid", "resolution", "nx", "size-of-grid"], "n"),
+    (&["tolerance", "rtol"], "tol"),
+    (&["iterations", "maxiter", "max-iterations"], "max-iter"),
+    (&["speed"], "velocity"),
+    (&["units", "length-unit"], "unit"),
+    (&["bc", "boundaries", "boundary-conditions"], "boundary"),
+    (&["cores", "jobs", "num-threads"], "threads"),
+    (&["thickness"], "height"),
+    (&["mu", "friction-coefficient"], "friction"),
+    (&["adhesion", "potential", "interaction"], "law"),
+];
+
+/// Options that a command lacks, the commands (all if there is none), and what to write instead.
+const INSTEAD: &[(&[&str], &[&str], &str)] = &[
+    (
+        &["force", "normal-force", "load", "weight"],
+        &["contact", "path", "slide", "wear"],
+        "write the mean pressure, the force divided by the area of the surface: --pressure 1MPa",
+    ),
+    (
+        &["pressure", "load", "force"],
+        &["theory"],
+        "write the reduced pressure p/(E* g), with the contact modulus E* and the rms gradient g: --p-star 0.02",
+    ),
+    (
+        &["prony", "time", "relaxes"],
+        &["contact"],
+        "a body that relaxes is followed in time: gfmd path --prony 1s:0.5 --pressure 1MPa --time 0,10s",
+    ),
+    (
+        &["gamma", "work-of-adhesion", "surface-energy"],
+        &["contact", "path", "slide"],
+        "write a law and its parameters: --law exponential --param gamma=0.05J/m^2,range=5nm",
+    ),
+    (
+        &["viscosity", "pressure-drop", "leak", "leakage"],
+        &["contact", "path", "wear"],
+        "write --flow; rates in m^3/s are in Python: c.flow(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\").rate",
+    ),
+];
+
+/// The flag of an option with this name.
+fn find<'a>(commands: [&'a Command; 2], name: &str) -> Option<&'a Arg> {
+    commands.into_iter().flat_map(Command::get_arguments).find(|arg| arg.get_long() == Some(name))
+}
+
+/// The number of values that an option takes at most.
+fn most_values(arg: &Arg) -> usize {
+    match (arg.get_action().takes_values(), arg.get_num_args()) {
+        (true, Some(range)) => range.max_values(),
+        (takes, _) => usize::from(takes),
+    }
+}
+
+/// True if the last number of a value has no unit, and `word` is one, as in `1 MPa`.
+fn is_unit_of(value: &str, word: &str) -> bool {
+    let [last, first] = [value.rsplit([',', ':', '=']).next(), word.split([',', ':']).next()];
+    let (last, first) = (last.unwrap_or_default(), first.unwrap_or_default());
+    last.trim().parse::<f64>().is_ok()
+        && first.starts_with(|c: char| !c.is_ascii_digit())
+        && matches!(Quantity::parse(&format!("{last} {first}")), Ok(Some(_)))
+}
+
+/// True if a value begins with the minus of a number.
+fn is_negative(word: &str) -> bool {
+    word.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '.'))
+}
+
+/// The words of a command line of which the first is the program, as the parser reads them: a file that stands alone is
+/// the surface, a number and its unit are one value, and a value that begins with minus belongs to its flag.
+///
+/// # Errors
+/// An option that the command lacks and that is known by another name, or elsewhere; values with spaces between.
+pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
+    let place = words.iter().position(|word| command.find_subcommand(word).is_some());
+    let Some((place, sub)) = place.and_then(|place| Some((place, command.find_subcommand(&words[place])?))) else {
+        return Ok(words);
+    };
+    let mut out: Vec<String> = Vec::new();
+    let mut rest = words.iter().skip(place + 1).map(|word| word.to_string_lossy().into_owned());
+    // The flag that waits for values, and their number; the option of the last word, if that is a value.
+    let mut open: Option<(&Arg, usize)> = None;
+    let mut last: Option<&Arg> = None;
+    let mut surface: Option<String> = None;
+    while let Some(word) = rest.next() {
+        if word == "--" {
+            out.push(word);
+            break;
+        }
+        if let Some(name) = word.strip_prefix("--").filter(|name| !name.is_empty()) {
+            let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
+            let Some(arg) = find([sub, command], name) else {
+                if let Some(hint) = hint(command, sub, name) {
+                    return Err(Failure::Input(format!("unexpected argument '--{name}' found; {hint}")));
+                }
+                // The parser names it.
+                out.push(word);
+                break;
+            };
+            (open, last) = match value {
+                Some(_) => (None, Some(arg)),
+                None => (Some((arg, most_values(arg))).filter(|(_, most)| *most > 0), None),
+            };
+            if name == "surface" {
+                surface = value.map(str::to_owned);
+            }
+            out.push(word);
+            continue;
+        }
+        let quantity = last.filter(|arg| takes_units(arg.get_id().as_str()));
+        if let (Some(arg), Some(value)) = (quantity, out.last_mut())
+            && is_unit_of(value, &word)
+        {
+            one_unit(arg, value, &word)?;
+            *value = format!("{value} {word}");
+        } else if let Some((arg, most)) = open.take() {
+            if is_negative(&word) && (most == 1 || word.contains(',')) {
+                let flag = out.pop().unwrap_or_default();
+                out.push(format!("{flag}={word}"));
+            } else if word.starts_with('-') && word.len() > 1 && !is_negative(&word) {
+                // A short flag.
+                out.push(word);
+                last = None;
+                continue;
+            } else {
+                out.push(word.clone());
+            }
+            if arg.get_id() == "surface" {
+                surface = Some(word);
+            }
+            (last, open) = (Some(arg), (most > 1).then_some((arg, most - 1)));
+        } else if word.starts_with('-') || sub.get_positionals().next().is_some() {
+            out.push(word);
+            last = None;
+        } else {
+            alone(sub, last, out.last(), &word, surface.as_deref())?;
+            out.extend([SURFACE.into(), word.clone()]);
+            (surface, last) = (Some(word), None);
+        }
+    }
+    out.extend(rest);
+    let (before, _) = words.split_at(place + 1);
+    Ok(before.iter().cloned().chain(out.into_iter().map(OsString::from)).collect())
+}
+
+/// Refuses a list whose last number alone has a unit in a word of its own, as `1,2 MPa`.
+fn one_unit(arg: &Arg, value: &str, word: &str) -> Result<(), Failure> {
+    let entries = value.rsplit('=').next().unwrap_or_default();
+    let bare = |entry: &str| entry.trim().parse::<f64>().is_ok_and(|number| number != 0.0);
+    let unit = word.split([',', ':']).next().unwrap_or_default();
+    match entries.split([',', ':']).rev().skip(1).any(bare) {
+        false => Ok(()),
+        true => Err(Failure::value(
+            &format!("--{}", arg.get_long().unwrap_or_default()),
+            format!("{entries} {word}"),
+            format!("numbers with a unit each, as in 1{unit},2{unit}"),
+        )),
+    }
+}
+
+/// Refuses a word that is neither an option, nor a value, nor a surface.
+fn alone(
+    sub: &Command,
+    last: Option<&Arg>,
+    value: Option<&String>,
+    word: &str,
+    surface: Option<&str>,
+) -> Result<(), Failure> {
+    let name = sub.get_name();
+    let is_number = word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+'));
+    let is_file = Path::new(word).exists() || word.contains(['.', '/', '\\']);
+    let reason = match (last, value) {
+        (Some(arg), Some(value)) if is_number && !Path::new(word).exists() => {
+            let flag = arg.get_long().unwrap_or_default();
+            let value = value.strip_prefix(&format!("--{flag}=")).unwrap_or(value);
+            format!("unexpected argument '{word}' found; several values have commas between: --{flag} {value},{word}")
+        }
+        (Some(arg), Some(value)) if !is_file && takes_units(arg.get_id().as_str()) => {
+            let flag = arg.get_long().unwrap_or_default();
+            let error = Quantity::parse(&format!("1 {word}")).err();
+            let reason = error.map_or_else(|| "a value has one unit".to_owned(), |error| error.to_string());
+            format!("--{flag}: \"{value} {word}\": {reason}")
+        }
+        _ => match (find([sub, sub], "surface"), surface) {
+            (Some(_), None) => return Ok(()),
+            (Some(_), Some(surface)) => {
+                let second = match find([sub, sub], "lower-surface") {
+                    Some(_) => "; a second rough surface is --lower-surface or --second-surface FILE",
+                    None => "",
+                };
+                format!("unexpected argument '{word}' found; the surface is {surface}{second}")
+            }
+            (None, _) => format!(
+                "unexpected argument '{word}' found; gfmd {name} reads no surface, gfmd contact and gfmd surface do"
+            ),
+        },
+    };
+    Err(Failure::Input(reason))
+}
+
+/// What to write instead of the option `name`, which the command `sub` lacks.
+fn hint(command: &Command, sub: &Command, name: &str) -> Option<String> {
+    let name = name.to_lowercase().replace('_', "-");
+    let has = |flag: &str| find([sub, command], flag).is_some();
+    if has(&name) {
+        return Some(format!("write --{name}"));
+    }
+    let instead = INSTEAD.iter().find(|(names, commands, _)| {
+        names.contains(&&*name) && (commands.is_empty() || commands.contains(&sub.get_name()))
+    });
+    if let Some((.., instead)) = instead {
+        return Some((*instead).into());
+    }
+    let other = OTHER_NAMES.iter().find(|(names, flag)| names.contains(&&*name) && has(flag));
+    if let Some((_, flag)) = other {
+        return Some(format!("write --{flag}"));
+    }
+    let others: Vec<_> =
+        command.get_subcommands().filter(|other| find([other, other], &name).is_some()).map(Command::get_name).collect();
+    (!others.is_empty()).then(|| format!("it is an option of gfmd {}", others.join(", ")))
+}
