@@ -190,7 +190,8 @@ pub(crate) fn leak(
 
 /// Prints the table of the steps, a line for each.
 pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
-    for (index, line) in table_of(steps, &[Table::State, Table::Energy], units).iter().enumerate() {
+    let width = f.width().map(|width| width.saturating_sub(5));
+    for (index, line) in table_of(steps, &[Table::State, Table::Energy], units, width).iter().enumerate() {
         let Some(step) = index.checked_sub(1) else {
             writeln!(f, "{:>5}{line}", "")?;
             continue;
@@ -202,14 +203,19 @@ pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &
     Ok(())
 }
 
+/// The flow of a table in units of a device.
+pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the mean \
+                               gap; in ml/s by Python: \
+                               1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
+
 /// Prints the table of the flow, a line for each step, if there is one.
 pub(crate) fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
-    let lines = table_of(steps, &[Table::Flow], units);
+    let lines = table_of(steps, &[Table::Flow], units, None);
     for (index, line) in lines.iter().enumerate() {
         let step = index.checked_sub(1).map_or_else(|| "\n     ".to_owned(), |step| format!("{step:>5}"));
         writeln!(f, "{step}{line}")?;
     }
-    Ok(())
+    if lines.is_empty() { Ok(()) } else { writeln!(f, "{FLOW}") }
 }
 
 /// Outlet of a path: its records, its widest contact, its unsettled steps.

@@ -63,7 +63,7 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     (
         &["viscosity", "pressure-drop", "leak", "leakage"],
         &["contact", "path", "wear"],
-        "write --flow; rates in m^3/s are in Python: c.flow(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\").rate",
+        "write --flow; rates in m^3/s are in Python: result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")",
     ),
 ];
 
@@ -92,6 +92,16 @@ fn is_unit_of(value: &str, word: &str) -> bool {
 /// True if a value begins with the minus of a number.
 fn is_negative(word: &str) -> bool {
     word.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '.'))
+}
+
+/// True if a word names a file and is no number.
+fn is_file(word: &str) -> bool {
+    word.parse::<f64>().is_err() && Path::new(word).exists()
+}
+
+/// True if a word begins as a number does.
+fn begins_as_number(word: &str) -> bool {
+    is_negative(word) || word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+'))
 }
 
 /// The words of a command line of which the first is the program, as the parser reads them: a file that stands alone is
@@ -136,6 +146,10 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             continue;
         }
         let quantity = last.filter(|arg| takes_units(arg.get_id().as_str()));
+        // Further values of an option of numbers are numbers.
+        if quantity.is_some() && (!begins_as_number(&word) || is_file(&word)) {
+            open = None;
+        }
         if let (Some(arg), Some(value)) = (quantity, out.last_mut())
             && is_unit_of(value, &word)
         {
@@ -195,15 +209,15 @@ fn alone(
     surface: Option<&str>,
 ) -> Result<(), Failure> {
     let name = sub.get_name();
-    let is_number = word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+'));
-    let is_file = Path::new(word).exists() || word.contains(['.', '/', '\\']);
+    let is_number = begins_as_number(word);
+    let is_like_file = is_file(word) || word.contains(['.', '/', '\\']);
     let reason = match (last, value) {
-        (Some(arg), Some(value)) if is_number && !Path::new(word).exists() => {
+        (Some(arg), Some(value)) if is_number && !is_file(word) => {
             let flag = arg.get_long().unwrap_or_default();
             let value = value.strip_prefix(&format!("--{flag}=")).unwrap_or(value);
             format!("unexpected argument '{word}' found; several values have commas between: --{flag} {value},{word}")
         }
-        (Some(arg), Some(value)) if !is_file && takes_units(arg.get_id().as_str()) => {
+        (Some(arg), Some(value)) if !is_like_file && takes_units(arg.get_id().as_str()) => {
             let flag = arg.get_long().unwrap_or_default();
             let error = Quantity::parse(&format!("1 {word}")).err();
             let reason = error.map_or_else(|| "a value has one unit".to_owned(), |error| error.to_string());
@@ -243,7 +257,10 @@ fn hint(command: &Command, sub: &Command, name: &str) -> Option<String> {
     if let Some((_, flag)) = other {
         return Some(format!("write --{flag}"));
     }
-    let others: Vec<_> =
-        command.get_subcommands().filter(|other| find([other, other], &name).is_some()).map(Command::get_name).collect();
+    let others: Vec<_> = command
+        .get_subcommands()
+        .filter(|other| find([other, other], &name).is_some())
+        .map(Command::get_name)
+        .collect();
     (!others.is_empty()).then(|| format!("it is an option of gfmd {}", others.join(", ")))
 }

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -16,8 +16,8 @@ use serde::Serialize;
 
 use crate::session::Common;
 use crate::{
-    body, check, completions, contact, damping, green, guess, kappa_sweep, law, path, processes, punch, report, session,
-    slide, surface, theory, wear,
+    body, check, completions, contact, damping, green, guess, kappa_sweep, law, path, processes, punch, report,
+    session, slide, surface, theory, wear,
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
@@ -355,7 +355,9 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
     if session.is_first() {
-        write(&if session.json { text + "\n" } else { legible::lines(&report.to_string()) })?;
+        // Tables take the width of their terminal from that of the format.
+        let table = || width().map_or_else(|| report.to_string(), |width| format!("{report:width$}"));
+        write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
     }
     match gfmd_run::json::undefined(&numbers) {
         Some(key) => Err(Failure::Computation(format!(
@@ -363,6 +365,12 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
         ))),
         None => Ok(()),
     }
+}
+
+/// The width of the terminal that shows the output; `None` if none does.
+fn width() -> Option<usize> {
+    let size = io::stdout().is_terminal().then(terminal_size::terminal_size)?;
+    size.map(|(width, _)| width.0.into())
 }
 
 fn put(text: &str) -> io::Result<()> {

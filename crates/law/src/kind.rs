@@ -159,7 +159,9 @@ impl Kind {
     /// The law to take for a model of this name that is none of them; nothing if there is none.
     pub(crate) fn instead_of(name: &str) -> &'static str {
         match name.to_lowercase().as_str() {
-            "jkr" => "; JKR is the limit of a short range: exponential with gamma and a range far below the peak heights",
+            "jkr" => {
+                "; JKR is the limit of a short range: exponential with gamma and a range far below the peak heights"
+            }
             "dmt" => "; DMT is the limit of a long range: exponential with gamma and a range above the peak heights",
             "maugis" | "maugis-dugdale" | "md" => "; Maugis' model is dugdale with gamma and range",
             "lennard-jones" | "lj" | "van-der-waals" | "vdw" => {

@@ -7,6 +7,7 @@ use gfmd_files::{Output, Reader};
 use gfmd_record::{Record, arrays};
 use gfmd_run::failure::Failure;
 use gfmd_run::json;
+use gfmd_run::result::Kind;
 use gfmd_run::series::{Chosen, Prepared, StateFile};
 use gfmd_run::session::Session;
 use ndarray::{Array2, ArrayD, IxDyn};
@@ -99,10 +100,34 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
     quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
 }
 
+/// What to do with a result of another kind than `contact`.
+fn other(kind: Kind) -> String {
+    let name = kind.name();
+    let (function, group) = match kind {
+        Kind::Contact => ("contact", "loads"),
+        Kind::Path => ("path", "path"),
+        Kind::Slide => ("slide", "states"),
+        Kind::Wear => ("wear", "wear"),
+        Kind::Punch => ("punch", "punch"),
+        Kind::Body => ("interior", "fields"),
+        Kind::KappaSweep => ("kappa_sweep", "points"),
+    };
+    format!(
+        "it is a result of {name}, and load returns those of contact; gfmd.{function} returns one of {name}, \
+         h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
+    )
+}
+
 /// The configuration of a result of `contact` as JSON: only keys and types that such results have.
 #[pyfunction]
 pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
-    let read = quick(py, || configuration(&Reader::open(path)?))?;
+    let read = quick(py, || {
+        let reader = Reader::open(path)?;
+        match Kind::of(&reader) {
+            Some(kind) if kind != Kind::Contact => Err(Failure::input(path, other(kind))),
+            _ => configuration(&reader),
+        }
+    })?;
     // A file that is not there is unusable input, like one of another kind.
     let table = read.map_err(|failure| refused(py, &failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))

@@ -25,7 +25,7 @@ mod _gfmd {
         composite, detrend, fill, finer, periodise, psd, read, self_affine, statistics, surface_report, texture,
     };
     #[pymodule_export]
-    use crate::unit::{canonical, converted, in_units, kinds, law_kinds, readable, unit_name};
+    use crate::unit::{canonical, converted, in_units, kinds, law_kinds, readable, unit_name, with_limit};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

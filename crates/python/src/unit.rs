@@ -41,6 +41,12 @@ pub(crate) fn readable(kind: &str, largest: f64, unit: Option<&str>, stress: Opt
     Units::new(unit, stress).shown(kind, largest).map(|shown| (shown.factor, shown.name))
 }
 
+/// A value with the digits that its error by the grid leaves.
+#[pyfunction]
+pub(crate) fn with_limit(value: f64, limit: f64, error: f64) -> String {
+    gfmd_record::with_limit(value, limit, error)
+}
+
 /// The spelling of a unit of length in results; a name that is not known stays as it is.
 #[pyfunction]
 pub(crate) fn canonical(unit: &str) -> &str {

@@ -175,19 +175,21 @@ def test_tables_and_datasets_have_units(pressed):
 
 
 def test_flow_and_conductance_in_si(scan, pressed):
-    flow = pressed.flow(viscosity="1 mPa*s", pressure_drop="1 bar")
+    flow, rate = pressed.flow(), pressed.leak_rate(viscosity="1 mPa*s", pressure_drop="1 bar")
     gap = pressed.mean_gap * 1e-6
     slit = gap**3 / (12 * 1e-3) * 1e5
-    assert np.allclose(flow.rate, np.diag(flow.conductivity) * slit, rtol=1e-12)
+    assert np.allclose(rate, np.diag(flow.conductivity) * slit, rtol=1e-12)
     assert np.allclose(flow.transmissivity, flow.conductivity * pressed.mean_gap**3 / 12)
     metres = gfmd.contact(scan.to_unit("m"), gfmd.Body(young="70 GPa", poisson=0.3), mean_pressure="100 MPa")
-    assert np.allclose(metres.flow(viscosity=1e-3, pressure_drop=1e5).rate, flow.rate, rtol=1e-5)
+    assert np.allclose(metres.leak_rate(viscosity=1e-3, pressure_drop=1e5), rate, rtol=1e-5)
     # Of two bodies with k = 50 and 20 W/(m K): h = G / (1/50 + 1/20).
     assert pressed.conductance(50, 20) == pytest.approx(pressed.conductance() * 1e6 / (1 / 50 + 1 / 20))
     assert metres.conductance(50, 20) == pytest.approx(pressed.conductance(50, 20), rel=1e-5)
     assert pressed.conductance(conductor_height="100 um") == pressed.conductance(conductor_height=100.0)
-    with pytest.raises(gfmd.InputError, match="pressure_drop is missing"):
+    with pytest.raises(TypeError, match="leak_rate"):
         pressed.flow(viscosity=1.0)
+    with pytest.raises(AttributeError, match="write leak_rate"):
+        pressed.flow().rate
 
 
 def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):

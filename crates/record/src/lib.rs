@@ -49,4 +49,4 @@ pub use digits::with_limit;
 pub use json::{RecordError, by_reason, reason_for};
 pub use record::{ROUGH, Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};
-pub use table::{heads, readable, significant, table_of};
+pub use table::{aligned, heads, readable, significant, table_of};

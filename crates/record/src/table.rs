@@ -13,9 +13,9 @@ pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
 
 /// The numbers of states in tables as lines of text, in units that people read if those of the problem are known,
 /// below a line of heads: the columns that have a number in any of the rows.
-/// The last one is the largest residual, of the table of the lower face its own. Empty if the states have nothing of
-/// the tables.
-pub fn table_of(rows: &[Record], tables: &[Table], units: &Units) -> Vec<String> {
+/// The last one is the largest residual, of the table of the lower face its own. Lines that are longer than `width` lose
+/// columns of the effort. Empty if the states have nothing of the tables.
+pub fn table_of(rows: &[Record], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
     let has = |column: &Column, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
             Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
@@ -43,9 +43,25 @@ pub fn table_of(rows: &[Record], tables: &[Table], units: &Units) -> Vec<String>
         let cells = rows.iter().map(|row| format!("{:.1e}", row.worst_of(prefix)));
         std::iter::once("residual".to_owned()).chain(cells).collect::<Vec<_>>()
     });
-    let mut lines = vec![String::new(); rows.len() + 1];
-    for column in columns.chain(residuals) {
-        let width = column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
+    aligned(columns.chain(residuals).collect(), width)
+}
+
+/// The heads of columns that a table loses if it is wider than its terminal, in this order.
+const EFFORT: [&str; 3] = ["residual", "pairs", "steps"];
+
+/// The lines of a table from its columns, each with its head; the columns of the effort are left out one by one until
+/// the lines are at most `width` long.
+pub fn aligned(mut columns: Vec<Vec<String>>, width: Option<usize>) -> Vec<String> {
+    let width_of = |column: &Vec<String>| column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
+    for head in EFFORT {
+        let found: usize = columns.iter().map(width_of).sum();
+        if width.is_some_and(|width| found > width) {
+            columns.retain(|column| column.first().is_none_or(|first| first != head));
+        }
+    }
+    let mut lines = vec![String::new(); columns.first().map_or(0, Vec::len)];
+    for column in columns {
+        let width = width_of(&column);
         lines.iter_mut().zip(&column).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
     }
     lines
@@ -118,8 +134,13 @@ mod tests {
             "  1.0000e-1  0.250000     12    2.0e-9",
             "  2.0000e-1         -   1234       NaN",
         ];
-        assert_eq!(table_of(&rows, &[Table::State, Table::Energy], &Units::default()), wanted);
-        assert!(table_of(&rows, &[Table::Patches], &Units::default()).is_empty());
+        let tables = [Table::State, Table::Energy];
+        assert_eq!(table_of(&rows, &tables, &Units::default(), None), wanted);
+        for (width, length) in [(38, 38), (37, 28), (28, 28), (27, 21), (5, 21)] {
+            let lines = table_of(&rows, &tables, &Units::default(), Some(width));
+            assert_eq!(lines, wanted.map(|line| &line[..length]), "{width}");
+        }
+        assert!(table_of(&rows, &[Table::Patches], &Units::default(), None).is_empty());
     }
 
     #[test]
@@ -133,8 +154,9 @@ mod tests {
             ("flow_yy_limit", Cell::undefined("near closing")),
             ("flow_percolates_x", Cell::Flag(false)),
         ];
-        let wanted = ["         p*     flow xx  flow yy  through x", "  1.0000e-1  0.1014(12)  0.0041~         no"];
-        assert_eq!(table_of(&[row(&flow)], &[Table::Flow], &Units::default()), wanted);
+        let wanted =
+            ["         p*     flow xx  flow yy  open along x", "  1.0000e-1  0.1014(12)  0.0041~            no"];
+        assert_eq!(table_of(&[row(&flow)], &[Table::Flow], &Units::default(), None), wanted);
     }
 
     #[test]
@@ -143,11 +165,11 @@ mod tests {
             row(&[("p_star", Cell::Real(0.1)), ("mean_gap", Cell::Real(gap)), ("mean_gap_limit", limit)])
         };
         let rows = [of(3.2e-7, Cell::Real(3.214e-7)), of(1.27e-9, Cell::undefined("near closing"))];
-        let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None));
+        let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None), None);
         assert!(lines[0].contains("mean gap / nm"), "{lines:?}");
         assert!(lines[2].contains("1.3~"), "{lines:?}");
         let lost = row(&[("dissipated", Cell::Real(0.05)), ("dissipated_error", Cell::Real(2e-3))]);
-        let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None));
+        let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None), None);
         assert!(lines[0].ends_with("+- / (mJ/m²)") && lines[1].ends_with("2.0e0"), "{lines:?}");
         assert_eq!(
             [320.0, 0.0, 1.25, 4e-6, -71.294].map(significant),

@@ -5,8 +5,13 @@ use std::fmt;
 use gfmd_record::{Table, lines, table_of};
 
 use super::Report;
+use crate::course::FLOW;
 use crate::session::list_files;
 use gfmd_run::hardness::GivenHardness;
+
+/// The conductance of the table in units of a device.
+const CONDUCTANCE: &str = "conductance: per area, times the sum of both resistivities; in W/(m2 K) by Python: \
+                           result.conductance(\"50 W/(m K)\", \"0.2 W/(m K)\")";
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -20,14 +25,19 @@ impl fmt::Display for Report {
             writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
         let units = self.head.units();
-        for (index, line) in table_of(&self.loads, &[Table::State], &units).iter().enumerate() {
+        for (index, line) in table_of(&self.loads, &[Table::State], &units, f.width()).iter().enumerate() {
             let converged = index == 0 || self.loads[index - 1].is("converged");
             writeln!(f, "{line}{}", if converged { "" } else { "  NOT CONVERGED" })?;
         }
         for (title, table) in [("lower face\n", Table::LowerFace), ("", Table::Patches), ("", Table::Flow)] {
-            let lines = table_of(&self.loads, &[table], &units);
+            let lines = table_of(&self.loads, &[table], &units, f.width());
             if !lines.is_empty() {
                 writeln!(f, "\n{title}{}", lines.join("\n"))?;
+                match table {
+                    Table::Patches => writeln!(f, "{CONDUCTANCE}")?,
+                    Table::Flow => writeln!(f, "{FLOW}")?,
+                    _ => {}
+                }
             }
         }
         self.threshold(f)?;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use gfmd_contact::Fields as _;
 use gfmd_files::contiguous;
 use gfmd_measure::Scales;
-use gfmd_record::significant;
+use gfmd_record::{aligned, significant};
 use gfmd_relax::worst;
 use gfmd_report::figures::{Scene, Shown, named};
 use gfmd_report::slide::{Sliding, chart, rises, temperature};
@@ -172,9 +172,8 @@ const HEAT: [Column<(f64, Heat)>; 5] = [
 ];
 
 /// The lines of a table, in readable units where those of the problem are known.
-fn table<T>(rows: &[T], columns: &[Column<T>], units: &Units) -> Vec<String> {
-    let mut lines = vec![String::new(); rows.len() + 1];
-    for (head, kind, of) in columns {
+fn table<T>(rows: &[T], columns: &[Column<T>], units: &Units, width: Option<usize>) -> Vec<String> {
+    let column = |(head, kind, of): &Column<T>| {
         let largest = rows.iter().map(of).map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max);
         let unit = units.shown(kind, largest);
         let cell = |value: f64| match (&unit, *kind) {
@@ -185,18 +184,16 @@ fn table<T>(rows: &[T], columns: &[Column<T>], units: &Units) -> Vec<String> {
             (None, _) => format!("{value:.4e}"),
         };
         let head = unit.as_ref().map_or_else(|| (*head).to_owned(), |unit| format!("{head} / {}", unit.divisor()));
-        let cells: Vec<String> = std::iter::once(head).chain(rows.iter().map(of).map(cell)).collect();
-        let width = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
-        lines.iter_mut().zip(&cells).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
-    }
-    lines
+        std::iter::once(head).chain(rows.iter().map(of).map(cell)).collect()
+    };
+    aligned(columns.iter().map(column).collect(), width)
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
         let units = self.head.units();
-        let mut lines = table(&self.states, &STATES, &units);
+        let mut lines = table(&self.states, &STATES, &units, f.width());
         for (line, state) in lines.iter_mut().skip(1).zip(&self.states) {
             *line += if state.converged { "" } else { "  NOT CONVERGED" };
         }
@@ -204,7 +201,7 @@ impl fmt::Display for Report {
             self.states.iter().filter_map(|state| Some((state.velocity, state.heat?))).collect();
         if !heated.is_empty() {
             lines.push(String::new());
-            lines.extend(table(&heated, &HEAT, &units));
+            lines.extend(table(&heated, &HEAT, &units, f.width()));
         }
         lines.iter().try_for_each(|line| writeln!(f, "{line}"))?;
         list_files(f, self.out.as_deref(), &self.plots)

@@ -99,3 +99,15 @@ fn flags_have_groups_and_terms() {
     assert!(help(&["kappa-sweep", "-h"]).contains("TFC      thermodynamic, fractal and continuum limit"));
     assert!(!help(&["law", "-h"]).contains("Terms:"));
 }
+
+/// The pages of the laws name commands that an installed user has.
+#[test]
+fn pages_of_laws_name_the_installed_program() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/laws");
+    for page in std::fs::read_dir(folder).unwrap() {
+        let text = std::fs::read_to_string(page.unwrap().path()).unwrap();
+        for line in text.lines().filter(|line| line.contains("cargo xtask")) {
+            assert!(line.contains("from a clone of the repository"), "{line}");
+        }
+    }
+}

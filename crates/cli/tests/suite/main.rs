@@ -16,6 +16,7 @@ mod extreme;
 mod free;
 mod golden;
 mod grid;
+mod guess;
 mod help;
 mod interoperability;
 mod law;

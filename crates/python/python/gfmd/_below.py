@@ -16,6 +16,7 @@ from ._check import Array, Quantity, array, flag, integer, number, numbers, quan
 from ._check import quantities as lengths
 from ._contact import Contact
 from ._errors import InputError
+from ._hints import hinted
 from ._files import config
 from ._record import Record
 from ._result import Computed
@@ -152,6 +153,7 @@ class Green(Record):
     warnings: list[Record]
 
 
+@hinted
 def punch(
     body: Optional[Body] = None,
     *,
@@ -356,6 +358,7 @@ def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 
+@hinted
 def green(
     body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[float] = None, depth: Optional[float] = None
 ) -> Green:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from . import _gfmd
 from ._check import Array, Quantity, array, in_units, integer, number, quantity, shown, word
 from ._errors import InputError
+from ._hints import hinted
 from ._record import Record
 
 _Compliance = Union[
@@ -89,6 +90,7 @@ class Body(Record):
     relaxes: str
     _given: tuple[Optional[Quantity], float, Optional[Quantity], Optional[Quantity]]
 
+    @hinted
     def __init__(
         self,
         young: Optional[Quantity] = None,

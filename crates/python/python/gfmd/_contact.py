@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union, ove
 import numpy as np
 import numpy.typing as npt
 
-from . import _gfmd, _leak
+from . import _gfmd, _hints, _leak
 from ._body import Body, Law
 from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
 from ._columns import Fields, Numbers, Patches
@@ -25,6 +25,23 @@ if TYPE_CHECKING:
     from ._below import FieldsBelow
 
 _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
+
+
+# The numbers that a contact shows.
+_SHOWN = [
+    "mean_pressure",
+    "p_star",
+    "displacement",
+    "area_fraction",
+    "kappa",
+    "mean_gap",
+    "max_pressure",
+    "stiffness",
+    "elastic_energy",
+    "plastic_fraction",
+    "residual",
+    "converged",
+]
 
 
 class Settings(NamedTuple):
@@ -214,6 +231,25 @@ class Contact(Result, Numbers, Fields):
         found: Optional[str] = self.get("undefined", {}).get("displacement" if name == "approach" else name)
         return found
 
+    def __repr__(self) -> str:
+        shown = [name for name in _SHOWN if name in self]
+        rows = "".join(f"\n  {name:<16} {self._with_error(name)}" for name in shown)
+        law = "" if self.law.name == "hard-wall" else f", law {self.law.name}"
+        nx, ny = self.surface.n
+        rest = f"\n  {len(self) - len(shown)} more numbers: dict(c); fields: {', '.join(self._fields)}"
+        return f"Contact of {nx} x {ny} points{law}; value(error of the last digits), ~ if not known{rows}{rest}"
+
+    def _with_error(self, name: str) -> str:
+        """A number as tables show it: its limit on fine grids with the digits that are certain."""
+        value, limit = self[name], self.get(f"{name}_limit")
+        if limit is None or not math.isfinite(value):
+            return self._text(name, value)
+        kind = KINDS.get(name)
+        unit = None if kind is None else _gfmd.readable(kind, value, *self.units)
+        factor, after = (1.0, "") if unit is None else (unit[0], f" {unit[1]}")
+        error = self.get(f"{name}_limit_error", math.nan)
+        return _gfmd.with_limit(value * factor, limit * factor, error * factor) + after
+
     def _text(self, name: str, value: Any) -> str:
         kind = KINDS.get(name)
         if isinstance(value, float) and kind is not None and math.isfinite(value):
@@ -277,8 +313,36 @@ class Contact(Result, Numbers, Fields):
                 found[name] = values
         return Record(found)
 
-    def flow(self, *, viscosity: Optional[Quantity] = None, pressure_drop: Optional[Quantity] = None) -> Record:
+    @_hints.hinted
+    def flow(self) -> Record:
         """Returns the flow of a fluid through the gap by Reynolds' equation, that of `gfmd contact --flow`.
+
+        Returns:
+            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) by a pressure gradient
+            along x and y (columns) over that through a uniform gap of the height `mean_gap`; `percolates` along x and
+            y; `residual`; `transmissivity`, conductivity times mean_gap³/12, length³. `leak_rate` is the volume per
+            time.
+
+        Raises:
+            InputError: a profile, a lower surface.
+
+        Example:
+            >>> flow = c.flow()
+            >>> flow.percolates, flow.transmissivity.shape
+            ([True, True], (2, 2))
+        """
+        found = dict(self._measured(flow=True)[0]["flow"])
+        conductivity = np.array(
+            [[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64
+        )
+        open_along = np.array(found["percolates"])
+        found["conductivity"] = frozen(conductivity)
+        found["transmissivity"] = frozen(_leak.transmissivity(conductivity, open_along[:, np.newaxis], self.mean_gap))
+        return Record(found)
+
+    @_hints.hinted
+    def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
+        """Returns the volume per time that leaks through the gap of the whole cell, [2]: along x and along y.
 
         Args:
             viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of
@@ -287,37 +351,18 @@ class Contact(Result, Numbers, Fields):
                 stress.
 
         Returns:
-            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) by a pressure gradient
-            along x and y (columns) over that through a uniform gap of the height `mean_gap`; `percolates` along x and
-            y; `residual`; `transmissivity`, conductivity times mean_gap³/12, length³; and, with both arguments, `rate`
-            [x, y]: the volume per time through the whole cell with the pressure drop along x and along y, m³/s
-            (length³/time, if the unit of lengths is not known).
+            m³/s, 1e-6 of which are 1 ml/s (length³/time, if the unit of lengths is not known); zero where the gap is
+            closed.
 
         Raises:
-            InputError: a profile, a lower surface; one of the two arguments alone.
+            InputError: a profile, a lower surface; arguments that are not positive.
 
         Example:
-            >>> flow = c.flow(viscosity=1e-3, pressure_drop=1e5)
-            >>> flow.percolates, flow.rate.shape
-            ([True, True], (2,))
+            >>> c.leak_rate(viscosity=1e-3, pressure_drop=1e5).shape
+            (2,)
         """
-        if (viscosity is None) != (pressure_drop is None):
-            raise InputError(
-                f"{'viscosity' if viscosity is None else 'pressure_drop'} is missing; both or none must be given"
-            )
-        found = dict(self._measured(flow=True)[0]["flow"])
-        conductivity = np.array(
-            [[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64
-        )
-        open_along = np.array(found["percolates"])
-        found["conductivity"] = frozen(conductivity)
-        found["transmissivity"] = frozen(_leak.transmissivity(conductivity, open_along[:, np.newaxis], self.mean_gap))
-        if viscosity is not None and pressure_drop is not None:
-            along = np.diag(found["transmissivity"])
-            found["rate"] = frozen(
-                _leak.rate(along, self.surface.size, metre(self.surface.unit), viscosity, pressure_drop)
-            )
-        return Record(found)
+        along = np.diag(self.flow().transmissivity)
+        return frozen(_leak.rate(along, self.surface.size, metre(self.surface.unit), viscosity, pressure_drop))
 
     def conductance(
         self, k1: Optional[Quantity] = None, k2: Optional[Quantity] = None, *, conductor_height: Quantity = float("inf")
@@ -571,7 +616,8 @@ class Contacts(Result, Sequence[Contact]):
                 )
             if name == "approach" or name in self._contacts[0]:
                 return np.array([getattr(contact, name) for contact in self._contacts])
-        raise AttributeError(f"Contacts has no {name}")
+        hint = "" if name.startswith("_") else _hints.attribute(name, dir(self))
+        raise AttributeError(f"Contacts has no {name}{hint}")
 
     def __dir__(self) -> list[str]:
         first = self._contacts[:1]

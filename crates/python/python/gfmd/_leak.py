@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ._check import Array, Quantity, in_units
 from ._errors import InputError
+from ._hints import hinted
 
 
 def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_gap: Any) -> Array:
@@ -35,6 +36,7 @@ def rate(along: Array, size: tuple[float, float], metre: float, viscosity: Quant
 class Leaks:
     """A result of steps with `flow`."""
 
+    @hinted
     def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
         """Returns the volume per time that leaks through the gap after each step, [step, 2]: along x and along y.
 

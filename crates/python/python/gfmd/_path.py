@@ -14,6 +14,7 @@ from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
 from ._columns import FLOW, StepFields, Steps
 from ._errors import InputError
+from ._hints import hinted
 from ._leak import Leaks
 from ._record import Record, by_name
 from ._result import Computed
@@ -71,6 +72,24 @@ class Path(Leaks, Computed, StepFields):
     extra_solves: int
     undefined: dict[str, str]
     warnings: list[Record]
+
+    def __repr__(self) -> str:
+        names = ("mean_pressure", "p_star", "displacement", "lateral", "time", "area_fraction", "mean_gap")
+        return self._answer("steps", names, ("dissipated", "lowest_mean_pressure", "sliding", "parted_at"))
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers of the steps as a pandas.DataFrame with a row for each step; units in `attrs["units"]`.
+
+        Raises:
+            Error: no pandas.
+
+        Example:
+            >>> loop.to_dataframe().shape[0]  # doctest: +SKIP
+            9
+        """
+        from . import _show
+
+        return _show.steps_frame(self, self.steps)
 
     def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another, with matplotlib: filled where it rises, hollow where it falls.
@@ -145,6 +164,7 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     return {**reported, "steps": Steps(columns), "undefined": undefined}
 
 
+@hinted
 def path(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -253,6 +273,7 @@ def path(
     return _command.ended(result, failure)
 
 
+@hinted
 def friction(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,

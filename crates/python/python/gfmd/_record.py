@@ -8,6 +8,30 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
+from . import _hints
+
+# The largest array that is shown with its numbers.
+_FEW = 6
+
+# The rows of a table that are shown: more have a gap between the first and the last ones.
+_ROWS = 12
+
+
+def table(columns: Mapping[str, Any]) -> str:
+    """The lines of columns of equal length, below their names: all, or the first and the last ones."""
+    count = max((len(values) for values in columns.values()), default=0)
+    half = _ROWS // 2
+    shown = list(range(count)) if count <= _ROWS else [*range(half), *range(count - half, count)]
+    rows = [["", *columns]]
+    for index in shown:
+        if index == count - half and count > _ROWS:
+            rows.append(["...", *("" for _ in columns)])
+        rows.append([str(index), *(_short(values[index].item()) for values in columns.values())])
+    widths = [max(len(row[place]) for row in rows) for place in range(len(rows[0]))]
+    return "".join("\n" + "  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths)).rstrip() for row in rows)
+
 
 def _short(value: Any) -> str:
     if isinstance(value, float):
@@ -16,8 +40,10 @@ def _short(value: Any) -> str:
         return value._short()
     if isinstance(value, list) and value and isinstance(value[0], Record):
         return f"{len(value)} records"
-    if hasattr(value, "shape"):
-        return f"array {list(value.shape)}"
+    if isinstance(value, np.ndarray):
+        few = value.size <= _FEW and value.dtype.kind in "fiub"
+        shown = np.array2string(value, precision=6, separator=", ").replace("\n", "") if few else ""
+        return shown or f"array {list(value.shape)}"
     text = str(value)
     return text if len(text) <= 100 else text[:97] + "..."
 
@@ -45,7 +71,8 @@ class Record(Mapping[str, Any]):
             values = self.__dict__.get("_values", {})
             if name in values:
                 return values[name]
-        raise AttributeError(f"{type(self).__name__} has no {name}")
+        hint = "" if name.startswith("_") else _hints.attribute(name, dir(self))
+        raise AttributeError(f"{type(self).__name__} has no {name}{hint}")
 
     @classmethod
     def _declared(cls) -> list[str]:

@@ -15,7 +15,7 @@ import numpy as np
 from . import _check, _gfmd
 from ._check import Array
 from ._errors import Error, InputError
-from ._record import Record
+from ._record import Record, table
 
 # The largest grid, the bytes and the number of the figures of a result in a notebook.
 _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
@@ -184,6 +184,26 @@ class Computed(Result, Record):
 
     def _write(self, path: str) -> None:
         self._file.write(path)
+
+    def _answer(self, steps: str, names: tuple[str, ...], others: tuple[str, ...]) -> str:
+        """The numbers that answer the question, of `steps` in a table and `others` below, and the names of the rest."""
+        of = self[steps]
+        columns: dict[str, Any] = {}
+        for name in names:
+            values = of.get(name)
+            if isinstance(values, np.ndarray) and np.isfinite(values).any():
+                parts = (
+                    [(name, values)]
+                    if values.ndim == 1
+                    else [(f"{name}_{a}", values[:, k]) for k, a in ((0, "x"), (1, "y"))]
+                )
+                columns.update((part, found) for part, found in parts if values.ndim == 1 or np.any(found))
+        count = len(next(iter(of.values()))) if len(of) else 0
+        rows = "".join(
+            f"\n  {name} {self._text(name, self[name])}" for name in others if self.get(name) not in (None, [])
+        )
+        rest = [name for name in self if name not in (steps, *others)]
+        return f"{type(self).__name__}: {count} {steps}{table(columns)}{rows}\n  also: {steps} of {', '.join(of)}; {', '.join(rest)}"
 
     def _repr_html_(self) -> str:
         fields = [

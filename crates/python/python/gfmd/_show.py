@@ -121,6 +121,23 @@ def steps_dataset(result: Any) -> Any:
     return needed("xarray", "to_xarray").Dataset(variables, coordinates(result.surface))
 
 
+def steps_frame(result: Any, columns: Any) -> Any:
+    """The numbers of steps or states as a table of pandas; components of vectors have the axis behind their names."""
+    pandas = needed("pandas", "to_dataframe")
+    units = (result.unit, result.get("stress_unit"))
+    found: dict[str, Array] = {}
+    names: dict[str, str] = {}
+    for name, values in columns.items():
+        parts = (
+            [(name, values)] if values.ndim == 1 else [(f"{name}_{axis}", values[:, k]) for k, axis in enumerate("xy")]
+        )
+        found.update(parts)
+        names.update({part: unit for part, _ in parts for unit in attributes(name, units).values()})
+    made = pandas.DataFrame(found)
+    made.attrs["units"] = names
+    return made
+
+
 def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:
     """Numbers of steps against each other: filled points where x rises; hollow ones, a broken line where it falls."""
     ax = axes(ax)

@@ -13,6 +13,7 @@ from . import _command
 from ._body import Body, as_body
 from ._check import integer, number, quantities, quantity, shown, word
 from ._errors import InputError
+from ._hints import hinted
 from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
@@ -53,6 +54,24 @@ class Slide(Computed, StateFields):
     e_star: float
     warnings: list[Record]
 
+    def __repr__(self) -> str:
+        names = ("velocity", "mean_pressure", "p_star", "area_fraction", "friction", "persson_friction")
+        return self._answer("states", (*names, "heat_max_rise", "heat_mean_rise"), ())
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers of the states as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
+
+        Raises:
+            Error: no pandas.
+
+        Example:
+            >>> sliding.to_dataframe().shape[0]  # doctest: +SKIP
+            2
+        """
+        from . import _show
+
+        return _show.steps_frame(self, self.states)
+
 
 def _thermal(heat: Any) -> list[Any]:
     """Conductivity and diffusivity of one body, or of two."""
@@ -65,6 +84,7 @@ def _thermal(heat: Any) -> list[Any]:
     return [quantity("heat", entry, kind) for entry, kind in zip(entries, kinds)]
 
 
+@hinted
 def slide(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,

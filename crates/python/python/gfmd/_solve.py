@@ -17,6 +17,7 @@ from ._command import body_keys, law_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
+from ._hints import argument
 from ._load import of_load
 from ._record import parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
@@ -171,7 +172,8 @@ def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     ]
     unknown = next((name for name in options if name not in (*allowed, "law", "threads", "start")), None)
     if unknown is not None:
-        raise TypeError(f"the option is {unknown!r}; it must be one of {', '.join([*loads, *allowed])}")
+        every = [*loads, *allowed, "law", "threads", "start"]
+        raise TypeError(f"contact has no argument {unknown!r}; {argument(unknown, every)}")
     found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Literal, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _check, _gfmd
 from ._check import Array, frozen, in_units, integer, number, numbers, optional, quantities, quantity, word
+from ._hints import attribute, hinted
 from ._errors import InputError
 from ._record import Record, parsed, without_null
 
@@ -122,6 +123,7 @@ class Surface:
     _origin: _Origin
     _statistics: Optional[Statistics]
 
+    @hinted
     def __init__(
         self, heights: npt.ArrayLike | Any, size: Size = None, *, unit: Optional[str] = None, fill: Optional[str] = None
     ) -> None:
@@ -147,6 +149,12 @@ class Surface:
             ("statistics", None),
         ):
             object.__setattr__(self, "_" + name, value)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            hint = "" if name.startswith("_") else attribute(name, dir(type(self)))
+            raise AttributeError(f"Surface has no {name}{hint}")
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError("a Surface cannot be changed; its methods return new ones")
@@ -644,6 +652,7 @@ def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
     return frozen(np.ascontiguousarray(field))
 
 
+@hinted
 def self_affine(
     n: Union[int, tuple[int, int], None] = None,
     hurst: float = 0.8,
@@ -721,6 +730,7 @@ def self_affine(
     return _surface(heights, lengths, None if unit is None else _gfmd.canonical(word("unit", unit)), origin)
 
 
+@hinted
 def read(
     name: Union[str, "os.PathLike[str]"],
     channel: Union[str, int, None] = None,

@@ -11,6 +11,7 @@ from . import _command
 from ._body import Body, as_body
 from ._check import Quantity, flag, integer, number, quantities, quantity, word
 from ._columns import Steps, WearFields
+from ._hints import hinted
 from ._leak import Leaks
 from ._path import drive_keys, gathered
 from ._record import Record
@@ -56,6 +57,24 @@ class Wear(Leaks, Computed, WearFields):
     undefined: dict[str, str]
     warnings: list[Record]
 
+    def __repr__(self) -> str:
+        names = ("distance", "mean_pressure", "p_star", "area_fraction", "mean_gap", "wear_volume")
+        return self._answer("steps", names, ("coefficient", "wear_volume", "dissipated"))
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers of the steps as a pandas.DataFrame with a row for each step; units in `attrs["units"]`.
+
+        Raises:
+            Error: no pandas.
+
+        Example:
+            >>> worn.to_dataframe().shape[0]  # doctest: +SKIP
+            5
+        """
+        from . import _show
+
+        return _show.steps_frame(self, self.steps)
+
     def plot(self, x: str = "distance", y: str = "area_fraction", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another, with matplotlib. Returns the axes.
 
@@ -92,6 +111,7 @@ class Wear(Leaks, Computed, WearFields):
         return _show.steps_dataset(self)
 
 
+@hinted
 def wear(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,

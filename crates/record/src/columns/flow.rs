@@ -41,14 +41,14 @@ pub(super) const COLUMNS: &[Column] = &[
     .flag()
     .at("flow.percolates.0")
     .with(flow)
-    .on(Table::Flow, "through x", Form::Flag),
+    .on(Table::Flow, "open along x", Form::Flag),
     Column::new("flow_percolates_y", "1", &[(any, "1 if the gap lets a fluid through along y")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 1)
     })
     .flag()
     .at("flow.percolates.1")
     .with(flow)
-    .on(Table::Flow, "through y", Form::Flag),
+    .on(Table::Flow, "open along y", Form::Flag),
     Column::new(
         "flow_residual",
         "1",

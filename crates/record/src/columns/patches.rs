@@ -29,7 +29,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .flag()
     .at("patches.percolates.0")
     .with(statistics)
-    .on(Table::Patches, "through x", Form::Flag),
+    .on(Table::Patches, "patch spans x", Form::Flag),
     Column::new(
         "percolates_y",
         "1",
@@ -39,7 +39,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .flag()
     .at("patches.percolates.1")
     .with(statistics)
-    .on(Table::Patches, "through y", Form::Flag),
+    .on(Table::Patches, "patch spans y", Form::Flag),
     Column::new(
         "conductance",
         "1/length",

@@ -1,0 +1,247 @@
+//! Command lines as people write them before they read: they work, or one line says what to write.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::common::{gfmd, json, numbers};
+use ndarray::Array2;
+
+/// A folder with a map of 16 x 16 points without a unit, and the same as a list in micrometres.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 16.0).cos();
+    let heights = Array2::from_shape_fn((16, 16), |(i, j)| 0.01 * (wave(i) * wave(j) + 0.3 * wave(3 * i + j)));
+    ndarray_npy::write_npy(folder.path().join("scan.npy"), &heights).unwrap();
+    folder
+}
+
+fn words(flags: &str) -> Vec<&str> {
+    flags.split_whitespace().collect()
+}
+
+/// The one line of a refusal.
+fn refused(folder: &Path, flags: &str) -> String {
+    let output = gfmd(folder, &words(flags));
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{flags}: {text}");
+    assert_eq!(text.trim_end().lines().count(), 1, "{flags}: {text}");
+    text
+}
+
+/// Runs two command lines, whose files must have the same numbers.
+fn same(folder: &Path, plain: &str, guess: &str) {
+    for (flags, out) in [(plain, "plain.h5"), (guess, "guess.h5")] {
+        let flags = format!("{flags} --json -q --out {out}");
+        let flags = flags.replace("--json -q", if flags.starts_with("surface") { "-q" } else { "--json -q" });
+        let output = gfmd(folder, &words(&flags));
+        assert!(output.status.success(), "{flags}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert_eq!(numbers(&folder.join("plain.h5")), numbers(&folder.join("guess.h5")), "{guess}");
+}
+
+#[test]
+fn a_file_that_stands_alone_is_the_surface() {
+    let folder = folder();
+    for (command, flags) in [
+        ("contact", "--length 1 --p-star 0.05"),
+        ("surface", "--length 1"),
+        ("path", "--length 1 --p-star 0.05 --steps 1"),
+        ("slide", "--length 1 --p-star 0.05 --prony 1:0.5 --velocity 0.1"),
+        ("wear", "--length 1 --p-star 0.05 --coefficient 1 --distance 0.1 --steps 1"),
+    ] {
+        let plain = format!("{command} --surface scan.npy {flags}");
+        same(folder.path(), &plain, &format!("{command} scan.npy {flags}"));
+        same(folder.path(), &plain, &format!("{command} {flags} scan.npy"));
+    }
+    std::fs::copy(folder.path().join("scan.npy"), folder.path().join("2um.npy")).unwrap();
+    for file in ["2um.npy", "./scan.npy"] {
+        let rest = format!("contact --p-star 0.05 --length 1 {file}");
+        same(folder.path(), "contact --surface scan.npy --length 1 --p-star 0.05", &rest);
+    }
+    let of = |flags: &str| json(folder.path(), &words(flags));
+    let theory = "--length 1 --p-star 0.05 --json -q";
+    assert_eq!(of(&format!("theory --surface scan.npy {theory}")), of(&format!("theory scan.npy {theory}")));
+    of("contact scan.npy --length 1 --p-star 0.05 --json -q --out pressed.h5");
+    same(folder.path(), "body --surface pressed.h5 --depths 0.1,0.2", "body --depths 0.1,0.2 pressed.h5");
+    // After flags of all commands, and after one without a value.
+    same(
+        folder.path(),
+        "contact --surface scan.npy --length 1 --p-star 0.05 --statistics",
+        "contact --threads 1 --length 1 --p-star 0.05 --statistics scan.npy",
+    );
+    let text = refused(folder.path(), "contact scan.npy other.npy --p-star 0.05");
+    assert!(text.contains("'other.npy' found; the surface is scan.npy") && text.contains("--lower-surface"), "{text}");
+    let text = refused(folder.path(), "punch scan.npy");
+    assert!(text.contains("punch reads no surface"), "{text}");
+    let text = refused(folder.path(), "contact absent.sur --p-star 0.05");
+    assert!(text.contains("absent.sur"), "{text}");
+}
+
+#[test]
+fn values_may_begin_with_minus() {
+    let folder = folder();
+    let start = "contact --surface scan.npy --unit um --length 100um --young 70GPa";
+    same(folder.path(), &format!("{start} --displacement=1nm,2nm"), &format!("{start} --displacement 1nm,2nm"));
+    let pulled = "path --surface scan.npy --unit um --length 100um --young 70GPa --steps 1 --law exponential --coarse \
+                  --param gamma=0.05J/m^2,range=50nm";
+    for values in ["-10nm,10nm", "-0.01,0.01", "-10nm", "-10nm,-5nm"] {
+        let [joined, apart] = ["=", " "].map(|between| format!("{pulled} --displacement{between}{values}"));
+        same(folder.path(), &joined, &apart);
+    }
+    same(
+        folder.path(),
+        &format!("{pulled} --displacement=-10nm,10nm"),
+        &format!("{pulled} --displacement -10 nm,10 nm"),
+    );
+    let drawn = "path --surface scan.npy --length 1 --p-star 0.05 --friction 0.3 --steps 1 --lateral";
+    same(folder.path(), &format!("{drawn}=-0.001,0.001"), &format!("{drawn} -0.001,0.001"));
+    // Each value that a command refuses is refused by its own reason.
+    for (flags, reason) in [
+        ("contact --n 16 --p-star -0.1,0.1", "must be positive"),
+        ("slide --n 16 --prony 1:0.5 --p-star 0.1 --velocity -1,1", "must be"),
+        ("wear --n 16 --p-star 0.1 --coefficient 1 --distance -1,1", "must be"),
+        ("theory --n 16 --p-star -1,2", "must be"),
+        ("contact --n 16 --length -1,1 --p-star 0.1", "must be"),
+    ] {
+        let text = refused(folder.path(), flags);
+        assert!(text.contains(reason) && !text.contains("unexpected argument"), "{flags}: {text}");
+    }
+}
+
+#[test]
+fn a_number_and_its_unit_may_be_two_words() {
+    let folder = folder();
+    same(
+        folder.path(),
+        "contact --surface scan.npy --unit um --length 100um --young 70GPa --height 2um --pressure 1MPa",
+        "contact scan.npy --unit um --length 100 um --young 70 GPa --height 2 um --pressure 1 MPa",
+    );
+    same(
+        folder.path(),
+        "contact --surface scan.npy --unit um --length 100um --young 70GPa --pressure 1MPa,2MPa,4MPa",
+        "contact --unit um --length 100um --young=70 GPa --pressure 1 MPa,2 MPa,4 MPa scan.npy",
+    );
+    same(
+        folder.path(),
+        "path --surface scan.npy --unit um --length 100um --young 2GPa --prony 1s:0.5 --pressure 1MPa --time 0,3min \
+         --steps 1",
+        "path scan.npy --unit um --length 100um --young 2GPa --prony 1s:0.5 --pressure 1 MPa --time 0,3 min --steps 1",
+    );
+    for (flags, reason) in [
+        ("contact scan.npy --unit um --young 70GPa --pressure 1,2 MPa", "as in 1MPa,2MPa"),
+        ("contact scan.npy --unit um --young 70GPa --pressure 1 Mpa", "\"Mpa\" is no unit"),
+        ("contact scan.npy --unit um --young 70GPa --pressure 1MPa 2MPa", "--pressure 1MPa,2MPa"),
+        ("contact scan.npy --p-star 0.1 0.2", "--p-star 0.1,0.2"),
+        ("contact scan.npy --unit um --young 70 nm --pressure 1 MPa", "it is a length"),
+    ] {
+        let text = refused(folder.path(), flags);
+        assert!(text.contains(reason), "{flags}: {text}");
+    }
+}
+
+#[test]
+fn the_length_of_a_cell_has_the_unit_of_heights_that_are_made() {
+    let folder = folder();
+    let made = "contact --n 16 --young 70GPa --pressure 10MPa --rms-height 1um --length 1mm";
+    same(folder.path(), &format!("{made} --unit mm"), made);
+    let report = json(folder.path(), &words(&format!("{made} --json -q")));
+    assert_eq!(report["unit"], "mm");
+    assert!((report["rms_height"].as_f64().unwrap() - 1e-3).abs() < 1e-15, "{report}");
+    // The unit of heights in a file is not guessed.
+    let text = refused(folder.path(), "contact scan.npy --young 70GPa --pressure 10MPa --length 1mm");
+    assert!(text.contains("--unit"), "{text}");
+    let text = refused(folder.path(), "contact --n 16 --young 70GPa --pressure 10MPa --length 1s");
+    assert!(text.contains("it must be a length"), "{text}");
+}
+
+#[test]
+fn other_names_of_options_are_answered_with_theirs() {
+    let folder = folder();
+    for (flags, reason) in [
+        ("contact scan.npy --force 1N", "--pressure 1MPa"),
+        ("contact scan.npy --load=1N", "divided by the area"),
+        ("path scan.npy --force 1 N", "--pressure 1MPa"),
+        ("theory scan.npy --pressure 1MPa", "--p-star 0.02"),
+        ("contact scan.npy --prony 1:0.5", "gfmd path --prony"),
+        ("contact scan.npy --time 1", "gfmd path --prony"),
+        ("contact scan.npy --nu 0.3", "write --poisson"),
+        ("contact scan.npy --E 70GPa", "write --young"),
+        ("contact scan.npy --size 1mm", "write --length"),
+        ("contact scan.npy --p_star 0.1", "write --p-star"),
+        ("contact --n 16 --rms-slope 0.1", "write --rms-gradient"),
+        ("contact scan.npy --approach 1nm", "write --displacement"),
+        ("contact scan.npy --output a.h5", "write --out"),
+        ("contact scan.npy --gamma 0.05", "--law exponential --param gamma="),
+        ("contact scan.npy --velocity 1", "an option of gfmd slide"),
+        ("contact scan.npy --viscosity 1", "leak_rate"),
+        ("surface scan.npy --p-star 1", "an option of gfmd contact"),
+        ("contact scan.npy --p-star 0.1 --law jkr", "exponential with gamma"),
+        ("contact scan.npy --p-star 0.1 --law DMT", "exponential with gamma"),
+        ("contact scan.npy --p-star 0.1 --law lennard-jones", "--law-table"),
+    ] {
+        let text = refused(folder.path(), flags);
+        assert!(text.contains(reason), "{flags}: {text}");
+    }
+    // A name that nobody has.
+    let text = refused(folder.path(), "contact scan.npy --nonsense 1");
+    assert!(text.contains("--nonsense"), "{text}");
+}
+
+/// What a terminal of so many columns shows.
+#[cfg(unix)]
+fn on_terminal(folder: &Path, columns: u16, flags: &str) -> Vec<String> {
+    let script = "import fcntl, os, pty, struct, sys, termios\n\
+                  pid, fd = pty.fork()\n\
+                  if pid == 0:\n    \
+                      fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack('HHHH', 24, int(sys.argv[1]), 0, 0))\n    \
+                      os.execv(sys.argv[2], sys.argv[2:])\n\
+                  found = b''\n\
+                  try:\n    \
+                      while part := os.read(fd, 4096):\n        \
+                          found += part\n\
+                  except OSError:\n    \
+                      pass\n\
+                  print(found.decode().replace('\\r', ''))\n";
+    let columns = columns.to_string();
+    let words = [&["-c", script, &columns, env!("CARGO_BIN_EXE_gfmd")], words(flags).as_slice()].concat();
+    let output = Command::new("python3").args(words).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn tables_lose_the_columns_of_the_effort_on_a_narrow_terminal() {
+    let folder = folder();
+    for flags in [
+        "contact --n 16 --p-star 0.05,0.1 -q",
+        "path --n 16 --p-star 0.05,0.1 --steps 1 -q",
+        "slide --n 16 --prony 1:0.5 --p-star 0.05 --velocity 0.1 -q",
+    ] {
+        let piped = String::from_utf8(gfmd(folder.path(), &words(flags)).stdout).unwrap();
+        let head = |lines: &[String]| lines.iter().find(|line| line.contains(" area")).unwrap().clone();
+        let whole = head(&piped.lines().map(str::to_owned).collect::<Vec<_>>());
+        assert!(["steps", "pairs", "residual"].iter().all(|word| whole.contains(word)), "{flags}: {whole}");
+        assert_eq!(head(&on_terminal(folder.path(), 300, flags)), whole);
+        let columns = whole.len() as u16;
+        let [exact, narrow] = [columns, columns - 1].map(|columns| head(&on_terminal(folder.path(), columns, flags)));
+        assert_eq!(exact, whole);
+        assert!(!narrow.contains("residual") && narrow.contains("pairs"), "{flags}: {narrow}");
+        let narrow = head(&on_terminal(folder.path(), 20, flags));
+        assert!(!["steps", "pairs", "residual"].iter().any(|word| narrow.contains(word)), "{flags}: {narrow}");
+        assert!(narrow.contains("area"), "{narrow}");
+    }
+}
+
+#[test]
+fn tables_explain_flow_and_conductance_and_have_heads_of_one_meaning() {
+    let folder = folder();
+    let output = gfmd(folder.path(), &words("contact --n 32 --p-star 0.05 --statistics --flow -q"));
+    let text = String::from_utf8(output.stdout).unwrap();
+    for word in ["patch spans x", "open along x", "ml/s", "leak_rate(", "W/(m2 K)", ".conductance("] {
+        assert_eq!(text.matches(word).count(), 1, "{word}: {text}");
+    }
+    assert!(!text.contains("through x"), "{text}");
+    let output = gfmd(folder.path(), &words("path --n 32 --p-star 0.05 --steps 1 --flow -q"));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("ml/s"));
+}
