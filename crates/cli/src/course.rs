@@ -204,8 +204,8 @@ pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &
 }
 
 /// The flow of a table in units of a device.
-pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the mean \
-                               gap; in ml/s by Python: \
+pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
+                               mean gap; in ml/s by Python: \
                                1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
 
 /// Prints the table of the flow, a line for each step, if there is one.

@@ -156,7 +156,8 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             one_unit(arg, value, &word)?;
             *value = format!("{value} {word}");
         } else if let Some((arg, most)) = open.take() {
-            if is_negative(&word) && (most == 1 || word.contains(',')) {
+            let is_first = last.is_none();
+            if is_negative(&word) && is_first && (most == 1 || word.contains(',')) {
                 let flag = out.pop().unwrap_or_default();
                 out.push(format!("{flag}={word}"));
             } else if word.starts_with('-') && word.len() > 1 && !is_negative(&word) {
@@ -231,6 +232,9 @@ fn alone(
                     None => "",
                 };
                 format!("unexpected argument '{word}' found; the surface is {surface}{second}")
+            }
+            (None, _) if find([sub, sub], "config").is_some() => {
+                format!("unexpected argument '{word}' found; write --config {word}")
             }
             (None, _) => format!(
                 "unexpected argument '{word}' found; gfmd {name} reads no surface, gfmd contact and gfmd surface do"

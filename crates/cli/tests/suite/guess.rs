@@ -73,6 +73,8 @@ fn a_file_that_stands_alone_is_the_surface() {
     assert!(text.contains("'other.npy' found; the surface is scan.npy") && text.contains("--lower-surface"), "{text}");
     let text = refused(folder.path(), "punch scan.npy");
     assert!(text.contains("punch reads no surface"), "{text}");
+    let text = refused(folder.path(), "kappa-sweep sweep.toml");
+    assert!(text.contains("write --config sweep.toml"), "{text}");
     let text = refused(folder.path(), "contact absent.sur --p-star 0.05");
     assert!(text.contains("absent.sur"), "{text}");
 }

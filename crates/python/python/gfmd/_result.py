@@ -203,7 +203,8 @@ class Computed(Result, Record):
             f"\n  {name} {self._text(name, self[name])}" for name in others if self.get(name) not in (None, [])
         )
         rest = [name for name in self if name not in (steps, *others)]
-        return f"{type(self).__name__}: {count} {steps}{table(columns)}{rows}\n  also: {steps} of {', '.join(of)}; {', '.join(rest)}"
+        also = f"\n  also: {steps} of {', '.join(of)}; {', '.join(rest)}"
+        return f"{type(self).__name__}: {count} {steps}{table(columns)}{rows}{also}"
 
     def _repr_html_(self) -> str:
         fields = [
