@@ -104,7 +104,10 @@ def argument(name: str, allowed: Iterable[str]) -> str:
 
 def attribute(name: str, allowed: Iterable[str]) -> str:
     """The end of a message about an unknown attribute: what to write instead, if that is known."""
-    right = _known(name, _ATTRIBUTES, allowed)
+    there = set(allowed)
+    if name in ("rate", "leak_rate") and "transmissivity" in there:
+        return "; write leak_rate(viscosity=..., pressure_drop=...) of the contact"
+    right = _known(name, _ATTRIBUTES, there)
     return "" if right is None else f"; write {right}"
 
 

@@ -203,7 +203,8 @@ class Computed(Result, Record):
             f"\n  {name} {self._text(name, self[name])}" for name in others if self.get(name) not in (None, [])
         )
         rest = [name for name in self if name not in (steps, *others)]
-        also = f"\n  also: {steps} of {', '.join(of)}; {', '.join(rest)}"
+        plain = (name for name in of if "_limit" not in name and not name.endswith("_grid_error"))
+        also = f"\n  also: {steps} of {', '.join(plain)}; {', '.join(rest)}"
         return f"{type(self).__name__}: {count} {steps}{table(columns)}{rows}{also}"
 
     def _repr_html_(self) -> str:
