@@ -115,11 +115,12 @@ def hinted(function: _Function) -> _Function:
     """Answers an unknown argument of a function with the name that it has."""
     parameters = inspect.signature(function).parameters
     names = [name for name, of in parameters.items() if name != "self" and of.kind is not of.POSITIONAL_ONLY]
+    takes_more = any(of.kind is of.VAR_KEYWORD for of in parameters.values())
     called = function.__qualname__.replace(".__init__", "")
 
     @functools.wraps(function)
     def checked(*arguments: Any, **options: Any) -> Any:
-        for name in options:
+        for name in () if takes_more else options:
             if name not in names:
                 raise TypeError(f"{called} has no argument {name!r}; {argument(name, names)}")
         return function(*arguments, **options)
