@@ -54,8 +54,8 @@ pub enum Refusal {
     },
     /// The heights are constant: any pressure closes the gap, and the residuals have no scale.
     #[error(
-        "the heights are all equal; they must vary: a flat punch needs points around it that are lower, by more than it \
-         sinks"
+        "the heights are all equal; they must vary: a flat punch needs points around it that are lower, by more than \
+         it sinks"
     )]
     Flat,
     /// The unit of stress, E* h_rms over the cell length, has not all digits of a number.

@@ -185,8 +185,8 @@ def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float],
         i, j = (int(k) for k in np.argwhere(np.isnan(found))[0])
         raise InputError(
             f"{name} has {undefined} undefined points of {found.size}, the first at [{i}, {j}]; every point needs a"
-            " height: fill='harmonic' or 'nearest' gives one, and gfmd.read_heights reads a file with NaN there, to cut the"
-            " good part out"
+            " height: fill='harmonic' or 'nearest' gives one, and gfmd.read_heights reads a file with NaN there,"
+            " to cut the good part out"
         )
     return _gfmd.fill(found, lengths, how)
 

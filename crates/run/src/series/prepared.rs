@@ -266,8 +266,8 @@ impl Prepared {
         (pressed > 0).then(|| {
             format!(
                 "the contact reaches the edge of the patch, at {pressed} of its {all} points: beyond it nothing \
-                 presses the body, and the pressure at the edge is that of a sharp rim; a contact that goes on needs a larger \
-                 patch"
+                 presses the body, and the pressure at the edge is that of a sharp rim; a contact that goes on needs a \
+                 larger patch"
             )
         })
     }

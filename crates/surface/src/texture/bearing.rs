@@ -58,8 +58,8 @@ impl Bearing {
 }
 
 impl Core {
-    /// The parameters from heights in ascending order. The point k from the highest has the ratio (k + 1/2)/n; peaks and
-    /// valleys are the triangles of the area that the points beyond a level fill.
+    /// The parameters from heights in ascending order. The point k from the highest has the ratio (k + 1/2)/n; peaks
+    /// and valleys are the triangles of the area that the points beyond a level fill.
     fn of(sorted: &[f64]) -> Option<Self> {
         let (Some(lowest), Some(highest)) = (sorted.first(), sorted.last()) else { return None };
         let rounding = ROUNDING * (highest - lowest);
