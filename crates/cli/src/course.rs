@@ -188,6 +188,13 @@ pub(crate) fn leak(
     prepared.facts.flow.then(flow).transpose()
 }
 
+/// The sum of the errors of the losses of all steps; `None` if one is unknown.
+pub(crate) fn error_of_losses(steps: &[Record]) -> Option<f64> {
+    let mut lost = steps.iter().filter(|step| step.value("dissipated").is_some()).peekable();
+    lost.peek()?;
+    lost.map(|step| step.value("dissipated_error")).sum()
+}
+
 /// Prints the table of the steps, a line for each.
 pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
     let width = f.width().map(|width| width.saturating_sub(5));

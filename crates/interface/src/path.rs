@@ -39,9 +39,9 @@ struct Divided<S> {
     /// The state before the last increment, if there is one.
     before: Option<Reached<S>>,
     end: Reached<S>,
-    /// The sum of the losses of all increments, and that of their certified errors.
+    /// The sum of the losses of all increments, and that of their imbalances.
     lost: f64,
-    error: f64,
+    imbalance: f64,
 }
 
 /// The numbers of a state at rest that the energy balance needs.
@@ -70,12 +70,15 @@ pub enum Loss {
     Balance(f64),
     /// The solver returns the loss of an increment, per area. Its error is that of the increment.
     Known(f64),
-    /// The solver returns the loss of an increment, per area, and its error.
+    /// The solver returns the loss of an increment, per area, and the imbalance of its work and energy.
     Certified {
         /// Energy lost.
         lost: f64,
-        /// Its error.
-        error: f64,
+        /// Work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude.
+        imbalance: f64,
+        /// The stored energy per area, if energy may be lost in jumps, too. In a step of no time they lose all of it,
+        /// and the balance of work and energy gives the loss.
+        stored: Option<f64>,
     },
     /// The loss is unknown, because the tractions have no energy.
     Unknown,
@@ -107,9 +110,12 @@ impl Default for Refinement {
 pub struct Step {
     /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Estimate of the error of `dissipated`; `None` if `dissipated` is unknown, or does not depend on the division of
-    /// the step, or if extra solves did not suffice to halve the step.
+    /// Estimate of the error of `dissipated`. `None` if `dissipated` is unknown, or if the step was not halved. Where
+    /// the loss is [certified](Loss::Certified), it is twice the difference from a path in half as many increments.
     pub dissipated_error: Option<f64>,
+    /// The sum over the increments of their imbalance of work and energy, where the loss is
+    /// [certified](Loss::Certified).
+    pub work_imbalance: Option<f64>,
     /// The number of equal increments in which the state was reached, where the loss is [known](Loss::Known); else 0.
     /// The last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
     pub increments: u64,
@@ -142,6 +148,11 @@ pub struct Step {
 /// one, whose drive then begins at no load, is made in 1, 2, 4, ... equal increments until the state does not change.
 /// The last of them is then halved until the fraction of the contact that sticks does not change. Steps that change
 /// neither the limits of the shear nor the direction of slip, or that have no shear, are made in one.
+///
+/// On a body that relaxes, or wears, the imbalance of work and energy of a step shows how far it must be divided, but it
+/// is no error of the loss: a body that relaxes at rest has none, whatever the length of its steps. The path is
+/// therefore followed in half as many increments, too, from its start on; twice the difference is the error. In a step of no
+/// time a law loses energy in jumps alone, as on an elastic body.
 ///
 /// A wave that jumps into contact and later out of it loses energy. Loaded and unloaded within the contact it does not:
 ///
@@ -184,6 +195,10 @@ pub struct Path<'a, P: Quasistatic> {
     /// `None` for a path without its energy balance.
     refinement: Option<Refinement>,
     last: Option<Reached<P::State>>,
+    /// The end of the path in half as many increments, where the loss is certified and an error is sought.
+    coarse: Option<Reached<P::State>>,
+    /// True as long as every step was made in half as many increments, too.
+    is_halved: bool,
     /// Work exchanged in all steps so far, and their number.
     exchanged: f64,
     steps: u64,
@@ -197,7 +212,20 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     pub fn new(problem: &'a P, budget: Budget, refinement: impl Into<Option<Refinement>>) -> Self {
         let refinement = refinement.into();
         let allowance = refinement.map_or(0, |refinement| refinement.solves_per_step.saturating_mul(IN_ADVANCE));
-        Self { problem, budget, solver: Solver::Auto, refinement, last: None, exchanged: 0.0, steps: 0, allowance }
+        let (solver, last, coarse) = (Solver::Auto, None, None);
+        let path = Self {
+            problem,
+            budget,
+            solver,
+            refinement,
+            last,
+            coarse,
+            is_halved: false,
+            exchanged: 0.0,
+            steps: 0,
+            allowance,
+        };
+        Self { is_halved: path.seeks_errors(), ..path }
     }
 
     /// The method of all solves, [`Solver::Auto`] if none is chosen.
@@ -212,6 +240,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
             let reading = self.problem.reading(&state);
             (state, reading)
         });
+        (self.coarse, self.is_halved) = (None, self.is_halved && self.last.is_none());
     }
 
     /// The last state.
@@ -243,6 +272,12 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         if let Some((state, _)) = &mut self.last {
             self.problem.keep(state, visitor);
             self.visit_balance(visitor);
+            if self.seeks_errors() {
+                visitor.flag(&mut self.coarse.is_some());
+            }
+            if let Some((state, _)) = &mut self.coarse {
+                self.problem.keep(state, visitor);
+            }
         }
     }
 
@@ -263,11 +298,28 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     where
         P: Resumable,
     {
+        self.last = Some(self.restored(drive, visitor)?);
+        self.visit_balance(visitor);
+        self.is_halved = false;
+        if self.seeks_errors() {
+            visitor.flag(&mut self.is_halved);
+        }
+        self.coarse = if self.is_halved { Some(self.restored(drive, visitor)?) } else { None };
+        Ok(())
+    }
+
+    fn restored(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Reached<P::State>, Refusal>
+    where
+        P: Resumable,
+    {
         let state = self.problem.restore(drive, visitor)?;
         let reading = self.problem.reading(&state);
-        self.last = Some((state, reading));
-        self.visit_balance(visitor);
-        Ok(())
+        Ok((state, reading))
+    }
+
+    /// True if a path in half as many increments gives the errors of certified losses.
+    fn seeks_errors(&self) -> bool {
+        self.refinement.is_some_and(|refinement| refinement.solves_per_step > 0)
     }
 
     /// Continues to `drive`. The first step loses no energy.
@@ -300,27 +352,40 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 self.last = Some(made?);
                 return Ok(search.step);
             }
-            (Loss::Certified { .. }, last) => {
-                self.last = last;
-                let made = search.halve(self.last.as_ref(), (state, reading), drive, tolerance);
-                self.allowance = search.allowance;
-                self.last = Some(made?);
-                return Ok(search.step);
-            }
             (Loss::Balance(_), None) => {
                 (step.dissipated, step.dissipated_error, step.jumped) = (Some(0.0), Some(0.0), Some(false));
             }
-            (Loss::Balance(_), Some((start, begin))) => {
+            (Loss::Balance(_) | Loss::Certified { stored: Some(_), .. }, Some((start, begin)))
+                if matches!(reading.loss, Loss::Balance(_)) || reading.is_at_once(&begin) =>
+            {
                 let exchanged = Balance::between(&begin, &reading).exchanged;
                 self.exchanged += exchanged;
                 self.steps += 1;
                 let reference = exchanged.max(self.exchanged / self.steps as f64);
                 let mut here = Rest { state: start, reading: begin, share: 0.0, origin: 0.0 };
                 let end = Rest { state, reading, share: 1.0, origin: 0.0 };
-                let outcome = search.account(&mut here, end, drive, reference, tolerance);
+                let is_halved = self.is_halved && matches!(reading.loss, Loss::Certified { .. });
+                let outcome = search.account(&mut here, end, drive, reference, tolerance).and_then(|()| {
+                    let coarse = is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
+                    Ok(coarse.flatten())
+                });
                 self.allowance = search.allowance;
                 self.last = Some((here.state, here.reading));
-                return outcome.map(|()| search.step);
+                let coarse = outcome?;
+                (self.is_halved, self.coarse) = (coarse.is_some(), coarse);
+                return Ok(search.step);
+            }
+            (Loss::Certified { .. } | Loss::Balance(_), last) => {
+                self.last = last;
+                let start = self.last.as_ref();
+                let made = search.halve(start, (state, reading), drive, (tolerance, self.is_halved)).and_then(|made| {
+                    let coarse = self.is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
+                    Ok((made, coarse.flatten()))
+                });
+                self.allowance = search.allowance;
+                let (made, coarse) = made?;
+                (self.last, self.is_halved, self.coarse) = (Some(made), coarse.is_some(), coarse);
+                return Ok(search.step);
             }
         }
         self.last = Some((state, reading));
@@ -346,6 +411,9 @@ const OF_A_JUMP: f64 = 0.25;
 /// The change from half as many increments that a step may have, over the tolerance. The next change would be a little
 /// more than half of it in the tractions, since their order in the length of an increment is a little below one.
 const OF_A_CHANGE: f64 = 0.5;
+/// The error of a certified loss over its change from half as many increments. Where a contact begins, the order in
+/// their length is about one, and the error as large as the change.
+const OF_A_LOSS: f64 = 2.0;
 /// The number of divisions of a step expected if nothing is known of its change, that of the first load of a sphere,
 /// and the largest number.
 const DIVISIONS: f64 = 4.0;
@@ -385,7 +453,7 @@ impl<P: Quasistatic> Search<'_, P> {
         tolerance: f64,
     ) -> Result<Reached<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
-        let mut made = Divided { before: None, lost: end.1.lost(), error: 0.0, end };
+        let mut made = Divided { before: None, lost: end.1.lost(), imbalance: 0.0, end };
         self.step.increments = 1;
         let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
         let mut change_of_stick = if settles { 0.0 } else { f64::INFINITY };
@@ -427,22 +495,26 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(made.end)
     }
 
-    /// Makes a step in twice as many equal increments each time, until the certified error of its loss is at most the
-    /// tolerance times the work exchanged and the energy lost. `end` was found in one increment.
+    /// Makes a step in twice as many equal increments each time, until the imbalance of work and energy is at most the
+    /// tolerance times the work exchanged and the energy lost, and in two at least if half as many will be made, too.
+    /// `end` was found in one increment.
     fn halve(
         &mut self,
         start: Option<&Reached<P::State>>,
         end: Reached<P::State>,
         drive: Drive,
-        tolerance: f64,
+        (tolerance, is_halved): (f64, bool),
     ) -> Result<Reached<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
-        let mut made = Divided { before: None, lost: end.1.lost(), error: end.1.error(), end };
+        let is_at_once = end.1.is_at_once(&begin);
+        let mut made = Divided { before: None, lost: end.1.lost(), imbalance: end.1.imbalance(), end };
         self.step.increments = 1;
-        let settles = |made: &Divided<P::State>| {
-            made.error <= tolerance * (Balance::between(&begin, &made.end.1).exchanged + made.lost)
+        let settles = |made: &Divided<P::State>, increments: u64| {
+            made.imbalance <= tolerance * (Balance::between(&begin, &made.end.1).exchanged + made.lost)
+                && (increments > 1 || is_at_once || !is_halved)
         };
-        while !settles(&made) && 2 * self.step.increments <= self.allowance {
+        let solves = if is_halved { 3 } else { 2 };
+        while !settles(&made, self.step.increments) && solves * self.step.increments <= self.allowance {
             let increments = 2 * self.step.increments;
             match self.in_increments(state, &begin, drive, increments) {
                 Ok(finer) => (made, self.step.increments) = (finer, increments),
@@ -451,8 +523,38 @@ impl<P: Quasistatic> Search<'_, P> {
                 Err(_) => break,
             }
         }
-        (self.step.dissipated, self.step.dissipated_error) = (Some(made.lost), Some(made.error));
+        (self.step.dissipated, self.step.work_imbalance) = (Some(made.lost), Some(made.imbalance));
+        // Nothing relaxes, and nothing wears.
+        self.step.dissipated_error = is_at_once.then_some(0.0);
         Ok(made.end)
+    }
+
+    /// Makes the step from the end of the path in half as many increments, `coarse`, too, and sets the error of the
+    /// loss, unless it is known. `None` if the step is not divided, or if it cannot be made.
+    fn beside(
+        &mut self,
+        coarse: Option<&Reached<P::State>>,
+        drive: Drive,
+    ) -> Result<Option<Reached<P::State>>, SolveError<P::State>> {
+        let (state, begin) =
+            (coarse.map(|(state, _)| state), coarse.map_or(Reading::UNLOADED, |(_, reading)| *reading));
+        let increments = match (self.step.dissipated_error, self.step.increments) {
+            (Some(_), _) => 1,
+            (None, increments) => increments / 2,
+        };
+        if increments == 0 || increments > self.allowance {
+            return Ok(None);
+        }
+        match self.in_increments(state, &begin, drive, increments) {
+            Ok(Divided { end, lost, .. }) => {
+                let change = self.step.dissipated.map(|dissipated| OF_A_LOSS * (dissipated - lost).abs());
+                self.step.dissipated_error = self.step.dissipated_error.or(change);
+                Ok(Some(end))
+            }
+            Err(error @ SolveError::Interrupted { .. }) => Err(error),
+            // The step itself was solved.
+            Err(_) => Ok(None),
+        }
     }
 
     /// A step in so many equal increments.
@@ -463,18 +565,18 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         increments: u64,
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
-        let (mut before, mut lost, mut error): (Option<Reached<P::State>>, f64, f64) = (None, 0.0, 0.0);
+        let (mut before, mut lost, mut imbalance): (Option<Reached<P::State>>, f64, f64) = (None, 0.0, 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
             let reached = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
             lost += reached.1.lost();
-            error += reached.1.error();
+            imbalance += reached.1.imbalance();
             before = Some(reached);
         }
         let end = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
         lost += end.1.lost();
-        error += end.1.error();
-        Ok(Divided { before, end, lost, error })
+        imbalance += end.1.imbalance();
+        Ok(Divided { before, end, lost, imbalance })
     }
 
     /// A step whose last increment is made in two, the second one of the fraction `last` of the step.
@@ -489,7 +591,7 @@ impl<P: Quasistatic> Search<'_, P> {
         let middle = self.further(begin.towards(drive, 1.0 - last), before)?;
         let end = self.further(drive, Some(&middle.0))?;
         let lost = made.lost - made.end.1.lost() + middle.1.lost() + end.1.lost();
-        Ok(Divided { before: Some(middle), end, lost, error: made.error })
+        Ok(Divided { before: Some(middle), end, lost, imbalance: made.imbalance })
     }
 
     /// The state at rest under `drive`, by a further solve.
@@ -589,7 +691,10 @@ impl Balance {
         let works = |r: &Reading| {
             [(r.mean_pressure, r.approach), (r.mean_shear[0], r.lateral[0]), (r.mean_shear[1], r.lateral[1])]
         };
-        let stored = |r: &Reading| if let Loss::Balance(energy) = r.loss { energy } else { f64::NAN };
+        let stored = |r: &Reading| match r.loss {
+            Loss::Balance(energy) | Loss::Certified { stored: Some(energy), .. } => energy,
+            _ => f64::NAN,
+        };
         let mut balance = Self { missing: stored(from) - stored(to), ..Self::default() };
         for ((force, place), (next_force, next_place)) in works(from).into_iter().zip(works(to)) {
             let moved = next_place - place;
@@ -652,9 +757,14 @@ impl Reading {
         if let Loss::Known(lost) | Loss::Certified { lost, .. } = self.loss { lost } else { 0.0 }
     }
 
-    /// The error of the loss of the increment, if it is certified.
-    fn error(&self) -> f64 {
-        if let Loss::Certified { error, .. } = self.loss { error } else { 0.0 }
+    /// The imbalance of the increment, if its loss is certified.
+    fn imbalance(&self) -> f64 {
+        if let Loss::Certified { imbalance, .. } = self.loss { imbalance } else { 0.0 }
+    }
+
+    /// Returns true if the step from `begin` takes no time and no distance.
+    fn is_at_once(&self, begin: &Self) -> bool {
+        self.time == begin.time && self.distance == begin.distance
     }
 
     /// The drive at the fraction `share` of the way from this state to `drive`.

@@ -34,7 +34,7 @@ impl Law for BoschSchreursGeers {
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64> {
         let Separation { normal_work, tangential_work, .. } = self.separation;
         let [x, y] = self.separation.reduce(normal, sliding);
-        (normal_work == tangential_work).then(|| normal_work * (1.0 - (1.0 + x) * (-x - y * y).exp()))
+        (normal_work == tangential_work).then(|| -normal_work * (1.0 + x) * (-x - y * y).exp())
     }
 
     fn opening_energy(&self, normal: f64) -> f64 {

@@ -7,10 +7,11 @@ pub trait Law: fmt::Debug + Send + Sync {
     /// direction (length, either sign).
     fn response(&self, normal: f64, sliding: f64) -> Response;
 
-    /// The potential Φ, energy per area of surface; `None` if the traction is not the gradient of a potential.
+    /// The potential Φ, energy per area of surface, zero far away (Δ_n → ∞); `None` if the traction is not the gradient
+    /// of a potential.
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64>;
 
-    /// The potential of T_n(Δ_n, 0), energy per area: without sliding every law has one.
+    /// The potential of T_n(Δ_n, 0), energy per area, zero far away: without sliding every law has one.
     fn opening_energy(&self, normal: f64) -> f64;
 
     /// The energy, the traction and its slope at the separation Δ_n without sliding:

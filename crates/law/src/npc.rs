@@ -40,9 +40,9 @@ impl Law for Npc {
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64> {
         let Separation { normal_work, tangential_work, .. } = self.separation;
         let [x, y] = self.separation.reduce(normal, sliding);
-        let work = |lambda: f64| 1.0 - (1.0 + lambda) * (-lambda).exp();
+        let left = |lambda: f64| (1.0 + lambda) * (-lambda).exp();
         (normal_work == tangential_work)
-            .then(|| normal_work * if x < 0.0 { work(x) + work(y.abs()) } else { work(x.hypot(y)) })
+            .then(|| -normal_work * if x < 0.0 { left(x) + left(y.abs()) - 1.0 } else { left(x.hypot(y)) })
     }
 
     fn opening_energy(&self, normal: f64) -> f64 {

@@ -35,10 +35,10 @@ impl Separation {
         [if x > FAR { FAR } else { x }, (sliding / self.tangential_length).clamp(-FAR, FAR)]
     }
 
-    /// The energy of opening φ_n (1 − (1 + x) e^{−x}), which all cohesive laws here share.
+    /// The energy of opening −φ_n (1 + x) e^{−x}, zero far away, which all cohesive laws here share.
     pub(crate) fn opening_energy(&self, normal: f64) -> f64 {
         let [x, _] = self.reduce(normal, 0.0);
-        self.normal_work * (1.0 - (1.0 + x) * (-x).exp())
+        -self.normal_work * (1.0 + x) * (-x).exp()
     }
 
     /// The response from tractions and derivatives in units of φ_n/δ_n, φ_t/δ_t and the lengths.

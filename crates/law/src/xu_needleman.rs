@@ -58,7 +58,7 @@ impl Law for XuNeedleman {
         let Self { separation, r, a, b } = *self;
         let [x, y] = separation.reduce(normal, sliding);
         let (e, gauss) = ((-x).exp(), (-y * y).exp());
-        Some(separation.normal_work * (1.0 + e * ((1.0 - r + x) * a - (self.q() + b * x) * gauss)))
+        Some(separation.normal_work * e * ((1.0 - r + x) * a - (self.q() + b * x) * gauss))
     }
 
     fn opening_energy(&self, normal: f64) -> f64 {

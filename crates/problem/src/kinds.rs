@@ -246,7 +246,11 @@ where
             lateral: [0.0; 2],
             time: state.time,
             distance: 0.0,
-            loss: Loss::Certified { lost: state.dissipated, error: state.dissipated_error },
+            loss: Loss::Certified {
+                lost: state.dissipated,
+                imbalance: state.work_imbalance,
+                stored: (!C::RESTS_AT_FIRST_TOUCH).then(|| state.elastic_energy + C::interface_energy(&state.solution)),
+            },
         }
     }
 }
@@ -277,7 +281,7 @@ impl Kind for WearContact {
             lateral: [0.0; 2],
             time: 0.0,
             distance: state.distance,
-            loss: Loss::Certified { lost: state.dissipated, error: state.dissipated_error },
+            loss: Loss::Certified { lost: state.dissipated, imbalance: state.work_imbalance, stored: None },
         }
     }
 }

@@ -54,7 +54,13 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let sideways = lateral[..computed].iter().any(|value| value != &lateral[0]);
 
     let sum = |name: &str| column(name)[..computed].iter().copied().filter(|v| !v.is_nan()).reduce(|a, b| a + b);
-    let [dissipated, error] = ["dissipated", "dissipated_error"].map(|name| sum(name).unwrap_or(f64::NAN));
+    let dissipated = sum("dissipated").unwrap_or(f64::NAN);
+    // The error of the sum is known if all are. Earlier programs wrote the imbalance of a step as the error of its loss.
+    let is_error = !relaxes || column("work_imbalance").iter().any(|value| value.is_finite());
+    let [losses, errors] = ["dissipated", "dissipated_error"].map(column);
+    let parts = losses[..computed].iter().zip(&errors[..computed]);
+    let error = parts.filter(|(lost, _)| !lost.is_nan()).map(|(_, error)| *error).sum::<f64>();
+    let error = if is_error { error } else { f64::NAN };
     let units = stored.units();
     let (factor, unit) = unit_for(dissipated, "stress*length", &units);
     let lost = match stored.has("dissipated_limit") {
@@ -87,7 +93,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             @if sideways { ", largest ratio of shear to pressure " (number(friction.fold(f64::NAN, f64::max))) }
             ". "
             @if dissipated.is_finite() && !error.is_finite() {
-                "The lost energy is exact for this interface (no error is estimated). "
+                "No error of the lost energy is known. "
             }
         }
     });

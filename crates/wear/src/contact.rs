@@ -96,7 +96,7 @@ impl WearContact {
             depth: depth.to_owned(),
             elastic_energy: solution.summary_in(&solution.scales()).elastic_energy,
             dissipated: f64::NAN,
-            dissipated_error: f64::NAN,
+            work_imbalance: f64::NAN,
             solution,
         })
     }
@@ -142,7 +142,7 @@ impl WearContact {
             .map_or([0.0; 3], |start| [start.solution.mean_pressure, start.solution.approach, start.elastic_energy]);
         let work = 0.5 * (pressed + state.solution.mean_pressure) * (state.solution.approach - approach);
         let missing = work - (state.elastic_energy - stored) - state.dissipated;
-        state.dissipated_error = if moved == 0.0 { 0.0 } else { missing.abs() };
+        state.work_imbalance = if moved == 0.0 { 0.0 } else { missing.abs() };
         Ok(state)
     }
 }
@@ -208,11 +208,11 @@ impl Equilibrium for WearContact {
 
 impl Resumable for WearContact {
     fn keep(&self, state: &mut WearState, visitor: &mut dyn Visit) {
-        let WearState { solution, distance, depth, dissipated, dissipated_error, .. } = state;
+        let WearState { solution, distance, depth, dissipated, work_imbalance, .. } = state;
         for field in [&mut solution.pressure, depth] {
             with_contiguous(field, |field| visitor.field(field));
         }
-        visitor.numbers(&mut [distance, dissipated, dissipated_error]);
+        visitor.numbers(&mut [distance, dissipated, work_imbalance]);
         solution.effort.visit(visitor);
     }
 
@@ -222,10 +222,10 @@ impl Resumable for WearContact {
         for field in [&mut pressure, &mut depth] {
             with_contiguous(field, |field| visitor.field(field));
         }
-        let (mut distance, mut dissipated, mut dissipated_error) = (0.0, 0.0, 0.0);
-        visitor.numbers(&mut [&mut distance, &mut dissipated, &mut dissipated_error]);
+        let (mut distance, mut dissipated, mut work_imbalance) = (0.0, 0.0, 0.0);
+        visitor.numbers(&mut [&mut distance, &mut dissipated, &mut work_imbalance]);
         let mut state = self.certify(&pressure, &depth, Drive { distance, ..drive })?;
-        (state.dissipated, state.dissipated_error) = (dissipated, dissipated_error);
+        (state.dissipated, state.work_imbalance) = (dissipated, work_imbalance);
         state.solution.effort.visit(visitor);
         Ok(state)
     }

@@ -21,8 +21,8 @@ pub struct WearState {
     /// friction is no part of it.
     pub dissipated: f64,
     /// The difference between the work of the load in the step, by the trapezoidal rule, and the energy gained and
-    /// lost. It falls with the square of the length of the step; 0 in a step over no distance.
-    pub dissipated_error: f64,
+    /// lost, in magnitude. It falls with the square of the length of the step; 0 in a step over no distance.
+    pub work_imbalance: f64,
 }
 
 impl Solved for WearState {

@@ -9,7 +9,7 @@ use gfmd_record::{Record, lines, with_limit};
 use gfmd_unit::Shown;
 use serde::Serialize;
 
-use crate::course::{print_flow, print_steps};
+use crate::course::{error_of_losses, print_flow, print_steps};
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::hardness::GivenHardness;
@@ -29,9 +29,11 @@ pub struct Report {
     pub sliding: Vec<Sliding>,
     /// Energy lost along the path, per area; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Sum of the errors of the steps; `None` if `dissipated` does not depend on the division of any step, or is
-    /// unknown.
+    /// Sum of the errors of the steps; `None` if one is unknown.
     pub dissipated_error: Option<f64>,
+    /// Sum of the imbalances of the steps, of a body that relaxes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work_imbalance: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
     /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure,
@@ -69,7 +71,8 @@ impl Report {
             direction,
             sliding: Vec::new(),
             dissipated: sum("dissipated"),
-            dissipated_error: sum("dissipated_error"),
+            dissipated_error: error_of_losses(&steps),
+            work_imbalance: sum("work_imbalance"),
             extra_solves: steps.iter().map(|step| step.number("extra_solves") as u64).sum(),
             lowest_mean_pressure: lowest(&steps, "mean_pressure"),
             limits: BTreeMap::new(),
@@ -146,7 +149,7 @@ fn lowest(steps: &[Record], name: &str) -> f64 {
 }
 
 /// The columns of the table that may be without a value although others of their kind have one.
-const TABLE: [&str; 4] = ["displacement", "elastic_energy", "dissipated", "passed_instability"];
+const TABLE: [&str; 5] = ["displacement", "elastic_energy", "dissipated", "dissipated_error", "passed_instability"];
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -179,7 +182,12 @@ impl fmt::Display for Report {
         }
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
-            (Some(lost), None) => write!(f, "\ndissipated {} per area", read(lost, "stress*length"))?,
+            (Some(lost), None) => {
+                write!(f, "\ndissipated {} per area", read(lost, "stress*length"))?;
+                if let Some(imbalance) = self.work_imbalance {
+                    write!(f, " (imbalance of work and energy {})", read(imbalance, "stress*length"))?;
+                }
+            }
             (Some(lost), Some(error)) => {
                 match self.head.units().shown("stress*length", lost.abs().max(error)) {
                     Some(Shown { factor, name }) => {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use gfmd_record::{Record, lines};
 use serde::Serialize;
 
-use crate::course::{print_flow, print_steps};
+use crate::course::{error_of_losses, print_flow, print_steps};
 use crate::session::list_files;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::memory::peak_bytes;
@@ -23,8 +23,10 @@ pub struct Report {
     pub steps: Vec<Record>,
     /// Work of the pressure on the depth lost along the path, per area.
     pub dissipated: Option<f64>,
-    /// Sum of the errors of the steps.
+    /// Sum of the errors of the steps; `None` if one is unknown.
     pub dissipated_error: Option<f64>,
+    /// Sum of the imbalances of the steps.
+    pub work_imbalance: Option<f64>,
     /// Mean depth lost at the end.
     pub wear_volume: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +45,8 @@ impl Report {
             head,
             coefficient,
             dissipated: sum("dissipated"),
-            dissipated_error: sum("dissipated_error"),
+            dissipated_error: error_of_losses(&steps),
+            work_imbalance: sum("work_imbalance"),
             wear_volume: steps.last().and_then(|step| step.value("wear_volume")),
             not_converged: None,
             peak_bytes: peak_bytes(),
@@ -61,16 +64,16 @@ impl fmt::Display for Report {
         writeln!(f, "wear coefficient {}; wear: mean depth lost so far\n", read(self.coefficient, "1/stress"))?;
         print_steps(f, &self.steps, &self.head.units())?;
         print_flow(f, &self.steps, &self.head.units())?;
-        if let (Some(lost), Some(error), Some(volume)) = (self.dissipated, self.dissipated_error, self.wear_volume) {
+        if let (Some(lost), Some(imbalance), Some(volume)) = (self.dissipated, self.work_imbalance, self.wear_volume) {
             writeln!(
                 f,
-                "\nwear volume {} per area, dissipated {} +- {} per area",
+                "\nwear volume {} per area, dissipated {} per area (imbalance of work and energy {})",
                 read(volume, "length"),
                 read(lost, "stress*length"),
-                read(error, "stress*length")
+                read(imbalance, "stress*length")
             )?;
         }
-        for line in lines(&self.steps, ["step", "steps"], |_| false) {
+        for line in lines(&self.steps, ["step", "steps"], |column| column == "dissipated_error") {
             writeln!(f, "{line}")?;
         }
         list_files(f, self.out.as_deref(), &self.plots)

@@ -561,3 +561,16 @@ fn a_result_under_no_load_is_found_again() {
         assert!(found.status.success(), "{flags}: {}", String::from_utf8_lossy(&found.stdout));
     }
 }
+
+#[test]
+fn a_step_with_friction_that_is_not_halved_has_no_error_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "path --n 32 --dim 2 --eps-f-inv 4 --poisson 0.2 --p-star 0.05 --friction 0.3 --lateral 0,0.01";
+    let [few, many] = [8, 32].map(|steps| run(folder.path(), &format!("{flags} --steps {steps}")));
+    assert_ne!(number(&few, "dissipated"), number(&many, "dissipated"));
+    assert!(few["dissipated_error"].is_null());
+    let reasons = few["steps"][4]["undefined"].as_object().unwrap();
+    let of_error = |columns: &Value| columns.as_array().unwrap().iter().any(|column| column == "dissipated_error");
+    let reason = reasons.iter().find(|(_, columns)| of_error(columns)).unwrap().0;
+    assert!(reason.contains("was not halved") && reason.contains("--energy-tol"), "{reason}");
+}

@@ -312,3 +312,24 @@ fn unusable_parameters_are_refused_with_what_is_allowed() {
     assert!(Friction::new(Limit::Tresca(1.0), 0.0).is_err());
     assert_eq!(Rate::Root { velocity: 0.1 }.traction(1.0, [0.0; 2]), [0.0; 2]);
 }
+
+#[test]
+fn the_energy_of_every_law_is_zero_far_away_and_minus_the_work_done_at_a_gap() {
+    for law in all() {
+        for far in [50.0, 1e9] {
+            let found = law.opening_energy(far);
+            assert!(found.abs() <= 1e-12, "{law:?}: {found:e} at {far}");
+            let found = law.energy(far, 0.2).unwrap_or(0.0);
+            assert!(found.abs() <= 1e-12, "{law:?}: {found:e} at {far}, sideways");
+        }
+        // The work of the attraction from a gap to far away, by the trapezoidal rule.
+        for gap in [0.0, 0.1] {
+            let (n, width) = (400_000, 40.0);
+            let at = |k: i32| law.traction(gap + width * f64::from(k) / f64::from(n), [0.0; 2])[2];
+            let sum: f64 = (1..n).map(at).sum::<f64>() + 0.5 * (at(0) + at(n));
+            let work = sum * width / f64::from(n);
+            let found = law.opening_energy(gap);
+            assert!((found + work).abs() <= 1e-3 * work.abs().max(1e-6), "{law:?}: {found:e} at {gap}, work {work:e}");
+        }
+    }
+}

@@ -250,7 +250,7 @@ class Numbers(Record):
 
     @property
     def interface_energy(self) -> float:
-        """Stress * length: energy of the contact law per area of the surface. With `law` only."""
+        """Stress * length: energy of the contact law per area of the surface, zero far away. With `law` only."""
         return self._value("interface_energy")
 
     @property
@@ -697,7 +697,7 @@ class Steps(Record):
 
     @property
     def interface_energy(self) -> Array:
-        """Stress * length [step]: energy of the law per area of the surface; NaN if it has none."""
+        """Stress * length [step]: energy of the law per area of the surface, zero far away; NaN if it has none."""
         return self._value("interface_energy")
 
     @property
@@ -711,13 +711,21 @@ class Steps(Record):
 
     @property
     def dissipated_error(self) -> Array:
-        """Stress * length [step]: estimated error of dissipated; NaN if dissipated does not depend on the division
-        of the step, or is unknown. With `prony` or `coefficient`: work of the rigid surface by the trapezoidal rule
-        less the energies gained and lost, in magnitude. With `law` and `prony`: work of the rigid surface by the
-        trapezoidal rule less the energies gained and lost, in magnitude; in a step with a jump the largest error of
-        that rule; 0 in the first step.
+        """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
+        unknown. With `prony`: estimated error of dissipated: twice its difference from a path in half as many increments;
+        0 in a step of no time without a law; NaN if that path was not followed. With `coefficient`: estimated error
+        of dissipated: 0 in a step of no distance, else NaN.
         """
         return self._value("dissipated_error")
+
+    @property
+    def work_imbalance(self) -> Array:
+        """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
+        lost, in magnitude. With `law`: work of the rigid surface by the trapezoidal rule less the energies gained
+        and lost, in magnitude; in a step with a jump the largest error of that rule; 0 in the first step of no time.
+        With `prony` or `coefficient` only.
+        """
+        return self._value("work_imbalance")
 
     @property
     def passed_instability(self) -> npt.NDArray[Any]:

@@ -31,7 +31,10 @@ class Path(Leaks, Computed, StepFields):
         adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`,
             `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`, `tabor`,
             `pastewka_robbins` (docs/laws/adhesion.md).
-        dissipated, dissipated_error: energy lost along the path per area, stress * length; None if unknown.
+        dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the errors of
+            the steps; None if unknown, the error also if one is.
+        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; of a viscoelastic body
+            only.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: stress; negative if the surfaces were pulled.

@@ -26,7 +26,9 @@ class Wear(Leaks, Computed, WearFields):
         steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the ends of the legs; NaN at those
             that were not reached.
         coefficient: depth lost per distance, over the pressure, 1/stress.
-        dissipated, dissipated_error: work of the pressure on the depth lost along the path, per area, stress * length.
+        dissipated: work of the pressure on the depth lost along the path, per area, stress * length.
+        dissipated_error: None, unless no distance is slid: compare with halved steps.
+        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length.
         wear_volume: mean depth lost at the end, length.
         grid_error: the way in which the error of the grid was found: `mode`, `n`, `assumes`, `orders`.
         undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
@@ -44,6 +46,7 @@ class Wear(Leaks, Computed, WearFields):
     coefficient: float
     dissipated: Optional[float]
     dissipated_error: Optional[float]
+    work_imbalance: Optional[float]
     wear_volume: Optional[float]
     grid_error: Record
     surface: Surface

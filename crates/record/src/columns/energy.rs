@@ -2,7 +2,7 @@
 
 use gfmd_interface::Loss;
 
-use super::undefined::{NO_LEVEL, level, lost, without_law};
+use super::undefined::{NO_LEVEL, imbalance, level, lost, without_law};
 use crate::column::{Column, Form, Origin, Table};
 use crate::when::{any, between, law, loads, path, relaxing, wears};
 use crate::{At, Cell};
@@ -25,8 +25,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "interface_energy",
         "stress*length",
         &[
-            (path, "energy of the law per area of the surface; NaN if it has none"),
-            (any, "energy of the contact law per area of the surface"),
+            (path, "energy of the law per area of the surface, zero far away; NaN if it has none"),
+            (any, "energy of the contact law per area of the surface, zero far away"),
         ],
         |at| match at.rest.and_then(|rest| rest.law()).map(|law| law.interface_energy) {
             Some(energy) if energy.is_nan() => Cell::undefined("the tractions have no energy"),
@@ -57,26 +57,34 @@ pub(super) const COLUMNS: &[Column] = &[
         "dissipated_error",
         "stress*length",
         &[
+            (wears, "estimated error of dissipated: 0 in a step of no distance, else NaN"),
             (
-                |facts| relaxing(facts) && law(facts),
-                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in \
-                 a step with a jump the largest error of that rule; 0 in the first step",
+                relaxing,
+                "estimated error of dissipated: twice its difference from a path in half as many increments; 0 in a \
+                 step of no time without a law; NaN if that path was not followed",
             ),
-            (
-                |facts| relaxing(facts) || wears(facts),
-                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude",
-            ),
-            (
-                any,
-                "estimated error of dissipated; NaN if dissipated does not depend on the division of the step, or is \
-                 unknown",
-            ),
+            (any, "estimated error of dissipated; NaN if the step was not halved, or if dissipated is unknown"),
         ],
         |at| lost(at, true),
     )
     .with(path)
     .by(Origin::Way)
     .on(Table::Energy, "+-", Form::Rough),
+    Column::new(
+        "work_imbalance",
+        "stress*length",
+        &[
+            (
+                |facts| relaxing(facts) && law(facts),
+                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in \
+                 a step with a jump the largest error of that rule; 0 in the first step of no time",
+            ),
+            (any, "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude"),
+        ],
+        imbalance,
+    )
+    .with(|facts| path(facts) && (relaxing(facts) || wears(facts)))
+    .by(Origin::Way),
     Column::new(
         "passed_instability",
         "1",

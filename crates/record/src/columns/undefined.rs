@@ -43,6 +43,26 @@ pub(super) fn lost(at: &At, error: bool) -> Cell {
         Loss::Unknown => "the tractions have no energy",
         _ if step.dissipated.is_none() => "the step did not reach a state at rest",
         _ if step.change.is_some_and(f64::is_nan) => "--energy-solves did not suffice to halve the increment",
-        _ => "the loss does not depend on the division of the step",
+        Loss::Certified { .. } if at.facts.wears => {
+            "the path was not followed in half as many steps: double --steps and compare the losses"
+        }
+        Loss::Certified { .. } => {
+            "the path was not followed in half as many increments: --energy-solves 4 or more does so"
+        }
+        _ if at.facts.hardness => "a step with a hardness is not halved: double --steps and compare the losses",
+        _ => {
+            "the step was not halved: limits and directions of the shear change too little in it; a smaller \
+             --energy-tol halves it"
+        }
     })
+}
+
+/// The imbalance of work and energy of a step, or the reason why it is not known.
+pub(super) fn imbalance(at: &At) -> Cell {
+    let Some((step, _)) = &at.step else { return f64::NAN.into() };
+    match step.work_imbalance {
+        Some(found) => found.into(),
+        None if step.dissipated.is_none() => Cell::undefined("the step did not reach a state at rest"),
+        None => Cell::undefined("in a step of no time the balance of work and energy gives the loss of a law"),
+    }
 }

@@ -156,7 +156,7 @@ const PATH: &[Row] = &[
         "the second run",
     ),
     row(
-        &["/path/dissipated", "/path/dissipated_error", "/path/extra_solves"],
+        &["/path/dissipated", "/path/dissipated_error", "/path/work_imbalance", "/path/extra_solves"],
         InPart,
         Verified,
         "the balance of work and energy (viscoelastic bodies, and laws with an energy, undivided steps)",
@@ -195,7 +195,7 @@ const WEAR: &[Row] = &[
         "the residual and the tolerance; the mean pressure; the distances of the configuration",
     ),
     row(&["/wear/iterations", "/wear/transform_pairs", "/wear/extra_solves"], Checksum, Verified, "the second run"),
-    row(&["/wear/dissipated_error"], Verified, Verified, "the balance of work and energy"),
+    row(&["/wear/work_imbalance"], Verified, Verified, "the balance of work and energy"),
     row(&["/wear/step"], Verified, Verified, "the layout that the configuration gives"),
     row(&["/wear/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
     row(&["/fields/*"], Verified, Verified, "the pressure on surface and body, as they are worn"),

@@ -83,7 +83,7 @@ fn energy_is_never_gained_in_random_steps_and_the_work_of_the_pressure_is_accoun
             let work = 0.5 * (pressure + state.solution.mean_pressure) * (state.solution.approach - approach);
             let missing = (work - gained - state.dissipated).abs();
             let reported = if last.as_ref().is_some_and(|last| last.time == time) { 0.0 } else { missing };
-            assert!((state.dissipated_error - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
+            assert!((state.work_imbalance - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
             last = Some(state);
         }
     }
@@ -101,7 +101,7 @@ fn the_error_of_a_loop_falls_with_the_square_of_the_steps() {
         let contact = crate::viscoelastic(&body, &grid, &heights, &prony, relaxes);
         let sum = |steps: usize| -> f64 {
             let path = crate::legs(&[0.03, 0.005], &[1.0, 1.0], steps, Load::MeanPressure);
-            crate::follow(&contact, &path, 1e-11).iter().map(|state| state.dissipated_error).sum()
+            crate::follow(&contact, &path, 1e-11).iter().map(|state| state.work_imbalance).sum()
         };
         let [coarse, fine] = [8, 32].map(sum);
         let order = 0.5 * (coarse / fine).log2();

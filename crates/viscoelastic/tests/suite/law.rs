@@ -54,7 +54,7 @@ fn a_law_that_is_a_wall_is_the_hard_wall() {
             close(wall.approach(), law.approach(), 0.02);
             close(wall.elastic_energy, law.elastic_energy, wall.elastic_energy);
             close(wall.dissipated, law.dissipated, wall.elastic_energy);
-            close(wall.dissipated_error, law.dissipated_error, wall.elastic_energy);
+            close(wall.work_imbalance, law.work_imbalance, wall.elastic_energy);
         }
     }
 }
@@ -144,13 +144,13 @@ fn work_is_energy_gained_and_lost_and_nothing_is_won_in_a_loop() {
         for pair in states.windows(2) {
             let [a, b] = [&pair[0], &pair[1]];
             work += 0.5 * (a.mean_pressure() + b.mean_pressure()) * (b.approach() - a.approach());
-            assert!(b.dissipated >= -b.dissipated_error - 1e-12, "{} {}", b.dissipated, b.dissipated_error);
+            assert!(b.dissipated >= -b.work_imbalance - 1e-12, "{} {}", b.dissipated, b.work_imbalance);
         }
         let energy =
             |state: &ViscoelasticState<gfmd_interface::State>| state.elastic_energy + state.solution.interface_energy;
         let gained = energy(states.last().unwrap()) - energy(&states[0]);
         let lost: f64 = states[1..].iter().map(|state| state.dissipated).sum();
-        let error: f64 = states[1..].iter().map(|state| state.dissipated_error).sum();
+        let error: f64 = states[1..].iter().map(|state| state.work_imbalance).sum();
         assert!((work - gained - lost).abs() <= error + 1e-12, "{work} {gained} {lost} {error}");
         (lost, error)
     };

@@ -59,7 +59,7 @@ fn every_path_has_the_values_of_dense_solutions() {
                 ("max_pressure", summary.max_pressure, 1e-1),
                 ("elastic_energy", state.elastic_energy, energy),
                 ("dissipated", state.dissipated, energy),
-                ("dissipated_error", state.dissipated_error, energy),
+                ("work_imbalance", state.work_imbalance, energy),
             ];
             for (key, found, floor) in found {
                 let known = known[key].as_f64().unwrap();

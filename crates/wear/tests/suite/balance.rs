@@ -61,7 +61,7 @@ fn volume_and_energy_are_accounted_for_in_random_steps() {
                 - (state.elastic_energy - stored)
                 - state.dissipated;
             let reported = if moved == 0.0 { 0.0 } else { missing.abs() };
-            assert!((state.dissipated_error - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
+            assert!((state.work_imbalance - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
             // The work of the last load bounds the energy gained and lost, for steps of any length (theory.md, section
             // 7.10).
             let bound = state.solution.mean_pressure * (state.solution.approach - approach);
@@ -79,7 +79,7 @@ fn the_errors_of_the_energy_add_up_to_one_of_order_one() {
         let contact = wearing(&body, &grid, &rough(&grid, 3), 0.3);
         let sum = |steps: u32| {
             let states = follow(&contact, &held(Load::MeanPressure(0.02), 1.0, steps), 1e-11);
-            states.iter().map(|state| state.dissipated_error).sum::<f64>()
+            states.iter().map(|state| state.work_imbalance).sum::<f64>()
         };
         // Of all steps together, of which there are as many more.
         let [coarse, fine] = [16, 64].map(sum);

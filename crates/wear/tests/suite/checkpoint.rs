@@ -26,7 +26,7 @@ fn a_restored_state_goes_on_bit_for_bit() {
         checkpoint.rewind();
         let again = contact.restore(drives[1], &mut checkpoint).unwrap();
         let numbers = |state: &gfmd_wear::WearState| {
-            [state.elastic_energy, state.dissipated, state.dissipated_error, state.volume, state.worst()]
+            [state.elastic_energy, state.dissipated, state.work_imbalance, state.volume, state.worst()]
         };
         assert_eq!((&again.solution.gap, numbers(&again)), (&second.solution.gap, numbers(&second)));
         let other = contact.press(drives[2]).starting_from(Some(&again)).solve().unwrap();
