@@ -120,7 +120,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
     let mut open: Option<(&Arg, usize)> = None;
     let mut last: Option<&Arg> = None;
     let mut surface: Option<String> = None;
-    while let Some(word) = rest.next() {
+    for word in rest.by_ref() {
         if word == "--" {
             out.push(word);
             break;
