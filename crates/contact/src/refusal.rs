@@ -179,14 +179,6 @@ pub enum Refusal {
         /// slab); `None` for other bodies.
         limit: Option<f64>,
     },
-    /// The approach to surfaces that plastic flow has flattened gives no contact.
-    #[error("the approach is {found}; it must be more than {touch}, where the flattened surfaces touch")]
-    Apart {
-        /// The approach, from first touch of the undeformed surfaces.
-        found: f64,
-        /// The approach of first touch of the flattened surfaces.
-        touch: f64,
-    },
     /// The approach to a profile with free boundaries on a half-space is prescribed.
     #[error(
         "the approach is prescribed; for a profile with free boundaries on a half-space the mean pressure must be \

@@ -67,7 +67,18 @@ impl PlasticContact {
         depth: &ArrayRef2<f64>,
         load: Load,
     ) -> Result<PlasticState, Refusal> {
-        let solution = self.contact.indented(depth)?.certify(pressure, load)?;
+        let contact = self.contact.indented(depth)?;
+        let solution = match gap_at(&contact, load) {
+            None => contact.certify(pressure, load)?,
+            // Counted from the first touch of the flattened surfaces.
+            Some(gap) => {
+                let touch = lowest(&contact);
+                let contact = self.contact.indented(&depth.mapv(|depth| depth - touch))?;
+                let mut solution = contact.certify(pressure, Load::Approach(-gap))?;
+                solution.approach += touch;
+                solution
+            }
+        };
         Ok(PlasticState::new(&self.contact, solution, depth.to_owned()))
     }
 
@@ -76,6 +87,21 @@ impl PlasticContact {
         let depth =
             state.map_or_else(|| Array2::zeros(self.contact.surface().grid().points()), |state| state.depth.clone());
         Ok((self.contact.indented(&depth)?, depth))
+    }
+}
+
+/// Returns the least clearance.
+fn lowest(contact: &Contact) -> f64 {
+    contact.surface().clearance().iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the least gap of flattened surfaces that a prescribed approach leaves apart; `None` of others.
+fn gap_at(contact: &Contact, load: Load) -> Option<f64> {
+    let touch = lowest(contact);
+    match load {
+        // Undeformed surfaces touch at 0.
+        Load::Approach(approach) if touch > 0.0 && approach <= touch => Some(touch - approach),
+        _ => None,
     }
 }
 
@@ -153,14 +179,12 @@ impl Equilibrium for PlasticContact {
         watch: &mut dyn Watch,
     ) -> Result<PlasticState, SolveError<PlasticState>> {
         let (contact, depth) = self.after(start)?;
-        if let Load::Approach(found) = drive.load {
-            let touch = contact.surface().clearance().iter().copied().fold(f64::INFINITY, f64::min);
-            // The first touch of undeformed surfaces is at 0, which `check` refuses.
-            if touch > 0.0 && found <= touch {
-                return Err(Refusal::Apart { found, touch }.into());
-            }
+        if gap_at(&contact, drive.load).is_some() {
+            budget.check().map_err(Refusal::from)?;
+            self.check(drive)?;
+            return Ok(self.certify(&Array2::zeros(depth.raw_dim()), &depth, drive.load)?);
         }
-        let start = start.map(|state| &state.solution);
+        let start = start.map(|state| &state.solution).filter(|solution| solution.mean_pressure > 0.0);
         match contact.equilibrate(drive, solver, budget, start, watch) {
             Ok(solution) => Ok(PlasticState::new(&self.contact, solution, depth)),
             Err(error) => Err(error.map(|solution| PlasticState::new(&self.contact, solution, depth))),
@@ -191,7 +215,11 @@ impl Resumable for PlasticContact {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<PlasticState, Refusal> {
         let mut before = Array2::zeros(self.contact.surface().grid().points());
         with_contiguous(&mut before, |depth| visitor.field(depth));
-        let solution = self.contact.indented(&before)?.restore(drive, visitor)?;
+        let contact = self.contact.indented(&before)?;
+        let solution = contact.restore(drive, visitor)?;
+        if gap_at(&contact, drive.load).is_some() {
+            return self.certify(&solution.pressure, &before, drive.load);
+        }
         Ok(PlasticState::new(&self.contact, solution, before))
     }
 }

@@ -15,6 +15,16 @@ pub(crate) fn path(facts: &Facts) -> bool {
     facts.task == Task::Path
 }
 
+/// True if the approach is given in place of a load.
+pub(crate) fn approach_given(facts: &Facts) -> bool {
+    facts.approach
+}
+
+/// True if the load is given.
+pub(crate) fn load_given(facts: &Facts) -> bool {
+    !facts.approach
+}
+
 /// True if the approach is that of each step of a path.
 pub(crate) fn prescribed(facts: &Facts) -> bool {
     path(facts) && facts.approach

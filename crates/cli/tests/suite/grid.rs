@@ -281,3 +281,47 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
         assert!(reported.contains(wanted), "{flags}: {reported}");
     }
 }
+
+/// A number that is prescribed has no limit in its place; the pressure at an approach has one, with an error that holds:
+/// the top of the surface lies above the highest point of its grid.
+#[test]
+fn at_a_prescribed_approach_the_pressure_has_the_grid_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let load = |n: u32| {
+        let n = n.to_string();
+        let flags = ["contact", "--n", &n, "--eps-f-inv", "8", "--displacement", "0.006", "--json"];
+        json(folder.path(), &flags)["loads"][0].clone()
+    };
+    let number = |load: &Value, key: &str| load[key].as_f64().unwrap_or_else(|| panic!("{key} of {load}"));
+    let fine = number(&load(512), "mean_pressure_limit");
+    for n in [64, 128, 256] {
+        let load = load(n);
+        assert!(load.get("displacement_limit").is_none(), "{load}");
+        let [value, limit, error] =
+            ["mean_pressure", "mean_pressure_limit", "mean_pressure_limit_error"].map(|key| number(&load, key));
+        assert!((limit - fine).abs() < error && (value - fine).abs() > 10.0 * error, "{n}: {value} {limit} {error}");
+    }
+    let output = gfmd(folder.path(), &["contact", "--n", "64", "--eps-f-inv", "8", "--displacement", "0.006"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains(" 6.0000e-3 "));
+}
+
+/// Two half-spaces deform as one with their contact modulus, and have its errors by the grid.
+#[test]
+fn a_pair_of_half_spaces_has_the_grid_error_of_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let load = |body: &str| {
+        let flags = format!("contact --n 64 --eps-f-inv 8 --p-star 0.05 --statistics --json {body}");
+        json(folder.path(), &flags.split(' ').collect::<Vec<_>>())["loads"][0].clone()
+    };
+    let (pair, one) = (load("--young 1 --poisson 0 --second-body 1,0"), load("--e-star 0.5"));
+    for (key, value) in one.as_object().unwrap().iter().filter(|(key, _)| key.contains("_limit")) {
+        let [found, expected] = [&pair[key], value].map(Value::as_f64);
+        match (found, expected) {
+            (Some(found), Some(expected)) => {
+                assert!((found / expected - 1.0).abs() < 1e-6, "{key}: {found} {expected}")
+            }
+            _ => assert_eq!(found, expected, "{key}"),
+        }
+    }
+    assert!(pair["area_fraction_limit"].is_number());
+}

@@ -149,8 +149,18 @@ fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
     approx::assert_relative_eq!(last, mean, max_relative = 1e-3);
     assert!(number(&steps[1], "dissipated") > 0.5 * 0.04 * mean);
     assert_eq!(json(folder.path(), &["check", "p.h5", "--rerun", "--json"])["differing"], 0);
-    // So pressed, the surfaces are flat to one another: they part when the approach is reduced.
-    let parted = gfmd(folder.path(), &words("path", "0.1,0.05", "--hardness 0.05 --steps 1"));
-    let reported = String::from_utf8_lossy(&parted.stderr).into_owned();
-    assert!(!parted.status.success() && reported.contains("where the flattened surfaces touch"), "{reported}");
+    // So pressed, the surfaces are flat to one another: they part when the approach is reduced, and touch again at the
+    // depth that they have.
+    let path = json(folder.path(), &words("path", "0.1,0.05,0.02,0.1", "--hardness 0.05 --steps 1 --out apart.h5"));
+    let steps = path["steps"].as_array().unwrap();
+    for (step, approach) in [(&steps[1], 0.05), (&steps[2], 0.02)] {
+        assert!(step["converged"] == true && number(step, "mean_pressure") == 0.0, "{step}");
+        assert_eq!((number(step, "displacement"), number(step, "dissipated")), (approach, 0.0));
+    }
+    // Apart, the surface is not displaced: the gap opens by what the approach is reduced.
+    let opened = number(&steps[2], "mean_gap") - number(&steps[1], "mean_gap");
+    approx::assert_relative_eq!(opened, 0.03, max_relative = 1e-9);
+    let [first, last] = [0, 3].map(|step| number(&steps[step], "mean_pressure"));
+    approx::assert_relative_eq!(first, last, max_relative = 1e-3);
+    assert_eq!(json(folder.path(), &["check", "apart.h5", "--rerun", "--json"])["differing"], 0);
 }

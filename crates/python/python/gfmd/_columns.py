@@ -342,25 +342,44 @@ class Numbers(Record):
         return self._value("residual_equilibrium")
 
     @property
+    def mean_pressure_limit(self) -> float:
+        """Stress: estimate of mean_pressure on an infinitely fine grid at the same approach. With `approach` only."""
+        return self._value("mean_pressure_limit")
+
+    @property
+    def mean_pressure_limit_error(self) -> float:
+        """Stress: 95 % of the errors of mean_pressure_limit are smaller. With `approach` only."""
+        return self._value("mean_pressure_limit_error")
+
+    @property
+    def mean_pressure_grid_error(self) -> float:
+        """Stress: error of mean_pressure by the finite grid: |mean_pressure - limit| + limit_error. With `approach`
+        only.
+        """
+        return self._value("mean_pressure_grid_error")
+
+    @property
     def displacement_limit(self) -> float:
-        """Length: estimate of displacement on an infinitely fine grid under the same load, or at the same approach."""
+        """Length: estimate of displacement on an infinitely fine grid under the same mean pressure. In some problems
+        only.
+        """
         return self._value("displacement_limit")
 
     @property
     def displacement_limit_error(self) -> float:
-        """Length: 95 % of the errors of displacement_limit are smaller."""
+        """Length: 95 % of the errors of displacement_limit are smaller. In some problems only."""
         return self._value("displacement_limit_error")
 
     @property
     def displacement_grid_error(self) -> float:
-        """Length: error of displacement by the finite grid: |displacement - limit| + limit_error."""
+        """Length: error of displacement by the finite grid: |displacement - limit| + limit_error. In some problems
+        only.
+        """
         return self._value("displacement_grid_error")
 
     @property
     def area_fraction_limit(self) -> float:
-        """Without unit: estimate of area_fraction on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
+        """Without unit: estimate of area_fraction on an infinitely fine grid under the same mean pressure."""
         return self._value("area_fraction_limit")
 
     @property
@@ -375,7 +394,7 @@ class Numbers(Record):
 
     @property
     def kappa_limit(self) -> float:
-        """Without unit: estimate of kappa on an infinitely fine grid under the same load, or at the same approach."""
+        """Without unit: estimate of kappa on an infinitely fine grid under the same mean pressure."""
         return self._value("kappa_limit")
 
     @property
@@ -390,9 +409,7 @@ class Numbers(Record):
 
     @property
     def boundary_links_limit(self) -> float:
-        """Without unit: estimate of boundary_links on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
+        """Without unit: estimate of the length of the boundary on an infinitely fine grid, in steps of this grid."""
         return self._value("boundary_links_limit")
 
     @property
@@ -407,7 +424,7 @@ class Numbers(Record):
 
     @property
     def mean_gap_limit(self) -> float:
-        """Length: estimate of mean_gap on an infinitely fine grid under the same load, or at the same approach."""
+        """Length: estimate of mean_gap on an infinitely fine grid under the same mean pressure."""
         return self._value("mean_gap_limit")
 
     @property
@@ -422,7 +439,7 @@ class Numbers(Record):
 
     @property
     def max_pressure_limit(self) -> float:
-        """Stress: estimate of max_pressure on an infinitely fine grid under the same load, or at the same approach."""
+        """Stress: estimate of max_pressure on an infinitely fine grid under the same mean pressure."""
         return self._value("max_pressure_limit")
 
     @property
@@ -437,9 +454,7 @@ class Numbers(Record):
 
     @property
     def mean_pressure_in_contact_limit(self) -> float:
-        """Stress: estimate of mean_pressure_in_contact on an infinitely fine grid under the same load, or at the
-        same approach.
-        """
+        """Stress: estimate of mean_pressure_in_contact on an infinitely fine grid under the same mean pressure."""
         return self._value("mean_pressure_in_contact_limit")
 
     @property
@@ -456,9 +471,7 @@ class Numbers(Record):
 
     @property
     def pressure_deviation_in_contact_limit(self) -> float:
-        """Stress: estimate of pressure_deviation_in_contact on an infinitely fine grid under the same load, or at
-        the same approach.
-        """
+        """Stress: estimate of pressure_deviation_in_contact on an infinitely fine grid under the same mean pressure."""
         return self._value("pressure_deviation_in_contact_limit")
 
     @property
@@ -475,9 +488,7 @@ class Numbers(Record):
 
     @property
     def pressure_moment_2_limit(self) -> float:
-        """Stress^2: estimate of pressure_moment_2 on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
+        """Stress^2: estimate of pressure_moment_2 on an infinitely fine grid under the same mean pressure."""
         return self._value("pressure_moment_2_limit")
 
     @property
@@ -492,9 +503,7 @@ class Numbers(Record):
 
     @property
     def elastic_energy_limit(self) -> float:
-        """Stress * length: estimate of elastic_energy on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
+        """Stress * length: estimate of elastic_energy on an infinitely fine grid under the same mean pressure."""
         return self._value("elastic_energy_limit")
 
     @property
@@ -509,8 +518,8 @@ class Numbers(Record):
 
     @property
     def interface_energy_limit(self) -> float:
-        """Stress * length: estimate of interface_energy on an infinitely fine grid under the same load, or at the
-        same approach. With `law` only.
+        """Stress * length: estimate of interface_energy on an infinitely fine grid under the same mean pressure.
+        With `law` only.
         """
         return self._value("interface_energy_limit")
 
@@ -528,9 +537,7 @@ class Numbers(Record):
 
     @property
     def stiffness_limit(self) -> float:
-        """Stress/length: estimate of stiffness on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
+        """Stress/length: estimate of stiffness on an infinitely fine grid under the same mean pressure."""
         return self._value("stiffness_limit")
 
     @property
@@ -712,9 +719,9 @@ class Steps(Record):
     @property
     def dissipated_error(self) -> Array:
         """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
-        unknown. With `prony`: estimated error of dissipated: twice its difference from a path in half as many increments;
-        0 in a step of no time without a law; NaN if that path was not followed. With `coefficient`: estimated error
-        of dissipated: 0 in a step of no distance, else NaN.
+        unknown. With `prony`: estimated error of dissipated: twice its difference from a path in half as many
+        increments; 0 in a step of no time without a law; NaN if that path was not followed. With `coefficient`:
+        estimated error of dissipated: 0 in a step of no distance, else NaN.
         """
         return self._value("dissipated_error")
 
@@ -880,8 +887,8 @@ class Steps(Record):
 
     @property
     def mean_pressure_limit(self) -> Array:
-        """Stress [step]: estimate of mean_pressure on an infinitely fine grid under the same load, or at the same
-        approach. With `approach` only.
+        """Stress [step]: estimate of mean_pressure on an infinitely fine grid at the same approach. With `approach`
+        only.
         """
         return self._value("mean_pressure_limit")
 
@@ -899,8 +906,8 @@ class Steps(Record):
 
     @property
     def mean_shear_limit(self) -> Array:
-        """Stress [step, 2]: estimate of mean_shear_x on an infinitely fine grid under the same load, or at the same
-        approach. With `friction` or `lateral` only.
+        """Stress [step, 2]: estimate of mean_shear_x on an infinitely fine grid under the same mean pressure. With
+        `friction` or `lateral` only.
         """
         return self._value("mean_shear_limit")
 
@@ -918,26 +925,26 @@ class Steps(Record):
 
     @property
     def displacement_limit(self) -> Array:
-        """Length [step]: estimate of displacement on an infinitely fine grid under the same load, or at the same
-        approach.
+        """Length [step]: estimate of displacement on an infinitely fine grid under the same mean pressure. In some
+        problems only.
         """
         return self._value("displacement_limit")
 
     @property
     def displacement_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of displacement_limit are smaller."""
+        """Length [step]: 95 % of the errors of displacement_limit are smaller. In some problems only."""
         return self._value("displacement_limit_error")
 
     @property
     def displacement_grid_error(self) -> Array:
-        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error."""
+        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error. In some
+        problems only.
+        """
         return self._value("displacement_grid_error")
 
     @property
     def area_fraction_limit(self) -> Array:
-        """Without unit [step]: estimate of area_fraction on an infinitely fine grid under the same load, or at the
-        same approach.
-        """
+        """Without unit [step]: estimate of area_fraction on an infinitely fine grid under the same mean pressure."""
         return self._value("area_fraction_limit")
 
     @property
@@ -952,9 +959,7 @@ class Steps(Record):
 
     @property
     def mean_gap_limit(self) -> Array:
-        """Length [step]: estimate of mean_gap on an infinitely fine grid under the same load, or at the same
-        approach.
-        """
+        """Length [step]: estimate of mean_gap on an infinitely fine grid under the same mean pressure."""
         return self._value("mean_gap_limit")
 
     @property
@@ -969,8 +974,8 @@ class Steps(Record):
 
     @property
     def elastic_energy_limit(self) -> Array:
-        """Stress * length [step]: estimate of elastic_energy on an infinitely fine grid under the same load, or at
-        the same approach.
+        """Stress * length [step]: estimate of elastic_energy on an infinitely fine grid under the same mean
+        pressure.
         """
         return self._value("elastic_energy_limit")
 
@@ -988,8 +993,8 @@ class Steps(Record):
 
     @property
     def interface_energy_limit(self) -> Array:
-        """Stress * length [step]: estimate of interface_energy on an infinitely fine grid under the same load, or at
-        the same approach. In some problems only.
+        """Stress * length [step]: estimate of interface_energy on an infinitely fine grid under the same mean
+        pressure. In some problems only.
         """
         return self._value("interface_energy_limit")
 
@@ -1007,9 +1012,7 @@ class Steps(Record):
 
     @property
     def dissipated_limit(self) -> Array:
-        """Stress * length [step]: estimate of dissipated on an infinitely fine grid under the same load, or at the
-        same approach.
-        """
+        """Stress * length [step]: estimate of dissipated on an infinitely fine grid under the same mean pressure."""
         return self._value("dissipated_limit")
 
     @property
@@ -1024,8 +1027,8 @@ class Steps(Record):
 
     @property
     def flow_xx_limit(self) -> Array:
-        """Without unit [step]: estimate of flow_xx on an infinitely fine grid under the same load, or at the same
-        approach. With `flow` only.
+        """Without unit [step]: estimate of flow_xx on an infinitely fine grid under the same mean pressure. With
+        `flow` only.
         """
         return self._value("flow_xx_limit")
 
@@ -1043,8 +1046,8 @@ class Steps(Record):
 
     @property
     def flow_yy_limit(self) -> Array:
-        """Without unit [step]: estimate of flow_yy on an infinitely fine grid under the same load, or at the same
-        approach. With `flow` only.
+        """Without unit [step]: estimate of flow_yy on an infinitely fine grid under the same mean pressure. With
+        `flow` only.
         """
         return self._value("flow_yy_limit")
 

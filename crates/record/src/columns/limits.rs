@@ -10,9 +10,15 @@ use super::measured::MEASURED;
 use super::undefined::lost;
 use crate::column::{Column, LIMIT, Origin};
 use crate::when::{
-    any, flow, friction, hardness, law, loads, of_a_law, path, prescribed, relaxing, sheared, statistics, steep, wears,
+    any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, prescribed, relaxing,
+    sheared, statistics, steep, wears,
 };
 use crate::{At, Cell};
+
+/// True of one half-space, and of two, which deform as one with their contact modulus.
+fn is_half_space(facts: &Facts) -> bool {
+    facts.support == Support::HalfSpace && matches!(facts.second, None | Some(Support::HalfSpace))
+}
 
 /// The reason why the error of the grid is not known from one solution of a problem; `None` if it is.
 pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
@@ -37,7 +43,7 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
         (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
         (facts.moved_base.is_some(), "the error of the grid was not measured with a base that moves"),
         (facts.line, "the error of the grid was not measured of a profile"),
-        (facts.support != Support::HalfSpace || facts.second.is_some(), with!("a body that is no half-space")),
+        (!is_half_space(facts), with!("a body that is no half-space")),
     ];
     reasons.into_iter().find(|(is_so, _)| *is_so).map(|(_, reason)| reason)
 }
@@ -232,21 +238,30 @@ macro_rules! limits {
     ($name:literal, $unit:literal, $order:expr, $limit:expr) => {
         limits!($name, [$name, ""], $unit, any, $order, $limit)
     };
-    ($name:literal, [$json:literal, $place:literal], $unit:literal, $present:expr, $order:expr, $limit:expr) => {
+    ($name:literal, $place:tt, $unit:literal, $present:expr, $order:expr, $limit:expr) => {
+        limits!(
+            $name,
+            $place,
+            $unit,
+            $present,
+            $order,
+            $limit,
+            concat!("estimate of ", $name, " on an infinitely fine grid under the same mean pressure")
+        )
+    };
+    (
+        $name:literal,
+        [$json:literal, $place:literal],
+        $unit:literal,
+        $present:expr,
+        $order:expr,
+        $limit:expr,
+        $meaning:expr
+    ) => {
         [
-            Column::new(
-                concat!($name, "_limit"),
-                $unit,
-                &[(
-                    any,
-                    concat!(
-                        "estimate of ",
-                        $name,
-                        " on an infinitely fine grid under the same load, or at the same approach"
-                    ),
-                )],
-                |at| limit(at, $name, $limit, limit_value),
-            )
+            Column::new(concat!($name, "_limit"), $unit, &[(any, $meaning)], |at| {
+                limit(at, $name, $limit, limit_value)
+            })
             .at(concat!($json, "_limit", $place))
             .of_order($order)
             .with(|facts| $present(facts) && facts.grid_error != GridError::None)
@@ -280,56 +295,78 @@ fn two_grids(_: &GridLimits, _: &At, _: f64) -> Result<GridLimit, NoLimit> {
     Err(NoLimit::OneGrid)
 }
 
+/// The mean pressure at a prescribed approach, which counts from the highest point of the grid: the top of the surface
+/// lies higher.
+fn pressure_of_approach(limits: &GridLimits, at: &At, value: f64) -> Result<GridLimit, NoLimit> {
+    let known = at.stiffness.as_ref().ok().map(|stiffness| stiffness.value).filter(|stiffness| stiffness.is_finite());
+    let stiffness = known.ok_or(NoLimit::OneGrid)?;
+    let GridLimit { limit, half_width } = limits.approach(0.0, at.rise.ok_or(NoLimit::Shared)?);
+    Ok(GridLimit { limit: value - stiffness * limit, half_width: stiffness * half_width })
+}
+
 /// The limits on infinitely fine grids of numbers of a contact.
-pub(super) const LIMITS: &[[Column; 3]] =
-    &[
-        limits!("mean_pressure", ["mean_pressure", ""], "stress", prescribed, None, two_grids),
-        limits!("mean_shear_x", ["mean_shear", ".0"], "stress", sheared, None, two_grids),
-        limits!("mean_shear_y", ["mean_shear", ".1"], "stress", sheared, None, two_grids),
-        limits!("displacement", "length", Some(2.7), |limits, at, value| {
-            at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
-        }),
-        limits!("area_fraction", "1", Some(1.6), |limits, _, _| Ok(limits.area_fraction())),
-        limits!("kappa", ["kappa", ""], "1", loads, Some(1.6), |limits, _, _| Ok(limits.kappa())),
-        limits!("boundary_links", ["boundary_links", ""], "1", loads, Some(1.0), |limits, _, _| Ok(
-            limits.boundary_links()
-        )),
-        limits!("mean_gap", "length", Some(2.7), |limits, _, _| Ok(limits.mean_gap())),
-        limits!("max_pressure", ["max_pressure", ""], "stress", loads, Some(3.0), |limits, at, _| {
-            at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
-        }),
-        limits!(
-            "mean_pressure_in_contact",
-            ["mean_pressure_in_contact", ""],
-            "stress",
-            loads,
-            Some(1.6),
-            |limits, _, _| Ok(limits.mean_pressure_in_contact())
-        ),
-        limits!(
-            "pressure_deviation_in_contact",
-            ["pressure_deviation_in_contact", ""],
-            "stress",
-            loads,
-            Some(1.6),
-            |limits, _, _| Ok(limits.pressure_deviation_in_contact())
-        ),
-        limits!("pressure_moment_2", ["pressure_moment_2", ""], "stress^2", loads, Some(2.3), |limits, _, _| Ok(
-            limits.pressure_moment_2()
-        )),
-        limits!("elastic_energy", "stress*length", Some(2.8), |limits, _, _| Ok(limits.elastic_energy())),
-        limits!("interface_energy", ["interface_energy", ""], "stress*length", of_a_law, None, two_grids),
-        limits!("dissipated", ["dissipated", ""], "stress*length", path, None, two_grids),
-        limits!("stiffness", ["stiffness", ""], "stress/length", loads, Some(1.4), |limits, _, value| Ok(
-            limits.stiffness(value)
-        )),
-        limits!("patches", ["patches.count", ""], "1", statistics, None, |_, _, _| Err(NoLimit::Patches)),
-        limits!("largest_patch_fraction", ["patches.largest_fraction", ""], "1", statistics, None, |_, _, _| {
-            Err(NoLimit::Patches)
-        }),
-        limits!("conductance", ["conductance", ""], "1/length", statistics, Some(1.4), |limits, at, value| {
-            if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
-        }),
-        limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
-        limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
-    ];
+pub(super) const LIMITS: &[[Column; 3]] = &[
+    limits!(
+        "mean_pressure",
+        ["mean_pressure", ""],
+        "stress",
+        approach_given,
+        None,
+        pressure_of_approach,
+        "estimate of mean_pressure on an infinitely fine grid at the same approach"
+    ),
+    limits!("mean_shear_x", ["mean_shear", ".0"], "stress", sheared, None, two_grids),
+    limits!("mean_shear_y", ["mean_shear", ".1"], "stress", sheared, None, two_grids),
+    limits!("displacement", ["displacement", ""], "length", load_given, Some(2.7), |limits, at, value| {
+        at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
+    }),
+    limits!("area_fraction", "1", Some(1.6), |limits, _, _| Ok(limits.area_fraction())),
+    limits!("kappa", ["kappa", ""], "1", loads, Some(1.6), |limits, _, _| Ok(limits.kappa())),
+    limits!(
+        "boundary_links",
+        ["boundary_links", ""],
+        "1",
+        loads,
+        Some(1.0),
+        |limits, _, _| Ok(limits.boundary_links()),
+        "estimate of the length of the boundary on an infinitely fine grid, in steps of this grid"
+    ),
+    limits!("mean_gap", "length", Some(2.7), |limits, _, _| Ok(limits.mean_gap())),
+    limits!("max_pressure", ["max_pressure", ""], "stress", loads, Some(3.0), |limits, at, _| {
+        at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
+    }),
+    limits!(
+        "mean_pressure_in_contact",
+        ["mean_pressure_in_contact", ""],
+        "stress",
+        loads,
+        Some(1.6),
+        |limits, _, _| Ok(limits.mean_pressure_in_contact())
+    ),
+    limits!(
+        "pressure_deviation_in_contact",
+        ["pressure_deviation_in_contact", ""],
+        "stress",
+        loads,
+        Some(1.6),
+        |limits, _, _| Ok(limits.pressure_deviation_in_contact())
+    ),
+    limits!("pressure_moment_2", ["pressure_moment_2", ""], "stress^2", loads, Some(2.3), |limits, _, _| Ok(
+        limits.pressure_moment_2()
+    )),
+    limits!("elastic_energy", "stress*length", Some(2.8), |limits, _, _| Ok(limits.elastic_energy())),
+    limits!("interface_energy", ["interface_energy", ""], "stress*length", of_a_law, None, two_grids),
+    limits!("dissipated", ["dissipated", ""], "stress*length", path, None, two_grids),
+    limits!("stiffness", ["stiffness", ""], "stress/length", loads, Some(1.4), |limits, _, value| Ok(
+        limits.stiffness(value)
+    )),
+    limits!("patches", ["patches.count", ""], "1", statistics, None, |_, _, _| Err(NoLimit::Patches)),
+    limits!("largest_patch_fraction", ["patches.largest_fraction", ""], "1", statistics, None, |_, _, _| {
+        Err(NoLimit::Patches)
+    }),
+    limits!("conductance", ["conductance", ""], "1/length", statistics, Some(1.4), |limits, at, value| {
+        if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
+    }),
+    limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+    limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+];
