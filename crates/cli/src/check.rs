@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::checking::{Check, Checking};
 use crate::{body, contact, kappa_sweep, path, punch, slide, wear};
 use gfmd_run::failure::{Failure, Outcome};
+use gfmd_run::memory::check_file;
 use gfmd_run::result::{Comparison, Difference, Kind, printable};
 use gfmd_run::session::Session;
 
@@ -94,8 +95,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let kinds = "a result of contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader)
         .ok_or_else(|| Failure::Input(format!("{} is not a result file; it must be {kinds}", file.display())))?;
+    check_file(&reader)?;
     // A file that the library cannot read to its end is damaged.
-    let intact = reader.is_intact().unwrap_or(Some(false));
+    let intact = reader.is_intact_until(&|| session.is_interrupted()).unwrap_or(Some(false));
+    if session.is_interrupted() {
+        return Err(Failure::Interrupted("interrupted".into()));
+    }
     let mut comparison = Comparison::default();
     let input_of = |name| input(&reader, kind, name);
     let (input, second_input) = (input_of("file")?, input_of("second_file")?);

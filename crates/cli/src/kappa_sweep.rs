@@ -127,6 +127,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
         None => args.preset.config(),
     };
     if let Some(target) = args.target {
+        if target != 0.0 && !(1e-5..=1.0).contains(&target) {
+            return Err(Failure::value("--target", target, "from 1e-5 to 1, or 0 for none"));
+        }
         config.statistics.target = target;
     }
     if config.statistics.target != 0.0 && (args.shard.is_some() || args.merge || args.runs_of.is_some()) {

@@ -26,6 +26,7 @@ mod course;
 pub mod damping;
 pub mod green;
 mod guess;
+pub mod inputs;
 pub mod kappa_sweep;
 pub mod law;
 pub mod path;

@@ -77,11 +77,6 @@ fn waiting(Launcher { name, rank, size, .. }: &Launcher) -> String {
     )
 }
 
-/// True if this process prints: it is alone, or the first one.
-pub(crate) fn is_first() -> bool {
-    Launcher::found().is_none_or(|launcher| launcher.rank == 0)
-}
-
 /// The number of processes that the launcher has started on this machine, as far as it tells.
 pub(crate) fn on_this_machine() -> usize {
     Launcher::found().map_or(1, |launcher| launcher.local)

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::session::Common;
 use crate::{
-    body, check, completions, contact, damping, green, guess, kappa_sweep, law, path, processes, punch, report,
+    body, check, completions, contact, damping, green, guess, inputs, kappa_sweep, law, path, processes, punch, report,
     session, slide, surface, theory, wear,
 };
 use gfmd_problem::options::flags::of_keys;
@@ -77,6 +77,7 @@ pub fn start<C: Subcommand + Sync>(
     run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
 ) -> ExitCode {
     keep_freed_memory();
+    fail_beyond_a_limit_of_files();
     ExitCode::from(status(name, std::env::args_os(), run))
 }
 
@@ -90,9 +91,8 @@ pub fn status<C: Subcommand + Sync>(
     match processes::join(&words) {
         Ok(world) => together(name, &words, run, world.as_ref()),
         Err(failure) => {
-            if processes::is_first() {
-                let _ = writeln!(io::stderr(), "error: {failure}");
-            }
+            // No process has joined another one, so that each says why; a first one need not exist.
+            let _ = writeln!(io::stderr(), "error: {failure}");
             failure.status()
         }
     }
@@ -111,7 +111,8 @@ fn together<C: Subcommand + Sync>(
         return 2;
     }
     let command = named(Line::<C>::command(), name);
-    let plain = guess::understood(&command, words.to_vec()).and_then(|words| of_words(&command, words));
+    let understood = guess::understood(&command, words.to_vec());
+    let plain = understood.and_then(|words| inputs::stay(&words).and_then(|()| of_words(&command, words)));
     let plain = match world {
         Some(world) => agree(&**world, plain),
         None => plain,
@@ -136,6 +137,17 @@ fn together<C: Subcommand + Sync>(
     // On a thread of the pool, so that not each sum over a vector has to enter it.
     let failure = session.and_then(|session| rayon::scope(|_| run(&line.command, &session))).err();
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
+}
+
+/// Lets a write beyond the limit of the size of files (`ulimit -f`) fail as on a full disk, in place of a signal that
+/// ends the process without a word.
+fn fail_beyond_a_limit_of_files() {
+    #[cfg(unix)]
+    #[allow(unsafe_code, reason = "there is no other interface to signals without a handler")]
+    // SAFETY: no handler is installed, and no other thread runs yet.
+    unsafe {
+        nix::libc::signal(nix::libc::SIGXFSZ, nix::libc::SIG_IGN);
+    }
 }
 
 /// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields
@@ -243,6 +255,7 @@ impl Command {
     /// # Errors
     /// A command without such a table; a key that the command does not have; a value of another type.
     pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
+        inputs::stay_in(&table)?;
         of_table(name, &mut table, &arrays)?;
         Ok(match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),

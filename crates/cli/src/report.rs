@@ -15,6 +15,7 @@ use crate::checking::Check;
 use crate::session::list_files;
 use gfmd_report::{Page, quoted};
 use gfmd_run::failure::Failure;
+use gfmd_run::memory::check_file;
 use gfmd_run::result::Kind;
 use gfmd_run::session::Session;
 
@@ -50,12 +51,12 @@ pub struct Report {
 /// # Errors
 /// A file that cannot be read, is no such result, or is damaged.
 pub fn figures(file: &Path, session: &Session) -> Result<Vec<(String, String)>, Failure> {
-    let (reader, kind, _) = opened(file)?;
+    let (reader, kind, _) = opened(file, session)?;
     Ok(page_of(&reader, kind, session)?.into_figures())
 }
 
 /// A result file that is not damaged: its kind, and whether its checksum holds, if it has one.
-fn opened(file: &Path) -> Result<(Reader, Kind, Option<bool>), Failure> {
+fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
     let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader).ok_or_else(|| {
@@ -65,8 +66,12 @@ fn opened(file: &Path) -> Result<(Reader, Kind, Option<bool>), Failure> {
         let other = if surface { &*other } else { "" };
         Failure::Input(format!("{name} is not a result file; it must be one of {kinds}{other}"))
     })?;
+    check_file(&reader)?;
     // Numbers of a damaged file are not shown.
-    let intact = reader.is_intact().unwrap_or(Some(false));
+    let intact = reader.is_intact_until(&|| session.is_interrupted()).unwrap_or(Some(false));
+    if session.is_interrupted() {
+        return Err(Failure::Interrupted("interrupted".into()));
+    }
     if intact == Some(false) {
         let text = format!("{} is damaged, or was changed; gfmd check says where", file.display());
         return Err(Failure::Computation(text));
@@ -98,7 +103,7 @@ fn page_of(reader: &Reader, kind: Kind, session: &Session) -> Result<Page, Failu
 /// A file that cannot be read, is no such result, or is damaged; a page that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
-    let (reader, kind, intact) = opened(file)?;
+    let (reader, kind, intact) = opened(file, session)?;
     let out = args.out.clone().unwrap_or_else(|| file.with_extension("html"));
     let output = Output::claim(&out).map_err(|error| Failure::input("--out", error))?;
     let same = |a: &Path| std::fs::canonicalize(a).ok();

@@ -65,6 +65,8 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
         .with_max_level(level)
         .with_target(false)
         .without_time()
+        // A log that cannot be written, as on a full disk, ends no run.
+        .log_internal_errors(false)
         .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
         .init();
     if let Some(world) = world {

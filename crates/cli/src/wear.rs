@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::Drive;
+use gfmd_contact::{Drive, Load};
 use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
@@ -19,6 +19,7 @@ use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
+use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use crate::course::{AroundArgs, Course, Followed, LoadArgs, StepArgs, Way, counted, legs, lengths};
@@ -115,6 +116,21 @@ impl Args {
     }
 }
 
+/// The largest depth that can be worn off, divided by the range of heights: rounding errors of what is left are smaller
+/// than it by ten digits.
+const MOST_WORN: f64 = 1e6;
+
+/// Refuses distances on which a depth is worn off, `rate` per distance, that the numbers of `heights` cannot follow.
+fn check_distance(rate: f64, distances: &[f64], heights: &Array2<f64>) -> Result<(), Failure> {
+    let [least, most] = [f64::min, f64::max].map(|fold| heights.iter().copied().fold(heights[[0, 0]], fold));
+    let (whole, allowed) = (distances.iter().sum::<f64>(), MOST_WORN * (most - least) / rate);
+    if most > least && whole > allowed {
+        let allowed = format!("at most {allowed:.3e} in all, which wears off {MOST_WORN:e} times the range of heights");
+        return Err(Failure::value("--distance", format!("{whole:e}"), allowed));
+    }
+    Ok(())
+}
+
 /// The input of the command, checked before the first solve.
 fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     args.coefficient()?;
@@ -125,6 +141,8 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     let prepared = Prepared::new(&args.asked(), |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     let (values, load) = args.loads.values(prepared.unit_pressure(), true)?;
+    let pressure = values.iter().map(|&value| if let Load::MeanPressure(p) = load(value) { p } else { 0.0 });
+    check_distance(args.coefficient()? * pressure.fold(0.0, f64::max), &distances, &prepared.surface.heights)?;
     let lists = [(args.loads.flag(), values.len()), ("--distance", distances.len())];
     let count = counted(&lists, args.steps.steps, |count| count)?;
     let (drives, places) = legs((&values, &distances, count), args.steps.steps, |value, distance| {

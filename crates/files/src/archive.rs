@@ -96,8 +96,7 @@ impl<'a> Archive<'a> {
     pub fn write<T: Value>(&mut self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
         self.check_length(path, variable, values.len())?;
         if let Some(memory) = self.output.in_memory() {
-            memory.put(path, variable, values);
-            return Ok(());
+            return memory.put(path, variable, values);
         }
         let dataset = self.new_dataset::<T>(path, variable, None)?;
         if !self.output.has_values() {
@@ -137,8 +136,7 @@ impl<'a> Archive<'a> {
     /// Entries that are not written are NaN.
     pub fn define(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
         if let Some(memory) = self.output.in_memory() {
-            memory.define(path, variable, false);
-            return Ok(());
+            return memory.define(path, variable, false);
         }
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
     }
@@ -163,8 +161,7 @@ impl<'a> Archive<'a> {
     /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
     pub fn define_rows(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
         if let Some(memory) = self.output.in_memory() {
-            memory.define(path, variable, true);
-            return Ok(());
+            return memory.define(path, variable, true);
         }
         self.new_dataset::<f64>(path, variable, None).map(drop)
     }
@@ -237,9 +234,9 @@ impl<'a> Archive<'a> {
         self.file()?.flush().map_err(|error| self.failed("(checksum)", &error))?;
         if self.output.has_values() {
             let input = Input::open(&part).map_err(|error| error.to_string());
-            let sum = input.and_then(|input| Hdf5::open(&input)).and_then(|file| content::checksum(&file));
+            let sum = input.and_then(|input| Hdf5::open(&input)).and_then(|file| content::checksum(&file, &|| false));
             let unreadable = |reason| FileError::Write { path: part.clone(), variable: "(checksum)".into(), reason };
-            self.attribute("/", content::NAME, sum.map_err(unreadable)?)?;
+            self.attribute("/", content::NAME, sum.map_err(unreadable)?.unwrap_or_default())?;
         }
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());

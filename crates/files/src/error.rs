@@ -105,6 +105,16 @@ pub enum FileError {
         /// The variable or attribute.
         variable: String,
     },
+    /// A variable in memory that is larger than what is left of it.
+    #[error("{variable} needs {:.1} GiB in memory; {:.1} GiB are available", gib(*needed), gib(*available))]
+    Memory {
+        /// The variable.
+        variable: String,
+        /// The bytes of its numbers.
+        needed: u64,
+        /// The bytes that are left.
+        available: u64,
+    },
     /// The file was closed after an error.
     #[error("{} is closed", path.display())]
     Closed {
@@ -121,6 +131,10 @@ impl FileError {
     pub(crate) fn write(path: &Path, variable: &str, error: &hdf5::Error) -> Self {
         Self::Write { path: path.into(), variable: variable.into(), reason: reason(error) }
     }
+}
+
+fn gib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
 }
 
 fn listed(names: &[String]) -> String {

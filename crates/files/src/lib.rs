@@ -52,7 +52,7 @@ pub use gfmd_topography::{
     input, legible, split_dataset,
 };
 pub use journal::{Journal, JournalError};
-pub use output::{Output, folder, replace, sync_folder, target};
+pub use output::{Output, folder, is_one_file, replace, sync_folder, target};
 pub use vtk::PointArray;
 pub use warning::{Warning, Warnings};
 pub use x3p::X3p;

@@ -139,7 +139,7 @@ impl Output {
 pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), FileError> {
     let path = &followed(path)?;
     let part = beside(path, ".part");
-    check_regular(path)?;
+    check_replaceable(path)?;
     check_regular(&part)?;
     let written = File::create(&part).map(BufWriter::new).and_then(|mut file| {
         write(&mut file)?;
@@ -160,7 +160,11 @@ fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
         let path = path.to_path_buf();
         move |source| FileError::Io { action, path, source }
     };
-    OpenOptions::new().write(true).open(part).and_then(|file| file.sync_all()).map_err(io("sync", part))?;
+    // The new file may be read by those who could read the old one.
+    if let Ok(old) = fs::metadata(path) {
+        fs::set_permissions(part, old.permissions()).map_err(io("set the permissions of", part))?;
+    }
+    File::open(part).and_then(|file| file.sync_all()).map_err(io("sync", part))?;
     fs::rename(part, path).map_err(io("rename to", path))?;
     sync_folder(folder(path)).map_err(io("sync", folder(path)))
 }
@@ -184,7 +188,7 @@ pub fn target(path: &Path) -> Result<PathBuf, FileError> {
         return Err(refuse(path, "it is a folder; it must be a file name"));
     }
     let path = followed(path)?;
-    check_regular(&path)?;
+    check_replaceable(&path)?;
     let folder = folder(&path);
     if !folder.is_dir() {
         return Err(refuse(&path, &format!("there is no folder {}", folder.display())));
@@ -201,6 +205,16 @@ fn followed(path: &Path) -> Result<PathBuf, FileError> {
         }),
         _ => Ok(path.into()),
     }
+}
+
+/// Refuses an existing object that is not a regular file, or that its owner has protected against writing.
+fn check_replaceable(path: &Path) -> Result<(), FileError> {
+    check_regular(path)?;
+    if fs::metadata(path).is_ok_and(|metadata| metadata.permissions().readonly()) {
+        let reason = "it is read-only; it must be writable, or another name".into();
+        return Err(FileError::Target { path: path.into(), reason });
+    }
+    Ok(())
 }
 
 /// Refuses an existing object that is not a regular file.
@@ -222,6 +236,11 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
 /// The folder of a path.
 pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// True if both names lead to one existing file, also by links.
+pub fn is_one_file(one: &Path, other: &Path) -> bool {
+    gfmd_topography::Input::open(one).and_then(|one| one.handle()).is_ok_and(|one| is_same_file(&one, other))
 }
 
 #[cfg(unix)]

@@ -16,7 +16,7 @@ pub enum GreenError {
     #[error("Poisson's ratio is {0}; it must be above -1 and at most 0.5")]
     Poisson(f64),
     /// A table of compliances with points that no curve can have.
-    #[error("the table of compliances has {0}")]
+    #[error("{}", of_table(.0))]
     Table(gfmd_curve::CurveError),
     /// A wavenumber or a compliance of a table that is not positive.
     #[error(
@@ -133,4 +133,10 @@ pub enum GreenError {
         /// The largest value inside the body.
         largest: f64,
     },
+}
+
+/// The words on a table of compliances that no curve can have.
+fn of_table(error: &gfmd_curve::CurveError) -> String {
+    let between = if matches!(error, gfmd_curve::CurveError::Few { .. }) { " has" } else { ":" };
+    format!("the table of compliances{between} {error}")
 }

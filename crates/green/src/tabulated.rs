@@ -42,6 +42,11 @@ impl Table {
     pub(crate) fn isotropic(rows: &[[f64; 2]], uniform: f64) -> Result<Self, GreenError> {
         positive(rows.iter().map(|row| &row[..]))?;
         let logarithms: Vec<[f64; 2]> = rows.iter().map(|row| row.map(f64::ln)).collect();
+        // In the numbers of the rows; a curve would name those of its logarithms.
+        if let Some(row) = logarithms.windows(2).position(|pair| pair[1][0] <= pair[0][0]) {
+            let [before, found] = [rows[row][0], rows[row + 1][0]];
+            return Err(GreenError::Table(CurveError::Order { row: row + 2, found, before }));
+        }
         Self::of(&logarithms, [].into(), uniform)
     }
 

@@ -37,6 +37,13 @@ impl MemoryNeed {
     /// A path with friction, on a patch.
     pub const ALL_COMPONENTS_FREE: Self = Self(158);
 
+    /// A contact through whose gap the flow is computed, with the state at rest.
+    pub const FLOW: Self = Self(48);
+    /// The same on a path, with the state before.
+    pub const FLOW_ON_PATH: Self = Self(52);
+    /// The flow alone, through a gap that is there.
+    pub const FLOW_ALONE: Self = Self(34);
+
     /// A viscoelastic body with so many branches, beside the fields that the path of an elastic one takes.
     #[must_use]
     pub fn relaxing(self, branches: usize) -> Self {
@@ -52,6 +59,16 @@ impl MemoryNeed {
 impl Facts {
     /// The memory that the problem needs, which `only` one load without its statistics makes less.
     pub fn memory_need(&self, only: bool) -> MemoryNeed {
+        let flow = match self.task {
+            _ if !self.flow => MemoryNeed(0),
+            Task::Loads => MemoryNeed::FLOW,
+            Task::Path => MemoryNeed::FLOW_ON_PATH,
+        };
+        // The fields of the search are freed before the flow is computed.
+        MemoryNeed(flow.0.max(self.need_of_search(only).0))
+    }
+
+    fn need_of_search(&self, only: bool) -> MemoryNeed {
         let is_free = self.boundary == Boundary::Free;
         match self.task {
             Task::Loads if self.finite_slope => MemoryNeed::STEEP,

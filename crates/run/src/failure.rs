@@ -149,7 +149,10 @@ impl From<Unusable> for Failure {
 
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
-        Self::Computation(error.to_string())
+        match error {
+            FileError::Memory { .. } => Self::Input(error.to_string()),
+            _ => Self::Computation(error.to_string()),
+        }
     }
 }
 

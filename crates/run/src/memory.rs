@@ -1,5 +1,6 @@
 //! MemoryNeed: the need of each problem, and the use of this process.
 
+use gfmd_files::Reader;
 use gfmd_problem::MemoryNeed;
 
 use crate::failure::Failure;
@@ -86,6 +87,15 @@ pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), 
     check(name, &format!("{count} {what}"), count.saturating_mul(each), 0)
 }
 
+/// Refuses a file with a variable that does not fit into memory.
+///
+/// # Errors
+/// A need of more memory than is available.
+pub fn check_file(reader: &Reader) -> Result<(), Failure> {
+    let Some((variable, bytes)) = reader.largest() else { return Ok(()) };
+    check(&reader.path().display().to_string(), &format!("the values of {variable}"), bytes, 0)
+}
+
 /// Refuses a need that exceeds what is available and what is `held` of it already.
 fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> {
     let available = available_bytes().map(|available| available.saturating_add(held));
@@ -97,7 +107,7 @@ fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> 
 
 /// The memory that a computation may use, in bytes: that of the machine, less if the process or its control group has a
 /// limit; `None` if the system does not report it.
-fn available_bytes() -> Option<u64> {
+pub(crate) fn available_bytes() -> Option<u64> {
     [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
 }
 

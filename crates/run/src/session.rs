@@ -130,7 +130,7 @@ impl Session {
     /// The same session, whose results go to memory in place of files: as far as they came, also after an interruption.
     #[must_use]
     pub fn in_memory(self, memory: Memory) -> Self {
-        Self { memory: Some(memory), ..self }
+        Self { memory: Some(memory.limited(memory::available_bytes())), ..self }
     }
 
     /// The output of a command: a place in memory, or the file that is named, if there is one.

@@ -151,6 +151,9 @@ pub fn grid_of(generator: &GeneratorArgs, length: &[f64]) -> Result<Grid, Failur
 /// The grid of [`grid_of`], for several processes that share the points.
 fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
     memory::fits_shared(memory::SURFACE, "--n", generator.points()?, processes)?;
+    // Other lengths that none can have are refused with the grid.
+    let given = length.iter().filter(|length| length.is_finite() && **length > 0.0);
+    given.into_iter().try_for_each(|length| check_size("--length", *length))?;
     Ok(generator.grid(length)?)
 }
 

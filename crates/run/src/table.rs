@@ -1,12 +1,8 @@
 //! Tables of two or three columns, in text files that options name.
 
-use std::fs::File;
-use std::io::Read as _;
+use gfmd_files::input;
 
 use crate::failure::Failure;
-
-/// The largest size of a file, in bytes.
-const LARGEST: u64 = 1 << 20;
 
 /// The rows of the table in `file`, as the text of an option has them: `A:B,...`, with the units of the heads if
 /// `in_units`.
@@ -16,15 +12,10 @@ const LARGEST: u64 = 1 << 20;
 /// `gap_nm traction_MPa`. Without heads, a row has as many numbers as one of the lists.
 ///
 /// # Errors
-/// A file that cannot be read, or is too large; a line that is no row; heads of other columns.
+/// A file that cannot be read, is not a regular one, or is too large; a line that is no row; heads of other columns.
 pub(crate) fn rows(flag: &str, file: &str, columns: &[&[&str]], in_units: bool) -> Result<String, Failure> {
     let refuse = |reason: String| Failure::input(flag, format!("{file}: {reason}"));
-    let mut text = String::new();
-    let read = File::open(file).and_then(|opened| opened.take(LARGEST + 1).read_to_string(&mut text));
-    read.map_err(|error| refuse(error.to_string()))?;
-    if text.len() as u64 > LARGEST {
-        return Err(refuse(format!("it has more than {LARGEST} bytes; it must have at most that many")));
-    }
+    let text = input::text(file).map_err(|error| refuse(error.to_string()))?;
     // The columns, once they are known, and their units.
     let (mut known, mut units, mut rows) = (None, Vec::new(), Vec::new());
     for (number, line) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
@@ -162,7 +153,7 @@ mod tests {
             assert!(error.starts_with("--law-table: ") && error.contains(words), "{error}");
         }
         let large = "0,1\n".repeat(300_000);
-        assert!(of(&large, true).unwrap_err().contains("it has more than 1048576 bytes"));
+        assert!(of(&large, true).unwrap_err().contains("it has 1200000 bytes; it must have at most 1048576"));
         assert!(
             rows("--law-table", "none.csv", &[&["gap", "traction"]], true)
                 .unwrap_err()

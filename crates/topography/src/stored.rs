@@ -80,6 +80,24 @@ impl Hdf5 {
         shape(&self.dataset(path)?)
     }
 
+    /// The lengths of a chunk of a dataset, each at most that of its dimension; `None` of a dataset in one piece.
+    pub fn chunk(&self, path: &str) -> Result<Option<Vec<usize>>, String> {
+        let dataset = self.dataset(path)?;
+        let lengths = shape(&dataset)?;
+        let chunk = dataset.chunks();
+        Ok(chunk.map(|chunk| chunk.iter().zip(lengths).map(|(&chunk, all)| (chunk as usize).min(all).max(1)).collect()))
+    }
+
+    /// The number of bytes to which a chunk of a dataset expands; 0 of a dataset in one piece.
+    pub fn chunk_bytes(&self, path: &str) -> Result<usize, String> {
+        let dataset = self.dataset(path)?;
+        let size = dataset.raw_element_size().map_err(text)?;
+        let count = dataset
+            .chunks()
+            .map_or(0, |chunk| chunk.iter().fold(1_usize, |product, &length| product.saturating_mul(length as usize)));
+        Ok(count.saturating_mul(size))
+    }
+
     /// The names in a group, sorted.
     pub fn names(&self, group: &str) -> Result<Vec<String>, String> {
         let (mut names, datasets) = self.file.group(group).and_then(|group| group.member_names()).map_err(text)?;
@@ -209,6 +227,11 @@ impl Hdf5 {
         if found > self.most {
             return Err(format!("{path} declares {found} bytes; a file of this size holds at most {}", self.most));
         }
+        // Each chunk is expanded whole, also beyond the dataset.
+        let chunk = self.chunk_bytes(path)?;
+        if chunk > found.max(LARGEST_CHUNK) {
+            return Err(format!("the chunks of {path} have {chunk} bytes; they must have at most {LARGEST_CHUNK}"));
+        }
         Ok(dataset)
     }
 
@@ -217,6 +240,9 @@ impl Hdf5 {
         self.file.root_group().map_err(text)
     }
 }
+
+/// The largest number of bytes of a chunk that is larger than its dataset.
+const LARGEST_CHUNK: usize = 1 << 28;
 
 /// The kind of real numbers; `None` for other values.
 fn kind(datatype: &Datatype) -> Option<Kind> {

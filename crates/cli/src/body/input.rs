@@ -150,8 +150,8 @@ impl Surface {
         if points[0] < 2 || points[1] == 0 {
             return Err(Failure::value("--n", format!("{points:?}"), "at least 2 along x, and at least 1 along y"));
         }
-        let grid = Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input("--length", error))?;
         memory::fits(memory::BODY, "--n", points)?;
+        let grid = Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input("--length", error))?;
         let words: Vec<String> = waves.iter().map(Wave::to_string).collect();
         Ok(Self {
             grid,

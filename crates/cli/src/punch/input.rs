@@ -5,6 +5,7 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3, ArrayD};
 
 use super::{Args, ContactName};
+use gfmd_problem::SIZES;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_run::array::{self, Quantity};
 use gfmd_run::failure::Failure;
@@ -75,8 +76,10 @@ pub(super) fn check_shift(args: &Args) -> Result<(), Failure> {
     if args.dim == 2 && args.shift.len() == 2 {
         return Err(Failure::value("--shift", format!("{:?}", args.shift), "X alone with --dim 2"));
     }
-    match args.shift.iter().find(|shift| !shift.is_finite()) {
-        Some(shift) => Err(Failure::value("--shift", shift, "finite")),
+    match args.shift.iter().find(|shift| !(0.0..=*SIZES.end()).contains(&shift.abs())) {
+        Some(shift) => {
+            Err(Failure::value("--shift", format!("{shift:e}"), format!("from -{0:e} to {0:e}", SIZES.end())))
+        }
         None => Ok(()),
     }
 }

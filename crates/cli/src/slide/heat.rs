@@ -4,6 +4,7 @@ use clap::Args;
 use gfmd_contact::Budget;
 use gfmd_field::Grid;
 use gfmd_heat::{Flash, HeatError, Heated, Thermal, Watch};
+use gfmd_problem::SIZES;
 use gfmd_run::failure::Failure;
 use gfmd_viscoelastic::Velocity;
 use ndarray::Array2;
@@ -51,8 +52,13 @@ impl HeatArgs {
             }
         };
         match self.friction {
-            Some(friction) if friction > 0.0 && friction.is_finite() => Ok(Some(Source { friction, body, indenter })),
-            found => Err(Failure::value("--friction", found.unwrap_or(f64::NAN), "positive and finite")),
+            Some(friction) if friction > 0.0 && friction <= *SIZES.end() => {
+                Ok(Some(Source { friction, body, indenter }))
+            }
+            found => {
+                let allowed = format!("positive and at most {:e}", SIZES.end());
+                Err(Failure::value("--friction", found.unwrap_or(f64::NAN), allowed))
+            }
         }
     }
 }

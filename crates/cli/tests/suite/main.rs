@@ -18,6 +18,7 @@ mod golden;
 mod grid;
 mod guess;
 mod help;
+mod hostile;
 mod interoperability;
 mod law;
 mod pictures;

@@ -14,65 +14,124 @@ pub(super) const NAME: &str = "content_sha256";
 /// The largest number of values of a piece: that of a chunk in files of this program.
 const PIECE: usize = 1 << 18;
 
+/// The largest number of bytes of a chunk, of a result that another program has written again. Each chunk is expanded
+/// whole.
+const LARGEST_CHUNK: usize = 1 << 28;
+
 /// The number of values that are added to the checksum at a time.
 const BATCH: usize = 1 << 10;
 
 /// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or
 /// texts.
-pub(super) fn checksum(file: &Hdf5) -> Result<String, String> {
-    let mut sum = Checksum::default();
-    group(file, &file.root()?, "", &mut Vec::new(), &mut sum)?;
-    Ok(sum.text())
+/// `None` if `stop` returned true meanwhile.
+pub(super) fn checksum(file: &Hdf5, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<String>, String> {
+    let mut sum = Sum { sum: Checksum::default(), stop };
+    match group(file, &file.root()?, "", &mut Vec::new(), &mut sum) {
+        Err(Ended::Stopped) => Ok(None),
+        Err(Ended::Unreadable(reason)) => Err(reason),
+        Ok(()) => Ok(Some(sum.sum.text())),
+    }
+}
+
+/// A checksum that grows until it is stopped.
+struct Sum<'a> {
+    sum: Checksum,
+    stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Sum<'_> {
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.sum.bytes(bytes);
+    }
+}
+
+/// Reasons why a checksum is not computed.
+enum Ended {
+    Stopped,
+    Unreadable(String),
+}
+
+impl From<String> for Ended {
+    fn from(reason: String) -> Self {
+        Self::Unreadable(reason)
+    }
+}
+
+impl From<Error> for Ended {
+    fn from(error: Error) -> Self {
+        Self::Unreadable(text(error))
+    }
+}
+
+/// Refuses a variable whose chunks are larger than those of results.
+pub(super) fn check_chunk(file: &Hdf5, path: &str) -> Result<(), String> {
+    let found = file.chunk_bytes(path)?;
+    if found <= LARGEST_CHUNK {
+        return Ok(());
+    }
+    Err(format!("its chunks have {found} bytes; those of a result have at most {LARGEST_CHUNK}"))
 }
 
 /// Adds a group, which must not be one of the groups at the addresses `seen`: a damaged file can link a group into
 /// itself.
-fn group(file: &Hdf5, of: &Group, path: &str, seen: &mut Vec<u64>, sum: &mut Checksum) -> Result<(), String> {
+fn group(file: &Hdf5, of: &Group, path: &str, seen: &mut Vec<u64>, sum: &mut Sum) -> Result<(), Ended> {
     if seen.contains(&of.address()) {
-        return Err(format!("the group {path} has two names"));
+        return Err(format!("the group {path} has two names").into());
     }
     seen.push(of.address());
-    attributes(of.attributes().map_err(text)?, path, sum)?;
-    let (groups, datasets) = of.member_names().map_err(text)?;
+    let own = of.attributes()?;
+    let (groups, datasets) = of.member_names()?;
+    if !path.is_empty() && groups.is_empty() && datasets.is_empty() && own.iter().all(|one| !is_counted(one)) {
+        return Err(format!("the group {path} is empty; no result has such a group").into());
+    }
+    attributes(own, path, sum)?;
     let mut names: Vec<(&String, bool)> = groups.iter().map(|name| (name, true)).collect();
     names.extend(datasets.iter().map(|name| (name, false)));
     names.sort();
     for (name, is_group) in names {
         let path = format!("{path}/{name}");
         match is_group {
-            true => group(file, &of.group(name).map_err(text)?, &path, seen, sum)?,
-            false => variable(file, &of.dataset(name).map_err(text)?, &path, sum)?,
+            true => group(file, &of.group(name)?, &path, seen, sum)?,
+            false => variable(file, &of.dataset(name)?, &path, sum)?,
         }
     }
     Ok(())
 }
 
-fn attributes(mut attributes: Vec<Attribute>, path: &str, sum: &mut Checksum) -> Result<(), String> {
+fn is_counted(attribute: &Attribute) -> bool {
+    attribute.name != NAME && attribute.shape.is_empty()
+}
+
+fn attributes(mut attributes: Vec<Attribute>, path: &str, sum: &mut Sum) -> Result<(), Ended> {
     attributes.sort_by(|one, other| one.name.cmp(&other.name));
     // Links between dimensions and variables, which are arrays, follow from the rest.
-    for attribute in attributes.iter().filter(|attribute| attribute.name != NAME && attribute.shape.is_empty()) {
+    for attribute in attributes.iter().filter(|attribute| is_counted(attribute)) {
         sum.bytes(format!("{path}@{}=", attribute.name).as_bytes());
         match &attribute.datatype {
             kind @ (Datatype::FloatingPoint { .. } | Datatype::FixedPoint { .. }) => {
-                sum.bytes(&bits(&attribute.raw_data, kind).map_err(text)?);
+                sum.bytes(&bits(&attribute.raw_data, kind)?);
             }
             // Texts of fixed length are the marks of dimension scales.
             Datatype::String { size: StringSize::Fixed(_), .. } => {}
-            _ => sum.bytes(attribute.read_string().map_err(text)?.as_bytes()),
+            _ => sum.bytes(attribute.read_string()?.as_bytes()),
         }
     }
     Ok(())
 }
 
-fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Checksum) -> Result<(), String> {
+fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Sum) -> Result<(), Ended> {
     attributes(dataset.attributes(), path, sum)?;
+    check_chunk(file, path)?;
     let shape = file.shape(path)?;
     sum.bytes(format!("{path}{shape:?}=").as_bytes());
     match dataset.dtype() {
         Datatype::FloatingPoint { .. } => values(file, path, &shape, f64::to_le_bytes, sum),
         Datatype::FixedPoint { signed: true, .. } => values(file, path, &shape, i64::to_le_bytes, sum),
         Datatype::FixedPoint { .. } => values(file, path, &shape, u64::to_le_bytes, sum),
-        _ => file.texts(path).map(|texts| texts.iter().for_each(|text| sum.bytes(format!("{text}\n").as_bytes()))),
+        _ => {
+            file.texts(path)?.iter().for_each(|text| sum.bytes(format!("{text}\n").as_bytes()));
+            Ok(())
+        }
     }
 }
 
@@ -91,12 +150,15 @@ fn values<T: Number>(
     path: &str,
     shape: &[usize],
     bytes: impl Fn(T) -> [u8; 8],
-    sum: &mut Checksum,
-) -> Result<(), String> {
+    sum: &mut Sum,
+) -> Result<(), Ended> {
     file.possible(path)?;
-    let pieces = pieces(shape);
+    let pieces = pieces(shape, &file.chunk(path)?.unwrap_or_else(|| vec![1; shape.len()]));
     let mut batch = Vec::with_capacity(8 * BATCH);
     for together in pieces.chunks(rayon::current_num_threads()) {
+        if (sum.stop)() {
+            return Err(Ended::Stopped);
+        }
         let read = |piece: &Vec<[usize; 2]>| {
             if piece.is_empty() { file.values(path) } else { file.part(path, piece) }
         };
@@ -112,16 +174,21 @@ fn values<T: Number>(
     Ok(())
 }
 
-/// The pieces of a variable in their order, of at most [`PIECE`] values, as [`Hdf5::part`] reads them.
-fn pieces(shape: &[usize]) -> Vec<Vec<[usize; 2]>> {
-    let Some((&length, inner)) = shape.split_first() else { return vec![Vec::new()] };
+/// The pieces of a variable in their order, as [`Hdf5::part`] reads them. They have at most [`PIECE`] values, or more
+/// where chunks do, so that each chunk is expanded once: their ends are ends of chunks.
+fn pieces(shape: &[usize], chunk: &[usize]) -> Vec<Vec<[usize; 2]>> {
+    let (Some((&length, inner)), Some((&step, inner_chunk))) = (shape.split_first(), chunk.split_first()) else {
+        return vec![Vec::new()];
+    };
     if shape.contains(&0) {
         return Vec::new();
     }
     let inner_count = inner.iter().fold(1_usize, |product, &length| product.saturating_mul(length));
-    let entries = (PIECE / inner_count.max(1)).max(1);
+    let entries = ((PIECE / inner_count.max(1)) / step).max(1) * step;
     let outer = (0..length).step_by(entries).map(|start| [start, length.min(start + entries)]);
-    let inner = if inner_count <= PIECE { vec![Vec::new()] } else { pieces(inner) };
+    // Within a chunk of several entries there is no piece.
+    let is_whole = inner_count <= PIECE || entries > 1;
+    let inner = if is_whole { vec![Vec::new()] } else { pieces(inner, inner_chunk) };
     let joined = |outer| inner.iter().map(move |inner| std::iter::once(outer).chain(inner.iter().copied()).collect());
     outer.flat_map(joined).collect()
 }
@@ -132,6 +199,7 @@ mod tests {
 
     #[test]
     fn pieces_follow_each_other_and_are_small() {
+        let pieces = |shape: &[usize]| pieces(shape, &vec![1; shape.len()]);
         assert_eq!(pieces(&[]), [Vec::<[usize; 2]>::new()]);
         assert_eq!(pieces(&[7]), [[[0, 7]]]);
         assert_eq!(pieces(&[2, 3, 5]), [[[0, 2]]]);
@@ -142,5 +210,41 @@ mod tests {
         assert_eq!(long[..2], [[[0, 1], [0, PIECE]], [[0, 1], [PIECE, PIECE + 1]]]);
         assert_eq!(long[2..], [[[1, 2], [0, PIECE]], [[1, 2], [PIECE, PIECE + 1]]]);
         assert!(pieces(&[1 << 60, 0]).is_empty());
+    }
+
+    #[test]
+    fn each_chunk_is_in_one_piece() {
+        let long = 1 << 24;
+        let cases: [(&[usize], &[usize]); 8] = [
+            (&[long], &[long]),
+            (&[long], &[1000]),
+            (&[long + 5], &[1 << 20]),
+            (&[7, 300, 2000], &[1, 131, 2000]),
+            (&[7, 300, 2000], &[3, 10, 2000]),
+            (&[40, 1 << 20], &[1, 1 << 19]),
+            (&[40, 1 << 20], &[7, 64]),
+            (&[3, 4, 5, 90_000], &[1, 1, 2, 80_000]),
+        ];
+        for (shape, chunk) in cases {
+            let (mut next, mut seen) = (0, std::collections::BTreeSet::new());
+            for piece in pieces(shape, chunk) {
+                // The values of a piece follow those of the piece before.
+                let place = |axis: usize, piece: &[[usize; 2]]| piece.get(axis).map_or(0, |range| range[0]);
+                let start = (0..shape.len()).fold(0, |at, axis| at * shape[axis] + place(axis, &piece));
+                assert_eq!(start, next, "{shape:?} {chunk:?} {piece:?}");
+                let lengths =
+                    (0..shape.len()).map(|axis| piece.get(axis).map_or(shape[axis], |range| range[1] - range[0]));
+                next += lengths.product::<usize>();
+                let chunks = (0..shape.len()).map(|axis| {
+                    let [from, to] = piece.get(axis).copied().unwrap_or([0, shape[axis]]);
+                    (from / chunk[axis], to.div_ceil(chunk[axis]))
+                });
+                assert!(seen.insert(chunks.collect::<Vec<_>>()), "{shape:?} {chunk:?} {piece:?}");
+                for (axis, [from, to]) in piece.iter().copied().enumerate() {
+                    assert!(from % chunk[axis] == 0 && (to % chunk[axis] == 0 || to == shape[axis]), "{piece:?}");
+                }
+            }
+            assert_eq!(next, shape.iter().product::<usize>(), "{shape:?} {chunk:?}");
+        }
     }
 }

@@ -21,6 +21,8 @@ struct Content {
     provenance: Provenance,
     entries: Vec<Entry>,
     is_finished: bool,
+    /// The bytes of numbers that may be stored; all if it is `None`.
+    room: Option<u64>,
 }
 
 /// A file that is not written yet, without the fields, which are given when it is.
@@ -86,14 +88,22 @@ impl Memory {
     /// Removes the variables below `group`, such as `/fields/`, and returns them by path, with the draft of the file of
     /// which they are a part; `None` if no archive was finished.
     pub fn take(&self, group: &str) -> (BTreeMap<String, ArrayD<f64>>, Option<Draft>) {
-        let Content { values, provenance, entries, is_finished } = std::mem::take(&mut *self.content());
+        let Content { values, provenance, entries, is_finished, .. } = std::mem::take(&mut *self.content());
         let (fields, values) = values.into_iter().partition(|(path, _)| path.starts_with(group));
         (fields, is_finished.then_some(Draft { values, provenance, entries }))
     }
 
+    /// Limits the bytes of all numbers together.
+    #[must_use]
+    pub fn limited(self, room: Option<u64>) -> Self {
+        self.content().room = room;
+        self
+    }
+
     /// Begins a file.
     pub(super) fn begin(&self, provenance: &Provenance) {
-        *self.content() = Content { provenance: provenance.clone(), ..Content::default() };
+        let mut content = self.content();
+        *content = Content { provenance: provenance.clone(), room: content.room, ..Content::default() };
     }
 
     /// Completes it.
@@ -102,27 +112,41 @@ impl Memory {
     }
 
     /// Stores a variable with all its values.
-    pub(super) fn put<T: Value>(&self, path: &str, variable: &Variable, values: &[T]) {
+    pub(super) fn put<T: Value>(&self, path: &str, variable: &Variable, values: &[T]) -> Result<(), FileError> {
         let numbers = if TypeId::of::<T>() == TypeId::of::<f64>() {
             Numbers::Whole
         } else {
             let values = values.to_vec();
             Numbers::Typed(Arc::new(move |archive, path, variable| archive.write(path, variable, &values)))
         };
-        self.store(path, variable, values.iter().copied().map(T::real), numbers);
+        self.store(path, variable, values.iter().copied().map(T::real), numbers)
     }
 
     /// Stores a variable whose values follow entry by entry, or row by row.
-    pub(super) fn define(&self, path: &str, variable: &Variable, by_rows: bool) {
+    pub(super) fn define(&self, path: &str, variable: &Variable, by_rows: bool) -> Result<(), FileError> {
         let numbers = if by_rows { Numbers::Rows } else { Numbers::Entries };
-        self.store(path, variable, std::iter::empty(), numbers);
+        self.store(path, variable, std::iter::empty(), numbers)
     }
 
-    fn store(&self, path: &str, variable: &Variable, mut values: impl Iterator<Item = f64>, numbers: Numbers) {
-        let array = ArrayD::from_shape_simple_fn(variable.shape(), || values.next().unwrap_or(f64::NAN));
+    fn store(
+        &self,
+        path: &str,
+        variable: &Variable,
+        mut values: impl Iterator<Item = f64>,
+        numbers: Numbers,
+    ) -> Result<(), FileError> {
+        let shape = variable.shape();
+        let needed = shape.iter().fold(8_u64, |product, &length| product.saturating_mul(length as u64));
         let mut content = self.content();
+        if let Some(room) = &mut content.room {
+            let available = *room;
+            let too_large = || FileError::Memory { variable: path.into(), needed, available };
+            *room = room.checked_sub(needed).ok_or_else(too_large)?;
+        }
+        let array = ArrayD::from_shape_simple_fn(shape, || values.next().unwrap_or(f64::NAN));
         content.values.insert(path.into(), array);
         content.entries.push(Entry::Numbers(Described::of(path, variable), numbers));
+        Ok(())
     }
 
     /// Stores a variable of strings.

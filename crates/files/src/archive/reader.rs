@@ -1,6 +1,9 @@
 //! Reading of values and attributes.
 
+use std::any::Any;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gfmd_topography::stored::{Decode, Hdf5, Number, text};
 use hdf5_reader::{Datatype, StringSize};
@@ -14,6 +17,17 @@ pub struct Reader {
     path: PathBuf,
     input: Input,
     file: Hdf5,
+    memory: Mutex<Memory>,
+}
+
+/// What a reader remembers of its file.
+#[derive(Default)]
+struct Memory {
+    /// The lengths of the dimensions of a group, by its name.
+    lengths: BTreeMap<String, Vec<usize>>,
+    /// Entries along the first dimension of a variable that are compressed together: the variable, the first entry, and
+    /// the values.
+    block: Option<(String, usize, Box<dyn Any + Send>)>,
 }
 
 impl Reader {
@@ -28,7 +42,7 @@ impl Reader {
             Err(source) => return Err(FileError::Io { action: "open", path, source }),
         };
         match Hdf5::open(&input) {
-            Ok(file) => Ok(Self { path, input, file }),
+            Ok(file) => Ok(Self { path, input, file, memory: Mutex::default() }),
             Err(reason) => Err(FileError::Open { reason, path }),
         }
     }
@@ -38,8 +52,19 @@ impl Reader {
     /// # Errors
     /// A file that cannot be read to its end.
     pub fn is_intact(&self) -> Result<Option<bool>, FileError> {
+        self.is_intact_until(&|| false)
+    }
+
+    /// Compares as [`is_intact`](Self::is_intact) does, until `stop` returns true; the content does not match then.
+    ///
+    /// # Errors
+    /// A file that cannot be read to its end.
+    pub fn is_intact_until(&self, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<bool>, FileError> {
         let Ok(stated) = self.text("/", content::NAME) else { return Ok(None) };
-        Ok(Some(self.content_sha256()? == stated))
+        for path in self.variables() {
+            self.check(&path)?;
+        }
+        Ok(Some(self.content(stop)?.is_some_and(|found| found == stated)))
     }
 
     /// Computes the checksum of the content: names, shapes and values of all variables, and all attributes that are
@@ -48,7 +73,39 @@ impl Reader {
     /// # Errors
     /// A file that cannot be read to its end.
     pub fn content_sha256(&self) -> Result<String, FileError> {
-        content::checksum(&self.file).map_err(|reason| self.failed("(all)", reason))
+        Ok(self.content(&|| false)?.unwrap_or_default())
+    }
+
+    fn content(&self, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<String>, FileError> {
+        content::checksum(&self.file, stop).map_err(|reason| self.failed("(all)", reason))
+    }
+
+    /// The variable that needs most memory when it is read, and the bytes; `None` of a file without variables.
+    pub fn largest(&self) -> Option<(String, u64)> {
+        let bytes = |path: String| {
+            let shape = self.file.shape(&path).ok()?;
+            // The numbers as they are stored, and as they are used.
+            let bytes = shape.iter().fold(16_u64, |product, &length| product.saturating_mul(length as u64));
+            Some((path, bytes))
+        };
+        self.variables().into_iter().filter_map(bytes).max_by_key(|(_, bytes)| *bytes)
+    }
+
+    /// The paths of all variables, as deep as those of results are.
+    fn variables(&self) -> Vec<String> {
+        let (mut groups, mut found) = (vec![(String::new(), 0)], Vec::new());
+        for _ in 0..MOST_GROUPS {
+            let Some((group, depth)) = groups.pop() else { break };
+            for name in self.names(if group.is_empty() { "/" } else { &group }) {
+                let path = format!("{group}/{name}");
+                match self.contains(&path) {
+                    true => found.push(path),
+                    false if depth < DEEPEST => groups.push((path, depth + 1)),
+                    false => {}
+                }
+            }
+        }
+        found
     }
 
     /// The SHA-256 of the open file, even if another file has taken its name.
@@ -95,12 +152,31 @@ impl Reader {
     }
 
     /// Entry `index` along the first dimension of a variable.
-    pub fn slab<T: Number>(&self, path: &str, index: usize) -> Result<Vec<T>, FileError> {
+    pub fn slab<T: Number + 'static>(&self, path: &str, index: usize) -> Result<Vec<T>, FileError> {
         let shape = self.shape(path)?;
-        if shape.first().is_none_or(|&length| index >= length) {
+        let Some(&length) = shape.first().filter(|&&length| index < length) else {
             return Err(FileError::Slab { variable: path.into(), index, found: 0, shape });
+        };
+        let failed = |reason| self.failed(path, reason);
+        let together = self.file.chunk(path).map_err(failed)?.map_or(1, |chunk| chunk[0]);
+        let start = index - index % together;
+        if together == 1 {
+            return self.file.part(path, &[[index, index + 1]]).map_err(failed);
         }
-        self.file.part(path, &[[index, index + 1]]).map_err(|reason| self.failed(path, reason))
+        let mut memory = self.memory();
+        let known = |(of, first, _): &&(String, usize, Box<dyn Any + Send>)| of == path && *first == start;
+        let values = memory.block.as_ref().filter(known).and_then(|(.., values)| values.downcast_ref::<Vec<T>>());
+        let entry = |values: &[T]| {
+            let size = shape.iter().skip(1).product::<usize>();
+            values[(index - start) * size..][..size].to_vec()
+        };
+        if let Some(values) = values {
+            return Ok(entry(values));
+        }
+        let values: Vec<T> = self.file.part(path, &[[start, length.min(start + together)]]).map_err(failed)?;
+        let found = entry(&values);
+        memory.block = Some((path.to_owned(), start, Box::new(values)));
+        Ok(found)
     }
 
     /// All values of a variable of strings.
@@ -136,18 +212,50 @@ impl Reader {
     /// Returns an error with the existing names if there is no variable at `path`.
     fn check(&self, path: &str) -> Result<(), FileError> {
         let group = path.rsplit_once('/').map_or("/", |(group, _)| if group.is_empty() { "/" } else { group });
-        match self.contains(path) {
-            true => Ok(()),
-            false => {
-                Err(FileError::Missing { path: self.path.clone(), variable: path.into(), present: self.names(group) })
-            }
+        if !self.contains(path) {
+            let present = self.names(group);
+            return Err(FileError::Missing { path: self.path.clone(), variable: path.into(), present });
         }
+        content::check_chunk(&self.file, path).map_err(|reason| self.failed(path, reason))?;
+        let shape = self.file.shape(path).map_err(|reason| self.failed(path, reason))?;
+        // A file of another program may have dimensions elsewhere.
+        if shape.is_empty() || self.file.number("/", "schema_version").is_err() || self.is_coordinate(path) {
+            return Ok(());
+        }
+        let lengths = self.lengths(group);
+        if shape.iter().all(|length| lengths.contains(length)) {
+            return Ok(());
+        }
+        let reason = format!("its shape is {shape:?}; the dimensions of its group have the lengths {lengths:?}");
+        Err(self.failed(path, reason))
+    }
+
+    /// The lengths of the dimensions of a group.
+    fn lengths(&self, group: &str) -> Vec<usize> {
+        if let Some(known) = self.memory().lengths.get(group) {
+            return known.clone();
+        }
+        let paths = self.names(group).into_iter().map(|name| format!("{}/{name}", group.trim_end_matches('/')));
+        let coordinates = paths.filter(|path| self.is_coordinate(path));
+        let mut lengths: Vec<usize> = coordinates.filter_map(|path| self.file.shape(&path).ok()).flatten().collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        self.memory().lengths.insert(group.to_owned(), lengths.clone());
+        lengths
+    }
+
+    fn memory(&self) -> MutexGuard<'_, Memory> {
+        self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn failed(&self, variable: &str, reason: String) -> FileError {
         FileError::Read { path: self.path.clone(), variable: variable.into(), reason }
     }
 }
+
+/// The most groups inside each other, and in all, in which variables are sought: a group may contain itself.
+const DEEPEST: usize = 4;
+const MOST_GROUPS: usize = 10_000;
 
 impl std::fmt::Debug for Reader {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

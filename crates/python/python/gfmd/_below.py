@@ -397,4 +397,5 @@ def green(
         if values.get(name) is not None:
             pairs = np.array(values[name], dtype=np.float64)
             values[name] = pairs[..., 0] + 1j * pairs[..., 1]
+            values[name].flags.writeable = False
     return Green({name: math.nan if value is None else value for name, value in values.items()})

@@ -187,7 +187,9 @@ class Contact(Result, Numbers, Fields):
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
         """The points in contact [x, y], which are repelled, as `area_fraction` counts them."""
-        return np.asarray(self.repulsion > 0.0)
+        found: npt.NDArray[np.bool_] = np.asarray(self.repulsion > 0.0)
+        found.flags.writeable = False
+        return found
 
     def __eq__(self, other: object) -> bool:
         if self is other:
@@ -604,20 +606,21 @@ class Contacts(Result, Sequence[Contact]):
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_") and self._contacts:
             if name in self._contacts[0]._fields:
-                return np.stack([getattr(contact, name) for contact in self._contacts])
+                return frozen(np.stack([getattr(contact, name) for contact in self._contacts]))
             if name == "residual":
-                return np.array([float(contact.residual) for contact in self._contacts])
+                return frozen(np.array([float(contact.residual) for contact in self._contacts]))
             if name == "lower" and name in self._contacts[0]:
                 return Record(
                     {
-                        key: np.array([float(contact.lower[key]) for contact in self._contacts])
+                        key: frozen(np.array([float(contact.lower[key]) for contact in self._contacts]))
                         for key in self._contacts[0].lower
                     }
                 )
             if name == "approach" or name in self._contacts[0]:
-                return np.array([getattr(contact, name) for contact in self._contacts])
-        hint = "" if name.startswith("_") else _hints.attribute(name, dir(self))
-        raise AttributeError(f"Contacts has no {name}{hint}")
+        """The points in contact [x, y], which are repelled, as `area_fraction` counts them."""
+        found: npt.NDArray[np.bool_] = np.asarray(self.repulsion > 0.0)
+        found.flags.writeable = False
+        return found
 
     def __dir__(self) -> list[str]:
         first = self._contacts[:1]

@@ -34,7 +34,7 @@ def many(
 
     Raises:
         InputError, NotConverged, Interrupted: as of `contact`, when the turn of that surface comes; its number is
-            named, from 0.
+            named, from 0. An exception of the generator comes after the contacts of the surfaces before it.
 
     Example:
         >>> rough = (gfmd.self_affine(n=64, seed=seed) for seed in range(4))
@@ -75,12 +75,23 @@ def _solved(
     running: deque[Future[Union[Contact, Contacts]]] = deque()
     try:
         with Progress("contacts", len(surfaces) if isinstance(surfaces, Sized) else 0) as progress:
-            for index, surface in enumerate(surfaces):
+            made = enumerate(surfaces)
+            broken: Optional[Exception] = None
+            while True:
+                try:
+                    index, surface = next(made)
+                except StopIteration:
+                    break
+                except Exception as error:  # of a generator, whose surfaces so far have their turn first
+                    broken = error
+                    break
                 running.append(pool.submit(solve, index, surface))
                 if len(running) == 2 * workers:
                     yield _next(running, progress)
             while running:
                 yield _next(running, progress)
+            if broken is not None:
+                raise broken
     except KeyboardInterrupt as error:
         raise error if isinstance(error, Interrupted) else Interrupted("interrupted") from error
     finally:

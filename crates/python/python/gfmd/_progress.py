@@ -58,7 +58,12 @@ class Progress:
             self._beside()
         if not self._wanted or time.monotonic() - self._started < _PATIENCE:
             return
-        note = f"iteration {iteration}, residual {residual:.1e}" if iteration else ""
+        try:
+            self._show(f"iteration {iteration}, residual {residual:.1e}" if iteration else "")
+        except (OSError, ValueError):  # a stderr that cannot be written, or is closed
+            self._wanted, self._bar = False, None
+
+    def _show(self, note: str) -> None:
         if self._bar is None:
             try:
                 import importlib
@@ -76,7 +81,10 @@ class Progress:
     def piece(self) -> None:
         self._done += 1
         if self._bar:
-            self._bar.update(1)
+            try:
+                self._bar.update(1)
+            except (OSError, ValueError):
+                self._wanted, self._bar = False, None
 
     def __enter__(self) -> Progress:
         return self
@@ -84,7 +92,10 @@ class Progress:
     def __exit__(
         self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None:
-        if self._bar:
-            self._bar.close()
-        elif self._bar is False:
-            print(file=sys.stderr)
+        try:
+            if self._bar:
+                self._bar.close()
+            elif self._bar is False:
+                print(file=sys.stderr)
+        except (OSError, ValueError):
+            pass
