@@ -2,6 +2,7 @@
 
 mod figures;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -75,12 +76,15 @@ pub struct Load {
     pub p_star: f64,
     pub mean_pressure: f64,
     pub persson: PerssonRecord,
-    /// `null` for profiles, bodies other than a half-space, and where the theory has no such load.
+    /// `null` for profiles, bodies other than a half-space, and beyond the range of the theory.
     pub bush_gibson_thomas: Option<AsperityRecord>,
     pub greenwood_williamson: Option<AsperityRecord>,
-    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, profiles, and bodies other than a
-    /// half-space.
+    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, with a roll-off, profiles, and
+    /// bodies other than a half-space.
     pub self_affine: Option<AreaRecord>,
+    /// Reasons, with the numbers that they leave without a value.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub undefined: BTreeMap<&'static str, Vec<&'static str>>,
 }
 
 /// Persson's theory at one load.
@@ -117,20 +121,30 @@ pub struct AreaRecord {
     pub standard_error: f64,
     /// The area of a spectrum that ends, as the generator's does.
     pub of_band: f64,
-    /// The area counted on the grid.
-    pub counted: f64,
+    /// The area counted on the grid; `null` beyond the loads of its fit.
+    pub counted: Option<f64>,
 }
 
 /// The theories of one surface on one body.
 struct Theories {
     persson: Persson,
-    asperities: Option<Asperities>,
-    self_affine: Option<SelfAffineArea>,
+    asperities: Result<Asperities, &'static str>,
+    self_affine: Result<SelfAffineArea, &'static str>,
     /// eps_f and eps_c of the generator.
     eps: [f64; 2],
     e_star: f64,
     rms_gradient: f64,
 }
+
+/// A body for which a theory has no number.
+const NO_HALF_SPACE: &str = "the body is not a half-space";
+
+/// The loads for which theories of asperities have no number.
+const NO_SUCH_LOAD: &str =
+    "summits are independent only up to half of the surface in contact, and no load is known beyond 12 rms heights";
+
+/// The loads for which the counted area is not known.
+const NOT_COUNTED: &str = "it is fitted up to p* = 1.2, and up to full contact";
 
 /// Runs the command.
 ///
@@ -151,6 +165,16 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let e_star = body.contact_modulus();
     let rms_gradient = surface.rms_gradient();
     args.body.check_on(&grid, e_star * rms_gradient)?;
+    let unit_pressure = e_star * rms_gradient;
+    for p_star in &args.p_star {
+        let pressure = p_star * unit_pressure;
+        if unit_pressure > 0.0 && !(pressure.is_normal() && p_star.is_normal()) {
+            let [least, most] = [1.0, 1.0 / unit_pressure].map(|unit| [f64::MIN_POSITIVE * unit, f64::MAX * unit]);
+            let [least, most] = [least[0].max(most[0]), least[1].min(most[1])];
+            let allowed = format!("from {least:e} to {most:e} (the pressure p* E* g is {pressure:e})");
+            return Err(Failure::value("--p-star", p_star, &allowed));
+        }
+    }
     let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::Input(error.to_string()))?;
     let waves = grid.modes().zip(spectrum.power()).filter(|(mode, _)| !mode.is_uniform());
     let waves = waves.map(|(mode, power)| (mode.wavenumber(), mode.weight * power));
@@ -174,8 +198,17 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let is_half_space = (body.normal_stiffness(longest) / (0.5 * e_star * longest) - 1.0).abs() < 1e-9;
     let theories = Theories {
         persson,
-        asperities: if grid.is_line() || !is_half_space { None } else { Asperities::new(moments.profile()) },
-        self_affine: hurst.filter(|_| is_half_space).and_then(SelfAffineArea::new),
+        asperities: match (grid.is_line(), is_half_space) {
+            (true, _) => Err("the surface is a profile"),
+            (_, false) => Err(NO_HALF_SPACE),
+            _ => Asperities::new(moments.profile()).ok_or("a surface with these moments has no Gaussian summits"),
+        },
+        self_affine: match (hurst, is_half_space) {
+            (None, _) => Err("the surface is not generated in three dimensions by psd"),
+            _ if generator.roll_off.is_some() => Err("the formula is for spectra without a roll-off"),
+            (_, false) => Err(NO_HALF_SPACE),
+            (Some(hurst), _) => SelfAffineArea::new(hurst).ok_or("the formula is for Hurst exponents from 0 to 1"),
+        },
         eps,
         e_star,
         rms_gradient,
@@ -192,7 +225,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         rms_height: moments.rms_height(),
         rms_gradient,
         nayak: moments.nayak(),
-        summit_density: theories.asperities.as_ref().map(Asperities::density),
+        summit_density: theories.asperities.as_ref().ok().map(Asperities::density),
         e_star,
         full_contact_deviation: theories.persson.variance(f64::INFINITY).sqrt(),
         hurst,
@@ -214,9 +247,10 @@ impl Theories {
         self.persson.mean_gap(self.pressure(p_star), ENERGY_FACTOR)
     }
 
-    fn asperity(&self, theory: AsperityTheory, p_star: f64) -> Option<AsperityRecord> {
-        let found = self.asperities.as_ref()?.at_pressure(theory, p_star * self.rms_gradient)?;
-        Some(AsperityRecord { area_fraction: found.area_fraction, separation: found.separation })
+    fn asperity(&self, theory: AsperityTheory, p_star: f64) -> Result<AsperityRecord, &'static str> {
+        let asperities = self.asperities.as_ref().map_err(|reason| *reason)?;
+        let found = asperities.at_pressure(theory, p_star * self.rms_gradient).ok_or(NO_SUCH_LOAD)?;
+        Ok(AsperityRecord { area_fraction: found.area_fraction, separation: found.separation })
     }
 
     fn at(&self, p_star: f64, wavelengths: &[f64]) -> Load {
@@ -231,6 +265,19 @@ impl Theories {
             of_band: area.of_band(self.eps[0], p_star),
             counted: area.counted(self.eps[0], self.eps[1], p_star),
         };
+        let bush = self.asperity(AsperityTheory::BushGibsonThomas, p_star);
+        let greenwood = self.asperity(AsperityTheory::GreenwoodWilliamson, p_star);
+        let self_affine = self.self_affine.map(limit);
+        let counted = self_affine.ok().filter(|area| area.counted.is_none()).map(|_| NOT_COUNTED);
+        let mut undefined: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        for (name, reason) in [
+            ("bush_gibson_thomas", bush.err()),
+            ("greenwood_williamson", greenwood.err()),
+            ("self_affine", self_affine.err()),
+            ("self_affine.counted", counted),
+        ] {
+            reason.into_iter().for_each(|reason| undefined.entry(reason).or_default().push(name));
+        }
         Load {
             p_star,
             mean_pressure,
@@ -239,9 +286,10 @@ impl Theories {
                 mean_gap: self.mean_gap(p_star),
                 at_wavelength: wavelengths.iter().map(magnified).collect(),
             },
-            bush_gibson_thomas: self.asperity(AsperityTheory::BushGibsonThomas, p_star),
-            greenwood_williamson: self.asperity(AsperityTheory::GreenwoodWilliamson, p_star),
-            self_affine: self.self_affine.map(limit),
+            bush_gibson_thomas: bush.ok(),
+            greenwood_williamson: greenwood.ok(),
+            self_affine: self_affine.ok(),
+            undefined,
         }
     }
 }
@@ -275,7 +323,7 @@ impl fmt::Display for Report {
                 .map(|found| number(found.map(|a| a.area_fraction)));
             let [limit, counted] = [
                 number(load.self_affine.map(|area| area.area_fraction)),
-                number(load.self_affine.map(|area| area.counted)),
+                number(load.self_affine.and_then(|area| area.counted)),
             ];
             let [bush, greenwood] = areas;
             writeln!(
@@ -290,6 +338,10 @@ impl fmt::Display for Report {
                     seen.area_fraction, seen.wavelength
                 )?;
             }
+        }
+        let reasons: BTreeMap<_, _> = self.loads.iter().flat_map(|load| &load.undefined).collect();
+        for (reason, names) in reasons {
+            writeln!(f, "no {}: {reason}", names.join(", "))?;
         }
         if self.loads.iter().any(|load| load.self_affine.is_some()) {
             writeln!(

@@ -33,6 +33,9 @@ impl SelfAffineArea {
     /// c₀ to c₅.
     pub const COEFFICIENTS: [f64; 6] = [0.46306, 0.5798, 10.03526, 1.21769, 22.85482, 0.13087];
 
+    /// The largest reduced pressure that the formula is fitted to.
+    pub const LARGEST_LOAD: f64 = 1.2;
+
     /// b₀ to b₅ of [`SelfAffineArea::of_band`] (data/results/formula.py).
     const BAND: [f64; 6] = [1.744_512, 0.308_395, 1.178_109, 20.123_566, 0.514_813, 0.457_603];
 
@@ -77,8 +80,10 @@ impl SelfAffineArea {
 
     /// The contact area fraction of such surfaces if points in contact are counted on a grid; `eps_c` is the spacing
     /// over the shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to the excess of each
-    /// contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and at most 6 %.
-    pub fn counted(&self, eps_f: f64, eps_c: f64, p_star: f64) -> f64 {
+    /// contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and at most 6 %. `None`
+    /// above p* = [`LARGEST_LOAD`](Self::LARGEST_LOAD), the largest load of the fit, and where the excess would make the
+    /// area larger than the surface.
+    pub fn counted(&self, eps_f: f64, eps_c: f64, p_star: f64) -> Option<f64> {
         let area = self.of_band(eps_f, p_star);
         let [e0, e1, e2, e3, e4, e5, e6, e7] = Self::EDGE;
         let h = self.hurst;
@@ -88,7 +93,8 @@ impl SelfAffineArea {
             + e5 * h * eps_f.ln()
             + e6 * (1.0 - area).max(1e-3).ln()
             + e7 * p_star.ln();
-        area + logarithm.exp() * p_star
+        let counted = area + logarithm.exp() * p_star;
+        (p_star <= Self::LARGEST_LOAD && counted <= 1.0).then_some(counted)
     }
 
     /// κ at first touch, √(8/π) q(0).
@@ -172,7 +178,7 @@ mod tests {
                 let limit = area.at(p_star);
                 let bands = [1.0 / 16.0, 1.0 / 128.0, 1e-12].map(|eps_f| area.of_band(eps_f, p_star));
                 assert!((bands[2] / limit - 1.0).abs() < 1e-3, "{hurst} {p_star}: {bands:?} {limit}");
-                let counted = [0.25, 0.0625, 1e-6].map(|eps_c| area.counted(1.0 / 32.0, eps_c, p_star));
+                let counted = [0.25, 0.0625, 1e-6].map(|eps_c| area.counted(1.0 / 32.0, eps_c, p_star).unwrap());
                 assert!(counted.windows(2).all(|pair| pair[0] > pair[1]));
                 assert!((counted[2] / area.of_band(1.0 / 32.0, p_star) - 1.0).abs() < 1e-4);
             }
@@ -191,7 +197,7 @@ mod tests {
         for point in &points {
             let [hurst, eps_f, eps_c, p_star, kappa] =
                 ["hurst", "eps_f_inv", "eps_c_inv", "p_star", "kappa"].map(|name| point[name].as_f64().unwrap());
-            let area = SelfAffineArea::new(hurst).unwrap().counted(1.0 / eps_f, 1.0 / eps_c, p_star);
+            let area = SelfAffineArea::new(hurst).unwrap().counted(1.0 / eps_f, 1.0 / eps_c, p_star).unwrap();
             let error = area / (kappa * p_star) - 1.0;
             sum += error * error;
             most = most.max(error.abs());

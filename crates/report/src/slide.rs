@@ -3,11 +3,14 @@
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use gfmd_record::with_limit;
 use gfmd_unit::Units;
 use maud::html;
 
 use crate::figures::{Drawn, field};
-use crate::page::{Fact, Page, Stored, StoredSurface, Table, config, given, number, of, option, whole, with_unit};
+use crate::page::{
+    Fact, Page, Stored, StoredSurface, Table, config, given, number, of, option, powers, whole, with_unit,
+};
 use gfmd_run::failure::Failure;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
@@ -35,6 +38,15 @@ const COLUMNS_OF_HEAT: [(&str, &str); 4] = [
     ("heat_mean_rise", "mean rise"),
     ("heat_fraction", "into the body"),
 ];
+
+/// The columns that have an error by the grid, which is not known.
+const ROUGH: [&str; 7] =
+    ["area_fraction", "friction", "friction_slope", "mean_gap", "heat_max_rise", "heat_mean_rise", "heat_fraction"];
+
+/// A number of such a column.
+fn rough(value: f64) -> maud::Markup {
+    powers(&with_limit(value, f64::NAN, f64::NAN))
+}
 
 /// The axis of so many velocities.
 fn axis(velocities: usize, units: &Units) -> Axis {
@@ -137,10 +149,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     if let (Some(state), true) = (largest, is_viscoelastic) {
         page.cited.push(OF_FRICTION);
         page.answer.push(html! {
-            p.headline { "Coefficient of friction " (number(friction[state])) " " span { (place(state)) } }
+            p.headline { "Coefficient of friction " (rough(friction[state])) " " span { (place(state)) } }
             p {
                 "The largest of " (solved.len()) " states. Persson's theory has " (number(theory[state]))
-                "; the contact area is " (number(100.0 * area[state])) " % of the surface. "
+                "; the contact area is " (rough(100.0 * area[state])) " % of the surface. "
             }
         });
     }
@@ -149,11 +161,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         page.cited.push(OF_HEAT);
         page.answer.push(html! {
             p.headline {
-                "Largest rise of the temperature " (number(max_rise[state])) " " (unit) " " span { (place(state)) }
+                "Largest rise of the temperature " (rough(max_rise[state])) " " (unit) " " span { (place(state)) }
             }
             p {
-                "Above the mean of the surface; the mean in contact is " (number(mean_rise[state])) " " (unit) ". "
-                @if fraction[state] != 1.0 { "The body takes " (number(100.0 * fraction[state])) " % of the heat. " }
+                "Above the mean of the surface; the mean in contact is " (rough(mean_rise[state])) " " (unit) ". "
+                @if fraction[state] != 1.0 { "The body takes " (rough(100.0 * fraction[state])) " % of the heat. " }
             }
         });
     }
@@ -218,7 +230,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             .collect(),
         rows: (0..stored.len())
             .map(|row| {
-                let cells = columns.iter().map(|(name, _)| number(stored.column(name)[row]));
+                let cells = columns.iter().map(|(name, _)| {
+                    let value = stored.column(name)[row];
+                    if ROUGH.contains(name) { rough(value) } else { number(value) }
+                });
                 [whole(row as f64)].into_iter().chain(cells).collect()
             })
             .collect(),

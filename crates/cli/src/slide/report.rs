@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use gfmd_contact::Fields as _;
 use gfmd_files::contiguous;
 use gfmd_measure::Scales;
-use gfmd_record::{aligned, significant};
+use gfmd_record::{ROUGH, aligned, significant, with_limit};
 use gfmd_relax::worst;
 use gfmd_report::figures::{Scene, Shown, named};
 use gfmd_report::slide::{Sliding, chart, rises, temperature};
@@ -144,7 +144,8 @@ impl Report {
     }
 }
 
-/// A column of a table: head, kind of quantity (or `count`, `share`, `rough`), number.
+/// A column of a table: head, kind of quantity (or `count`, `rough`), number. A head that ends in `~` has numbers with
+/// an error by the grid that is not known; it is written without the sign.
 type Column<T> = (&'static str, &'static str, fn(&T) -> f64);
 
 /// The columns of the states.
@@ -153,9 +154,9 @@ const STATES: [Column<State>; 11] = [
     ("pressure", "stress", |state| state.mean_pressure),
     ("p*", "1", |state| state.p_star),
     ("approach", "length", |state| state.displacement),
-    ("area", "share", |state| state.area_fraction),
-    ("friction", "1", |state| state.friction),
-    ("by slopes", "1", |state| state.friction_slope),
+    ("area~", "1", |state| state.area_fraction),
+    ("friction~", "1", |state| state.friction),
+    ("by slopes~", "1", |state| state.friction_slope),
     ("Persson", "1", |state| state.persson.friction),
     ("steps", "count", |state| state.iterations as f64),
     ("pairs", "count", |state| state.transform_pairs),
@@ -166,9 +167,9 @@ const STATES: [Column<State>; 11] = [
 const HEAT: [Column<(f64, Heat)>; 5] = [
     ("velocity", "length/time", |(velocity, _)| *velocity),
     ("heat", "stress*length/time", |(_, heat)| heat.mean_flux),
-    ("max rise", "temperature", |(_, heat)| heat.max_rise),
-    ("mean rise", "temperature", |(_, heat)| heat.mean_rise),
-    ("into body", "share", |(_, heat)| heat.fraction),
+    ("max rise~", "temperature", |(_, heat)| heat.max_rise),
+    ("mean rise~", "temperature", |(_, heat)| heat.mean_rise),
+    ("into body~", "1", |(_, heat)| heat.fraction),
 ];
 
 /// The lines of a table, in readable units where those of the problem are known.
@@ -176,14 +177,15 @@ fn table<T>(rows: &[T], columns: &[Column<T>], units: &Units, width: Option<usiz
     let column = |(head, kind, of): &Column<T>| {
         let largest = rows.iter().map(of).map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max);
         let unit = units.shown(kind, largest);
+        let (head, is_rough) = head.strip_suffix('~').map_or((*head, false), |head| (head, true));
         let cell = |value: f64| match (&unit, *kind) {
+            _ if is_rough => with_limit(value * unit.as_ref().map_or(1.0, |unit| unit.factor), f64::NAN, f64::NAN),
             (_, "count") => format!("{value:.0}"),
-            (_, "share") => format!("{value:.6}"),
             (_, "rough") => format!("{value:.1e}"),
             (Some(unit), _) => significant(value * unit.factor),
             (None, _) => format!("{value:.4e}"),
         };
-        let head = unit.as_ref().map_or_else(|| (*head).to_owned(), |unit| format!("{head} / {}", unit.divisor()));
+        let head = unit.as_ref().map_or_else(|| head.to_owned(), |unit| format!("{head} / {}", unit.divisor()));
         std::iter::once(head).chain(rows.iter().map(of).map(cell)).collect()
     };
     aligned(columns.iter().map(column).collect(), width)
@@ -204,6 +206,7 @@ impl fmt::Display for Report {
             lines.extend(table(&heated, &HEAT, &units, f.width()));
         }
         lines.iter().try_for_each(|line| writeln!(f, "{line}"))?;
+        writeln!(f, "{ROUGH}; compare with a grid of half the spacing")?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

@@ -20,14 +20,13 @@ pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str)
         (AsperityTheory::GreenwoodWilliamson, "Greenwood–Williamson", 2),
     ];
     for (theory, name, hue) in names {
-        // Summits touch each other where half of the surface is in contact.
-        let points = loads(30).filter_map(|p| Some((p, theories.asperity(theory, p)?.area_fraction)));
-        let points: Vec<(f64, f64)> = points.filter(|(_, area)| *area < 0.5).collect();
+        let points = loads(30).filter_map(|p| Some((p, theories.asperity(theory, p).ok()?.area_fraction)));
+        let points: Vec<(f64, f64)> = points.collect();
         if !points.is_empty() {
             series.push(Series { mark: Mark::Dashes, ..Series::line(name, hue, points) });
         }
     }
-    if let Some(area) = theories.self_affine {
+    if let Ok(area) = theories.self_affine {
         series.push(Series::line("formula, endless spectrum", 0, loads(80).map(|p| (p, area.at(p)))));
     }
     let mut files = area_chart(series).save(&named(stem, "area"))?.to_vec();

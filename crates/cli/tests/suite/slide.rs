@@ -57,6 +57,23 @@ fn the_program_has_the_values_of_dense_solutions() {
     }
 }
 
+/// The grid error of sliding is not known: two digits and `~`, and a line that says what it means.
+#[test]
+fn numbers_with_an_unknown_grid_error_have_two_digits() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "slide --n 24 --eps-f-inv 6 --prony 0.1:0.3,10:0.4 --p-star 0.02 --velocity 0.1";
+    let warm = "slide --n 24 --eps-f-inv 6 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 1";
+    for (line, least) in [(run, 3), (warm, 4)] {
+        let output = gfmd(folder.path(), &words(line));
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let rough: Vec<&str> = text.split_whitespace().filter_map(|word| word.strip_suffix('~')).collect();
+        let digits = |word: &str| word.trim_start_matches(['-', '0', '.']).chars().filter(char::is_ascii_digit).count();
+        assert!(rough.len() >= least, "{text}");
+        assert!(rough.iter().filter(|word| !word.contains('e')).all(|word| digits(word) <= 3), "{rough:?}");
+        assert!(text.contains("two digits and ~: the error of the number by the grid is not known"), "{text}");
+    }
+}
+
 #[test]
 fn loads_at_velocities_are_written_checked_and_drawn() {
     let folder = tempfile::tempdir().unwrap();

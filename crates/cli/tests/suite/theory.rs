@@ -69,6 +69,63 @@ fn a_wave_of_exactly_the_length_is_seen() {
     }
 }
 
+/// Theories end where their assumptions do, and say why; the formula for endless spectra knows no roll-off.
+#[test]
+fn theories_beyond_their_range_have_no_number_and_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| {
+        let flags = format!("theory --n 64 --json --quiet {flags}");
+        json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())
+    };
+    let report = run("--p-star 0.02,0.1,1,1.1,1.3,3,1e35");
+    let reason = |load: &serde_json::Value, name: &str| {
+        let all = load["undefined"].as_object().into_iter().flatten();
+        all.filter(|(_, names)| names.as_array().unwrap().iter().any(|other| other == name)).count()
+    };
+    for load in report["loads"].as_array().unwrap() {
+        let p_star = load["p_star"].as_f64().unwrap();
+        for (name, most) in [("bush_gibson_thomas", 0.5), ("greenwood_williamson", 0.5), ("self_affine", 1.0)] {
+            let area = load[name]["area_fraction"].as_f64();
+            assert!(area.is_none_or(|area| area <= most), "{name}: {load}");
+            assert_eq!(usize::from(area.is_none()), reason(load, name), "{name}: {load}");
+            assert!(area.is_some() || (p_star > 0.1 && name != "self_affine"), "{name}: {load}");
+        }
+        let counted = load["self_affine"]["counted"].as_f64();
+        assert!(counted.is_none_or(|area| area <= 1.0 && p_star <= 1.2), "{load}");
+        assert_eq!(usize::from(counted.is_none()), reason(load, "self_affine.counted"), "{load}");
+        assert!(counted.is_some() || p_star > 0.1, "{load}");
+    }
+    let load = &report["loads"][5];
+    assert!(["bush_gibson_thomas", "greenwood_williamson"].iter().all(|name| load[name].is_null()), "{load}");
+    for shape in ["plateau", "smooth"] {
+        let report = run(&format!("--p-star 0.1 --eps-t-inv 1 --roll-off 0.25 --roll-off-shape {shape}"));
+        let load = &report["loads"][0];
+        assert!(load["self_affine"].is_null() && reason(load, "self_affine") == 1, "{load}");
+    }
+}
+
+/// The mean gap grows by the same length with each decade of the load, down to the smallest pressures there are.
+#[test]
+fn the_smallest_loads_have_a_mean_gap_and_smaller_ones_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let loads = "theory --n 16 --eps-f-inv 4 --p-star 1e-100,1e-200,1e-300 --json --quiet";
+    let report = json(folder.path(), &loads.split(' ').collect::<Vec<_>>());
+    let [a, b, c] = [0, 1, 2].map(|load| report["loads"][load]["persson"]["mean_gap"].as_f64().unwrap());
+    assert!(a > 0.0 && ((c - b) / (b - a) - 1.0).abs() < 1e-9, "{a} {b} {c}");
+    for (flags, part) in [
+        ("--p-star 1e-309", "--p-star is"),
+        ("--p-star 1e-322", "--p-star is"),
+        ("--p-star 5e-324", "--p-star is"),
+        ("--p-star 1e-300 --e-star 1e-20", "--p-star is"),
+        ("--p-star 1e300 --e-star 1e20", "--p-star is"),
+    ] {
+        let words = format!("theory --n 16 --eps-f-inv 4 {flags}");
+        let output = gfmd(folder.path(), &words.split(' ').collect::<Vec<_>>());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(part), "{flags}: {message}");
+    }
+}
+
 #[test]
 fn unusable_input_is_one_clear_line() {
     let folder = tempfile::tempdir().unwrap();

@@ -60,6 +60,9 @@ impl Asperities {
         Some(Self { m0, m2, m4, paraboloids: paraboloids(), rule: unit_rule(NODES[2]).collect() })
     }
 
+    /// The area fraction beyond which summits touch each other: the theories of independent ones end there.
+    pub const LARGEST_AREA: f64 = 0.5;
+
     /// Nayak's parameter m0 m4/m2².
     pub fn nayak(&self) -> f64 {
         (self.m0 / self.m2) * (self.m4 / self.m2)
@@ -80,7 +83,8 @@ impl Asperities {
         AsperityContact { separation, area_fraction, relative_pressure }
     }
 
-    /// The contact under a mean pressure over E*; `None` if its separation is not between −20 and 12 h_rms.
+    /// The contact under a mean pressure over E*; `None` if its separation is not between −20 and 12 h_rms, or if its
+    /// area fraction is above [`LARGEST_AREA`](Self::LARGEST_AREA).
     pub fn at_pressure(&self, theory: AsperityTheory, relative_pressure: f64) -> Option<AsperityContact> {
         let unit = self.m0.sqrt();
         let pressure = |level: f64| self.at_separation(theory, level * unit).relative_pressure;
@@ -94,7 +98,8 @@ impl Asperities {
             let middle = 0.5 * (near + far);
             if pressure(middle) > relative_pressure { near = middle } else { far = middle }
         }
-        Some(self.at_separation(theory, 0.5 * (near + far) * unit))
+        let found = self.at_separation(theory, 0.5 * (near + far) * unit);
+        (found.area_fraction <= Self::LARGEST_AREA).then_some(found)
     }
 
     /// Area fraction and relative pressure of equal spheres at a separation in units of h_rms.

@@ -98,8 +98,11 @@ impl Persson {
     ///
     /// The sum is an integral over the variance V of the pressure, in which waves of equal wavenumber are added one by
     /// one: a depends on V, and V grows by k² |h̃|² with each wave. The gap therefore depends on the spectrum alone,
-    /// even for few waves.
+    /// even for few waves. It grows without limit as the pressure vanishes: infinity at no pressure.
     pub fn mean_gap(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
+        if mean_pressure <= 0.0 {
+            return f64::INFINITY;
+        }
         let separation = Separation { mean_pressure, energy_factor, rule: unit_rule(12).collect() };
         let rules = [2, 6].map(|count| unit_rule(count).collect::<Vec<_>>());
         let mut longer = 0.0;
@@ -142,6 +145,10 @@ struct Separation {
 /// p/√(2V) beyond which the integrand is negligible: the rest is below 1e-18.
 const FAR: f64 = 6.5;
 
+/// The ratio of deviations of the pressure below which the integral over the variance has nothing: the integrand grows
+/// there as the logarithm of the deviation, and the interval vanishes.
+const NOTHING: f64 = 1e-30;
+
 /// The ratio of the deviations of the pressure at the ends of a shell below which two points of quadrature suffice.
 const NARROW: f64 = 1.05;
 
@@ -151,7 +158,7 @@ impl Separation {
     fn mean_over(&self, [low, high]: [f64; 2], rules: &[Vec<(f64, f64)>; 2]) -> f64 {
         // dV = 2 r dr with r = √V, from where anything is separated.
         let least = self.mean_pressure / (2.0_f64.sqrt() * FAR);
-        let ends = [low.sqrt().max(least), high.sqrt()];
+        let ends = [low.sqrt().max(least).max(high.sqrt() * NOTHING), high.sqrt()];
         if ends[0] >= ends[1] {
             // Nothing is separated, or the waves add less than the last digit.
             return if high.sqrt() > least { self.at(high) } else { 0.0 };
@@ -171,8 +178,8 @@ impl Separation {
     /// ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from the mean pressure to infinity, with a = erf(p/√(2V)); 1/stress.
     fn at(&self, variance: f64) -> f64 {
         let unit = (2.0 * variance).sqrt();
-        let start = (self.mean_pressure / unit).ln();
-        // In x = ln(p/√(2V)).
+        let start = (self.mean_pressure / unit).max(f64::MIN_POSITIVE).ln();
+        // In x = ln(p/√(2V)); the quotient of the smallest numbers is at least the smallest one.
         let end = FAR.ln();
         if start >= end {
             return 0.0;
