@@ -13,8 +13,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::common::{json, long};
+use crate::common::{gfmd, long};
 use gfmd_files::Reader;
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Value, json as value};
 
 /// Largest deviation on another kind of processor, relative to the largest number of the same array. Searches end at
@@ -98,6 +99,76 @@ fn of_json(place: &str, report: &Value, numbers: &mut BTreeMap<String, Numbers>)
     }
 }
 
+/// Collects the keys below a place of a report, in their order; entries of an array share theirs.
+struct Keys<'a> {
+    place: String,
+    keys: &'a mut Vec<String>,
+}
+
+impl<'de> DeserializeSeed<'de> for Keys<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Keys<'_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter.write_str("JSON")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        while let Some(name) = map.next_key::<String>()? {
+            let place = format!("{}/{name}", self.place);
+            if !self.keys.contains(&place) {
+                self.keys.push(place.clone());
+            }
+            map.next_value_seed(Keys { place, keys: &mut *self.keys })?;
+        }
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<(), A::Error> {
+        while entries.next_element_seed(Keys { place: self.place.clone(), keys: &mut *self.keys })?.is_some() {}
+        Ok(())
+    }
+
+    fn visit_unit<E>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_i64<E>(self, _: i64) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_u64<E>(self, _: u64) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_f64<E>(self, _: f64) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_str<E>(self, _: &str) -> Result<(), E> {
+        Ok(())
+    }
+}
+
+/// Returns the keys of a report in their order.
+fn keys(text: &str) -> Vec<String> {
+    let mut keys = Vec::new();
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    Keys { place: String::new(), keys: &mut keys }.deserialize(&mut deserializer).unwrap();
+    keys
+}
+
 /// Every number of a file, by its path.
 fn of_file(path: &Path, group: &str, numbers: &mut BTreeMap<String, Numbers>) {
     let reader = Reader::open(path).unwrap();
@@ -127,34 +198,45 @@ fn processor() -> String {
     format!("{}, {}, {vectors}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
-/// Runs the command in `folder` and returns every number of its report and its files.
-fn numbers(folder: &Path, arguments: &str) -> BTreeMap<String, Numbers> {
+/// What a command says: every number of its report and its files, and the keys of its report.
+struct Said {
+    numbers: BTreeMap<String, Numbers>,
+    keys: Vec<String>,
+}
+
+/// Runs the command in `folder`.
+fn said(folder: &Path, arguments: &str) -> Said {
     let mut all: Vec<&str> = arguments.split_whitespace().collect();
     all.extend(["--json", "-q"]);
+    let output = gfmd(folder, &all);
+    assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    let report = String::from_utf8(output.stdout).unwrap();
     let mut numbers = BTreeMap::new();
-    of_json("", &json(folder, &all), &mut numbers);
+    of_json("", &serde_json::from_str(&report).unwrap(), &mut numbers);
     if let Some(out) =
         all.iter().position(|argument| *argument == "--out").map(|i| all[i + 1]).filter(|out| out.ends_with(".h5"))
     {
         of_file(&folder.join(out), "", &mut numbers);
     }
-    numbers
+    Said { numbers, keys: keys(&report) }
 }
 
-/// Runs the command in `folder` and compares its report and its files with the recorded numbers.
+/// Runs the command in `folder` and compares its report and its files with what was recorded.
 fn check(folder: &Path, case: &str, arguments: &str) {
-    let numbers = numbers(folder, arguments);
+    let Said { numbers, keys } = said(folder, arguments);
     assert!(numbers.len() > 3, "{case}: hardly any numbers");
     if std::env::var_os("GFMD_GOLDEN").is_some_and(|what| what == "write") {
         let entries: BTreeMap<&String, Value> = (numbers.iter())
             .map(|(place, array)| (place, value!([array.values.len(), array.digest(), array.summary()])))
             .collect();
-        let text = serde_json::to_string(&value!({ "processor": processor(), "numbers": entries })).unwrap();
+        let text = value!({ "keys": keys.join(" "), "numbers": entries, "processor": processor() });
+        let text = serde_json::to_string(&text).unwrap();
         std::fs::write(recorded(case), text.replace("],\"/", "],\n\"/") + "\n").unwrap();
         return;
     }
     let text = std::fs::read_to_string(recorded(case)).unwrap();
     let golden: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(keys.join("\n"), golden["keys"].as_str().unwrap().replace(' ', "\n"), "{case}: the keys have changed");
     let emulated = std::env::var_os("GFMD_EMULATOR").is_some();
     let exact = golden["processor"] == processor() && !emulated;
     let mut largest = (0.0, String::new());
@@ -301,6 +383,44 @@ fn parts() {
     }
 }
 
+/// Contacts with a memory, bodies and laws by tables, and what is known without a solution.
+#[test]
+fn histories_tables_and_theories() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let rough = "--n 32 --eps-f-inv 8";
+    let prony = "--prony 0.1:0.3,10:0.4";
+    let law = "--law exponential --param gamma=1e-4,range=4e-3";
+    for (case, flags) in [
+        ("path-relaxing", format!("path {rough} {prony} --p-star 0.05,0.02 --time 1,2 --steps 2 --out r.h5")),
+        (
+            "path-relaxing-shear",
+            format!(
+                "path {rough} {prony} --relaxes shear --poisson 0.3 --height 0.3 --p-star 0.05,0.02 --time 1,2 --steps 2 \
+                 --out s.h5"
+            ),
+        ),
+        ("path-relaxing-law", format!("path {rough} {prony} {law} --displacement 0.005,-0.005 --time 1,0 --out l.h5")),
+        ("slide", format!("slide {rough} {prony} --p-star 0.05 --velocity 0.1,1 --out v.h5")),
+        ("slide-heat", format!("slide {rough} --p-star 0.05 --velocity 1 --heat 1,0.01 --friction 0.3 --out h.h5")),
+        ("wear", format!("wear {rough} --p-star 0.05 --coefficient 1 --distance 0,0.01 --steps 2 --flow --out w.h5")),
+        (
+            "contact-law-table",
+            format!(
+                "contact {rough} --law table --law-table 0:0.01,1e-3:0.008,2e-3:0.003,3e-3:0 --p-star 0.05 --out t.h5"
+            ),
+        ),
+        (
+            "contact-compliance",
+            format!("contact {rough} --compliance 1:2,10:0.2,100:0.02,1000:0.002 --e-star 1 --p-star 0.05 --out c.h5"),
+        ),
+        ("theory", format!("theory {rough} --p-star 0.01,0.1")),
+        ("body-relaxing", "body --surface r.h5 --depths 0,0.1 --out b.h5".into()),
+    ] {
+        check(folder, case, &flags);
+    }
+}
+
 #[test]
 fn sweep_punch_and_elasticity() {
     let folder = tempfile::tempdir().unwrap();
@@ -341,7 +461,7 @@ fn threads_change_no_bit() {
         "kappa-sweep --config sweep.toml --out k.h5",
     ] {
         let bits = |threads: usize| {
-            let numbers = numbers(folder, &format!("{case} --threads {threads}"));
+            let numbers = said(folder, &format!("{case} --threads {threads}")).numbers;
             assert!(numbers.len() > 3, "{case}: hardly any numbers");
             let of = |numbers: Numbers| numbers.values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
             numbers.into_iter().map(|(place, numbers)| (place, of(numbers))).collect::<BTreeMap<_, _>>()
