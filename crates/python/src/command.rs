@@ -8,6 +8,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use clap::{CommandFactory as _, Parser};
+use gfmd_cli::inputs::stay_in;
 use gfmd_cli::program::{Command, keep_freed_memory, status};
 use gfmd_files::{Draft, Memory, Output};
 use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
@@ -75,9 +76,12 @@ pub(crate) fn solve<'py>(
     out: Option<&str>,
     words: Option<&str>,
 ) -> PyResult<Solved<'py>> {
+    let problem = table(problem)?;
+    let named = out.map(|out| ("out".to_owned(), Value::from(out)));
+    stay_in(&problem.clone().into_iter().chain(named).collect()).map_err(|failure| refused(py, &failure))?;
     let output = out.map(Output::claim).transpose().map_err(|error| refused(py, &format!("out: {error}")))?;
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
-    let command = Command::of(command, table(problem)?, arrays).map_err(|failure| refused(py, &failure))?;
+    let command = Command::of(command, problem, arrays).map_err(|failure| refused(py, &failure))?;
     let memory = Memory::default();
     let session = Session::embedded();
     let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };

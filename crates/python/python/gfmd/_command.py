@@ -13,6 +13,7 @@ from ._errors import Interrupted, NotConverged
 from ._progress import Progress
 from ._record import Record, parsed
 from ._result import File
+from ._surface import Surface
 
 Failure = Optional[tuple[str, str]]
 Result = TypeVar("Result")
@@ -57,16 +58,19 @@ def solve(
     arrays: Optional[dict[str, Any]] = None,
     threads: Optional[int] = None,
     out: Any = None,
-    words: Optional[str] = None,
+    surface: Optional[Surface] = None,
 ) -> tuple[dict[str, Any], Failure, dict[str, Array], File]:
     """The report of a command, the kind and the text of its failure, the fields by name, and the file.
 
     The problem has the keys of the flags of the command.
 
-    The file goes to `out`, too, if that is given, with the `words` of the surface.
+    The file goes to `out`, too, if that is given, with the description of the `surface`.
     """
     count = 0 if threads is None else integer("threads", threads, 0, 4096)
     target = None if out is None else path("out", out)
+    if surface is not None and target is not None:
+        surface._keeps("out", target)
+    words = None if surface is None else surface.description
     with Progress(command) as progress:
         text, failure, fields, draft = _gfmd.solve(command, problem, arrays, count, progress.tick, target, words)
     values = parsed(text)

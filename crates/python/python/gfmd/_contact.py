@@ -617,10 +617,9 @@ class Contacts(Result, Sequence[Contact]):
                     }
                 )
             if name == "approach" or name in self._contacts[0]:
-        """The points in contact [x, y], which are repelled, as `area_fraction` counts them."""
-        found: npt.NDArray[np.bool_] = np.asarray(self.repulsion > 0.0)
-        found.flags.writeable = False
-        return found
+                return frozen(np.array([getattr(contact, name) for contact in self._contacts]))
+        hint = "" if name.startswith("_") else _hints.attribute(name, dir(self))
+        raise AttributeError(f"Contacts has no {name}{hint}")
 
     def __dir__(self) -> list[str]:
         first = self._contacts[:1]

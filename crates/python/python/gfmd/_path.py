@@ -268,7 +268,7 @@ def path(
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
-    values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made.description)
+    values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made)
     reported = gathered(values)
     if isinstance(bound, np.ndarray):
         reported["hardness"] = bound

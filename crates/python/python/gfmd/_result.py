@@ -16,6 +16,7 @@ from . import _check, _gfmd
 from ._check import Array
 from ._errors import Error, InputError
 from ._record import Record, table
+from ._surface import Surface
 
 # The largest grid, the bytes and the number of the figures of a result in a notebook.
 _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
@@ -51,12 +52,16 @@ class Result:
             path: the name of the file.
 
         Raises:
-            InputError, Error: a file that cannot be written. An older file under that name stays.
+            InputError, Error: a file that cannot be written, or that the surface was read from. An older file under
+                that name stays.
 
         Example:
             >>> loop.save("loop.h5")
         """
-        self._write(_check.path("path", path))
+        target, surface = _check.path("path", path), getattr(self, "surface", None)
+        if isinstance(surface, Surface):
+            surface._keeps("path", target)
+        self._write(target)
 
     def report(self, path: str | os.PathLike[str]) -> None:
         """Writes the page of HTML that `gfmd report` makes of the result.

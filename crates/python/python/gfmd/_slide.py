@@ -151,9 +151,7 @@ def slide(
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),
     )
-    values, failure, fields, file = _command.solve(
-        "slide", problem, {"surface": made.heights}, threads, out, made.description
-    )
+    values, failure, fields, file = _command.solve("slide", problem, {"surface": made.heights}, threads, out, made)
     rows = []
     for state in values.pop("states"):
         theory = {f"persson_{name}": value for name, value in state.pop("persson").items()}

@@ -418,6 +418,12 @@ class Surface:
         way = "periodic" if self._repeats(boundary) else "free"
         _gfmd.surface_report(self._heights, self._size, words, way, _check.path("path", path))
 
+    def _keeps(self, name: str, path: str) -> None:
+        """Refuses a file to be written that is the one from which the heights were read."""
+        source = self._origin.file.get("path")
+        if source is not None and os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
+            raise InputError(f"{name} is {_check.shown(path)}; it must be another file than the input of the surface")
+
     def _repeats(self, boundary: Boundary) -> bool:
         if boundary not in (None, "periodic", "free"):
             raise InputError(f"boundary is {_check.shown(boundary)}; it must be 'periodic' or 'free'")
@@ -758,7 +764,7 @@ def read(
         Surface of 3 x 2 points on 3 x 2 µm (scan.txt)
     """
     path, (heights, lengths, known, description, file) = _map(name, channel)
-    said = parsed(file)
+    said = {**parsed(file), "path": os.path.abspath(path if os.path.exists(path) else path.rpartition(":")[0])}
     wanted = None if unit is None else _gfmd.canonical(word("unit", unit))
     if wanted is not None and known is not None:
         heights, moved, known = _gfmd.converted(heights, lengths or (1.0, 1.0), known, wanted)

@@ -181,7 +181,5 @@ def wear(
         **drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
         **_command.body_keys(elastic),
     )
-    values, failure, fields, file = _command.solve(
-        "wear", problem, {"surface": made.heights}, threads, out, made.description
-    )
+    values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made)
     return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)

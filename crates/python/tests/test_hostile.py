@@ -1,0 +1,83 @@
+"""Surroundings that work against a call: outputs named like inputs, broken generators, no room, a closed stderr."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Iterator
+
+import numpy as np
+import pytest
+
+import gfmd
+
+ROUGH = gfmd.self_affine(n=16, seed=1)
+BODY = gfmd.Body()
+
+
+def test_no_output_replaces_the_file_that_the_surface_was_read_from(tmp_path: Path) -> None:
+    scan, link = tmp_path / "scan.npy", tmp_path / "link.npy"
+    np.save(scan, ROUGH.heights)
+    link.symlink_to(scan)
+    before = scan.read_bytes()
+    surface = gfmd.read(str(link))
+    calls = (
+        lambda: gfmd.path(surface, BODY, p_star=[0.05], steps=1, out=scan),
+        lambda: gfmd.wear(surface, BODY, p_star=[0.05], coefficient=1.0, distance=[1.0], steps=1, out=scan),
+        lambda: gfmd.contact(surface, BODY, p_star=0.05).save(scan),
+        lambda: gfmd.contact(surface.detrend(), BODY, p_star=0.05).save(scan),
+    )
+    for call in calls:
+        with pytest.raises(gfmd.InputError, match="it must be another file than the input of the surface"):
+            call()
+        assert scan.read_bytes() == before
+    gfmd.contact(surface, BODY, p_star=0.05).save(tmp_path / "c.h5")
+
+
+def test_contacts_before_an_exception_of_the_generator_come() -> None:
+    def surfaces() -> Iterator[gfmd.Surface]:
+        yield ROUGH
+        yield ROUGH
+        raise RuntimeError("no third one")
+
+    found = gfmd.many(surfaces(), BODY, p_star=0.05, workers=4)
+    assert next(found).converged and next(found).converged
+    with pytest.raises(RuntimeError, match="no third one"):
+        next(found)
+
+
+def test_arrays_of_results_cannot_be_written() -> None:
+    contacts = gfmd.contact(ROUGH, BODY, p_star=[0.02, 0.05])
+    below = gfmd.green(gfmd.Body(young=1.0, poisson=0.3, height=1.0), qx=3.0, depth=0.1)
+    arrays = {
+        "pressure": contacts.pressure,
+        "area_fraction": contacts.area_fraction,
+        "approach": contacts.approach,
+        "touching": contacts[0].touching,
+        **{f"green {name}": value for name, value in below.items() if isinstance(value, np.ndarray)},
+    }
+    for name, array in arrays.items():
+        assert not array.flags.writeable, name
+
+
+def test_fields_below_that_need_more_than_the_memory_are_refused() -> None:
+    contact = gfmd.contact(gfmd.self_affine(n=128, seed=1), gfmd.Body(young=1.0), p_star=0.05)
+    with pytest.raises(gfmd.InputError, match="GiB"):
+        contact.interior(levels=100_000, deepest=1.0)
+
+
+@pytest.mark.parametrize("closing", ["sys.stderr.close()", "os.close(2)", "os.dup2(os.open('/dev/full', 1), 2)"])
+def test_a_stderr_that_cannot_be_written_ends_no_run(closing: str) -> None:
+    if "full" in closing and not Path("/dev/full").exists():
+        pytest.skip("no full device")
+    script = f"""
+import os, sys
+import gfmd, gfmd._progress
+gfmd._progress._PATIENCE = 0.0
+{closing}
+c = gfmd.contact(gfmd.self_affine(n=64, seed=1), gfmd.Body(), p_star=[0.02, 0.05])
+print(c[1].area_fraction)
+sys.stdout.flush()
+os._exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    assert done.returncode == 0 and 0.0 < float(done.stdout) < 1.0
