@@ -243,7 +243,8 @@ impl Problem {
                 tracing::warn!("{doubt}");
             }
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
-            let record = Record::of(&At { stiffness, seconds, finer, ..at });
+            let facts = Facts { approach: matches!(drive.load, Load::Approach(_)), ..prepared.facts };
+            let record = Record::of(&At { facts: &facts, stiffness, seconds, finer, ..at });
             Ok::<_, Failure>((state, record, failure))
         })?;
         let ((rest, record, failure), raised) = match (solved, raised) {

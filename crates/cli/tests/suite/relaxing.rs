@@ -286,7 +286,8 @@ fn a_leg_of_no_time_loses_the_energy_that_the_balance_of_work_and_energy_misses(
                 let step = &one["steps"][2];
                 let [lost, error] =
                     ["dissipated", "dissipated_error"].map(|key| step[key].as_f64().unwrap_or(f64::NAN));
-                if !((lost - loss).abs() <= error + spread) {
+                let is_right = (lost - loss).abs() <= error + spread;
+                if !is_right {
                     wrong.push(format!("{law} {case}, {solves}: {lost:e} +- {error:e}, right {loss:e} +- {spread:e}"));
                 }
             }

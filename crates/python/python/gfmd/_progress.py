@@ -39,7 +39,10 @@ def _wanted() -> bool:
     if _shown is not None:
         return _shown
     return "ipykernel" in sys.modules or (
-        sys.stderr is not None and sys.stderr.isatty() and "PYTEST_CURRENT_TEST" not in os.environ
+        sys.stderr is not None
+        and not sys.stderr.closed
+        and sys.stderr.isatty()
+        and "PYTEST_CURRENT_TEST" not in os.environ
     )
 
 

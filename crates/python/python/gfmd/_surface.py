@@ -798,7 +798,7 @@ def read_heights(
         Surface of 2 x 2 points on 2 x 2 µm (array)
     """
     _, (heights, lengths, known, _, _) = _map(name, channel)
-    return heights, lengths, known
+    return heights, None if lengths is None else tuple(lengths), known
 
 
 def _map(name: Any, channel: Any) -> tuple[str, Any]:
