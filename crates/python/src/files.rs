@@ -39,10 +39,13 @@ pub(crate) fn save(
     config: &Bound<'_, PyDict>,
 ) -> PyResult<()> {
     let args = described(py, problem, arrays)?;
-    let config = toml::to_string(&table(config)?).map_err(|error| refused(py, &error))?;
+    let config = table(config)?;
+    let approach = config.contains_key("displacement");
+    let config = toml::to_string(&config).map_err(|error| refused(py, &error))?;
     let prepared = quick(py, || prepared(&args))?;
     let mut prepared = prepared.map_err(|failure| failed(py, &failure))?;
-    let Prepared { surface, lower, .. } = &mut prepared;
+    let Prepared { surface, lower, facts, .. } = &mut prepared;
+    facts.approach = approach;
     for (surface, (unit, description)) in std::iter::once(surface).chain(lower).zip(words) {
         (surface.unit, surface.description, surface.scan) = (unit, description, None);
     }

@@ -156,6 +156,8 @@ def same(found, wanted, where=""):
     for name, value in wanted.items():
         if name in TIMES:
             continue
+        if name == "undefined" and any(isinstance(keys, list) for keys in value.values()):
+            value = {key: reason for reason, keys in value.items() for key in keys}
         if isinstance(value, (dict, gfmd.Record)):
             same(found[name], value, f"{where}{name}.")
         elif value is None or value != value:

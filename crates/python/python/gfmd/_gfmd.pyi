@@ -44,6 +44,7 @@ __all__ = [
     "texture",
     "unit_name",
     "write_file",
+    "with_limit",
 ]
 VERSION: str
 GIT_COMMIT: str
