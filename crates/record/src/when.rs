@@ -20,9 +20,9 @@ pub(crate) fn approach_given(facts: &Facts) -> bool {
     facts.approach
 }
 
-/// True if the load is given.
+/// True if the load is given, or the steps of a path, at any of which surfaces may part.
 pub(crate) fn load_given(facts: &Facts) -> bool {
-    !facts.approach
+    !facts.approach || path(facts)
 }
 
 /// True if the approach is that of each step of a path.

@@ -126,7 +126,11 @@ impl<'de> Visitor<'de> for Keys<'_> {
             if !self.keys.contains(&place) {
                 self.keys.push(place.clone());
             }
-            map.next_value_seed(Keys { place, keys: &mut *self.keys })?;
+            // Reasons are texts, not keys.
+            let below = name != "undefined";
+            let mut reasons = Vec::new();
+            let keys = if below { &mut *self.keys } else { &mut reasons };
+            map.next_value_seed(Keys { place, keys })?;
         }
         Ok(())
     }

@@ -60,7 +60,8 @@ pub fn leave_out_idle<A: Args>(table: &mut Table) {
 /// # Errors
 /// A number that TOML does not have.
 pub fn toml_of<A: Args + Serialize>(args: &A) -> Result<String, toml::ser::Error> {
-    let mut table = Table::try_from(args)?;
+    // A table has no integers above 2^63, which its text has.
+    let Ok(mut table) = Table::try_from(args) else { return toml::to_string(args) };
     leave_out_idle::<A>(&mut table);
     let lines = keys::<A>().into_iter().filter_map(|key| table.remove_entry(&key)).collect::<Vec<_>>();
     lines.into_iter().chain(table).map(|line| toml::to_string(&Table::from_iter([line]))).collect()

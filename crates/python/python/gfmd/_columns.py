@@ -925,21 +925,17 @@ class Steps(Record):
 
     @property
     def displacement_limit(self) -> Array:
-        """Length [step]: estimate of displacement on an infinitely fine grid under the same mean pressure. In some
-        problems only.
-        """
+        """Length [step]: estimate of displacement on an infinitely fine grid under the same mean pressure."""
         return self._value("displacement_limit")
 
     @property
     def displacement_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of displacement_limit are smaller. In some problems only."""
+        """Length [step]: 95 % of the errors of displacement_limit are smaller."""
         return self._value("displacement_limit_error")
 
     @property
     def displacement_grid_error(self) -> Array:
-        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error. In some
-        problems only.
-        """
+        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error."""
         return self._value("displacement_grid_error")
 
     @property
