@@ -33,8 +33,8 @@ impl Variables for Stage {
 /// The largest part of a prescribed approach that is within the tolerance on the coarsest scale.
 const OF_THE_APPROACH: f64 = 0.1;
 
-/// The coarsest scale of lengths of a search under `load`, at most `scale`: without pressure, a surface that is moved by
-/// a prescribed approach must not be within the tolerance.
+/// Returns the coarsest scale of lengths of a search under `load`, at most `scale`: without pressure, a surface that a
+/// prescribed approach has moved must not be within the tolerance.
 pub(crate) fn coarsest(scale: f64, load: Load, tolerance: f64) -> f64 {
     match load {
         Load::Approach(approach) if approach > 0.0 => scale.min(OF_THE_APPROACH * approach / tolerance),

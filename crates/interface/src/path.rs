@@ -149,10 +149,10 @@ pub struct Step {
 /// The last of them is then halved until the fraction of the contact that sticks does not change. Steps that change
 /// neither the limits of the shear nor the direction of slip, or that have no shear, are made in one.
 ///
-/// On a body that relaxes, or wears, the imbalance of work and energy of a step shows how far it must be divided, but it
-/// is no error of the loss: a body that relaxes at rest has none, whatever the length of its steps. The path is
-/// therefore followed in half as many increments, too, from its start on; twice the difference is the error. In a step of no
-/// time a law loses energy in jumps alone, as on an elastic body.
+/// On a body that relaxes, or wears, the imbalance of work and energy of a step shows how far it must be divided. It is
+/// no error of the loss, though: at rest a relaxing body has no imbalance, however long its steps are. The path is
+/// therefore also followed in half as many increments, from its start on; twice the difference is the error. In a step
+/// of no time a law loses energy in jumps alone, as on an elastic body.
 ///
 /// A wave that jumps into contact and later out of it loses energy. Loaded and unloaded within the contact it does not:
 ///

@@ -71,11 +71,11 @@ impl PlasticContact {
         let solution = match gap_at(&contact, load) {
             None => contact.certify(pressure, load)?,
             // Counted from the first touch of the flattened surfaces.
-            Some(gap) => {
-                let touch = lowest(&contact);
+            Some((approach, gap)) => {
+                let touch = approach + gap;
                 let contact = self.contact.indented(&depth.mapv(|depth| depth - touch))?;
                 let mut solution = contact.certify(pressure, Load::Approach(-gap))?;
-                solution.approach += touch;
+                solution.approach = approach;
                 solution
             }
         };
@@ -90,17 +90,12 @@ impl PlasticContact {
     }
 }
 
-/// Returns the least clearance.
-fn lowest(contact: &Contact) -> f64 {
-    contact.surface().clearance().iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-/// Returns the least gap of flattened surfaces that a prescribed approach leaves apart; `None` of others.
-fn gap_at(contact: &Contact, load: Load) -> Option<f64> {
-    let touch = lowest(contact);
+/// Returns a prescribed approach that leaves flattened surfaces apart, and their least gap; `None` of others.
+fn gap_at(contact: &Contact, load: Load) -> Option<(f64, f64)> {
+    let touch = contact.surface().clearance().iter().copied().fold(f64::INFINITY, f64::min);
     match load {
         // Undeformed surfaces touch at 0.
-        Load::Approach(approach) if touch > 0.0 && approach <= touch => Some(touch - approach),
+        Load::Approach(approach) if touch > 0.0 && approach <= touch => Some((approach, touch - approach)),
         _ => None,
     }
 }

@@ -80,9 +80,9 @@ impl SelfAffineArea {
 
     /// The contact area fraction of such surfaces if points in contact are counted on a grid; `eps_c` is the spacing
     /// over the shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to the excess of each
-    /// contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and at most 6 %. `None`
-    /// above p* = [`LARGEST_LOAD`](Self::LARGEST_LOAD), the largest load of the fit, and where the excess would make the
-    /// area larger than the surface.
+    /// contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and at most 6 %.
+    /// `None` above p* = [`LARGEST_LOAD`](Self::LARGEST_LOAD), the largest load of the fit, and where the excess would
+    /// make the area larger than the surface.
     pub fn counted(&self, eps_f: f64, eps_c: f64, p_star: f64) -> Option<f64> {
         let area = self.of_band(eps_f, p_star);
         let [e0, e1, e2, e3, e4, e5, e6, e7] = Self::EDGE;

@@ -497,6 +497,6 @@ def test_arguments_that_do_not_exist_are_type_errors(call):
 def test_an_option_that_does_not_exist_is_named_with_those_that_do():
     with pytest.raises(
         TypeError,
-        match="contact has no argument 'best'; it must be one of mean_pressure, p_star, approach, .*, solver, tolerance, ",
+        match="contact has no argument 'best'; it must be one of mean_pressure, p_star, .*, solver, tolerance, ",
     ):
         gfmd.contact(SURFACE, BODY, best=1)

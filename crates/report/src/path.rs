@@ -55,7 +55,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 
     let sum = |name: &str| column(name)[..computed].iter().copied().filter(|v| !v.is_nan()).reduce(|a, b| a + b);
     let dissipated = sum("dissipated").unwrap_or(f64::NAN);
-    // The error of the sum is known if all are. Earlier programs wrote the imbalance of a step as the error of its loss.
+    // The error of the sum is known if all errors are. Earlier programs wrote the imbalance of a step as its error.
     let is_error = !relaxes || column("work_imbalance").iter().any(|value| value.is_finite());
     let [losses, errors] = ["dissipated", "dissipated_error"].map(column);
     let parts = losses[..computed].iter().zip(&errors[..computed]);

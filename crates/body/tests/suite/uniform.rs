@@ -184,8 +184,8 @@ fn bodies() -> Vec<Body> {
     ]
 }
 
-/// Below a pressure every body has the fields of the traction 0, 0, −p where all waves have a sine, and those of its own
-/// normal displacement on any grid.
+/// Below a pressure every body has the fields of the traction 0, 0, −p where all waves have a sine. On any grid it has
+/// the fields of its own normal displacement.
 #[test]
 fn below_a_pressure_the_fields_are_those_of_its_traction() {
     for (number, body) in bodies().iter().enumerate() {

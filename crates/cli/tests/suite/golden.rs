@@ -400,8 +400,8 @@ fn histories_tables_and_theories() {
         (
             "path-relaxing-shear",
             format!(
-                "path {rough} {prony} --relaxes shear --poisson 0.3 --height 0.3 --p-star 0.05,0.02 --time 1,2 --steps 2 \
-                 --out s.h5"
+                "path {rough} {prony} --relaxes shear --poisson 0.3 --height 0.3 --p-star 0.05,0.02 --time 1,2 \
+                 --steps 2 --out s.h5"
             ),
         ),
         ("path-relaxing-law", format!("path {rough} {prony} {law} --displacement 0.005,-0.005 --time 1,0 --out l.h5")),

@@ -118,7 +118,7 @@ fn a_table_in_a_pipe_is_refused() {
     for (line, flag) in [
         ("contact --n 16 --eps-f-inv 4 --p-star 0.05 --young 1 --compliance pipe", "--compliance"),
         ("contact --n 16 --eps-f-inv 4 --p-star 0.05 --law table --law-table pipe", "--law-table"),
-        ("law --law table --law-table pipe --z 0", "--law-table"),
+        ("law --law table --law-table pipe --normal 0", "--law-table"),
         ("contact --surface pipe --p-star 0.05", "pipe"),
         ("contact --n 16 --eps-f-inv 4 --p-star 0.05 --hardness pipe", "--hardness"),
         ("kappa-sweep --config pipe --dry-run", "pipe"),

@@ -268,8 +268,8 @@ fn a_leg_of_no_time_loses_the_energy_that_the_balance_of_work_and_energy_misses(
                 _ => format!("gamma={gamma},range={range}"),
             };
             let common = format!(
-                "path --n 24 --dim 2 --eps-f-inv 4 --seed {case} --law {law} --param {parameters} --prony 1:0.4 --steps 1 \
-                 --json"
+                "path --n 24 --dim 2 --eps-f-inv 4 --seed {case} --law {law} --param {parameters} --prony 1:0.4 \
+                 --steps 1 --json"
             );
             let way = |legs: u32| -> String {
                 let places = (1..=legs).map(|k| start + (end - start) * f64::from(k) / f64::from(legs));

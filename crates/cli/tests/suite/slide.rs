@@ -216,8 +216,11 @@ fn unusable_input_is_refused_in_one_line() {
         ("--velocity 1 --pressure 0.01 --heat 1,-1 --friction 1", "--heat: the diffusivity is -1; it must be positive"),
         ("--velocity 1 --pressure 0.01 --heat 1,1,nan,1 --friction 1", "--heat: the conductivity is NaN; it must be"),
         ("--velocity 1 --pressure 0.01 --heat 1,1,1,inf --friction 1", "--heat: the diffusivity is inf; it must be"),
-        ("--velocity 1 --pressure 0.01 --heat 1,1 --friction 0", "--friction is 0; it must be positive and finite"),
-        ("--velocity 1 --pressure 0.01 --heat 1,1 --friction nan", "--friction is NaN; it must be positive and finite"),
+        ("--velocity 1 --pressure 0.01 --heat 1,1 --friction 0", "--friction is 0; it must be positive and at most"),
+        (
+            "--velocity 1 --pressure 0.01 --heat 1,1 --friction nan",
+            "--friction is NaN; it must be positive and at most",
+        ),
         ("--velocity 1 --pressure 0.01 --heat 1W/(m*K),1 --friction 1", "--unit gives them one"),
         ("--velocity 1 --pressure 0.01 --heat 1,1Pa --friction 1", "it must be a diffusivity (such as m^2/s)"),
     ] {

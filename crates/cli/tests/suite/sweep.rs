@@ -183,8 +183,8 @@ fn a_sweep_with_a_target_ends_there_resumed_or_not_and_can_be_checked() {
     assert!(config.contains("surfaces = ["), "{config}");
     let check = gfmd(folder.path(), &["check", "a.h5", "--rerun", "--sample", "3"]);
     assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stdout));
-    for (more, part) in [("--shard 0/2", "--shard"), ("--merge", "--merge"), ("--target 3", "statistics.target")] {
-        let more = if part == "statistics.target" { more.to_owned() } else { format!("{target} {more}") };
+    for (more, part) in [("--shard 0/2", "--shard"), ("--merge", "--merge"), ("--target 3", "--target")] {
+        let more = if part == "--target" { more.to_owned() } else { format!("{target} {more}") };
         let flags = sweep(&more);
         let output = gfmd(folder.path(), &flags.iter().map(String::as_str).collect::<Vec<_>>());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();

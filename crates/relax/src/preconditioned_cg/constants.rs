@@ -22,8 +22,8 @@ pub(super) const HALVINGS: usize = 30;
 /// are some 1e-7 of it, and a solution takes ten to thirty steps (0 %, +0.5 %; no effect).
 pub(super) const REFRESH: f64 = 1e-4;
 
-/// The gradient is computed anew, too, if a residual below [`REFRESH`] has not fallen in so many iterations: a warm start
-/// may begin so near its end that rounding errors of the gradient keep the residual above that factor. Chosen: a
+/// The gradient is computed anew, too, if a residual below [`REFRESH`] has not fallen in this number of iterations: a
+/// warm start may begin so near its end that rounding errors of the gradient keep the residual above that factor. Chosen: a
 /// refresh then costs at most a fiftieth of the pairs (no effect).
 pub(super) const STALLED: u64 = 25;
 

@@ -121,8 +121,9 @@ mod tests {
         let field = Array2::from_shape_vec((heights.len(), 1), heights).unwrap();
         let core = Bearing::of(&field, &grid).unwrap().core.unwrap();
         // The window is centred, from z = 0.524401 to its negative. With x = 1/2 - q the moment of x z is
-        // 2 [(Φ(√2 z) - 1/2)/(2√π) - 0.2 φ(z)] = 0.013726, and Sk = 12 × 0.013726/0.4³; beyond Sk/2 = 1.2868 lie
-        // Q = 0.09908 of the points, with the area φ − 1.2868 Q = 0.046810, whose triangle has the height 2 × 0.04681/Q.
+        // 2 [(Φ(√2 z) - 1/2)/(2√π) - 0.2 φ(z)] = 0.013726, and Sk = 12 × 0.013726/0.4³; beyond Sk/2 = 1.2868
+        // lie Q = 0.09908 of the points, with the area φ − 1.2868 Q = 0.046810. Its triangle has the
+        // height 2 × 0.04681/Q.
         let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 0.006, "{found} {wanted}");
         close(core.sk, 2.5737);
         close(core.spk, 0.9449);

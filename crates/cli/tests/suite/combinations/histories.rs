@@ -1,5 +1,5 @@
-//! Contacts with a history on random bodies: relaxing bodies along a path and sliding, heat, wear. Every further command
-//! reads each result: the stress below it, its page, its check.
+//! Contacts with a history on random bodies: relaxing bodies along a path and sliding, heat, wear. Every further
+//! command reads each result: the stress below it, its page, its check.
 
 use std::path::Path;
 
