@@ -148,8 +148,8 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
 /// The meaning of the sign behind a number.
 pub const ROUGH: &str = "two digits and ~: the error of the number by the grid is not known";
 
-/// Returns the lines below a table of rows: the meaning of `~`, if a number has it, and each reason once, with all
-/// columns it leaves without a value, of those that are `shown`. `name` is what a row is called, in singular and plural.
+/// Returns the lines below a table of rows: the meaning of `~`, if a number has it, and each reason once, with all the
+/// `shown` columns that it leaves without a value. `name` is what a row is called, in singular and plural.
 /// The columns of the grid error of a number are named by the number.
 pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
     let cells = || rows.iter().flat_map(|row| &row.cells);

@@ -13,8 +13,8 @@ pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
 
 /// The numbers of states in tables as lines of text, in units that people read if those of the problem are known,
 /// below a line of heads: the columns that have a number in any of the rows.
-/// The last one is the largest residual; the table of the lower face has its own. Lines longer than `width` lose columns
-/// of the effort. Empty if the states have nothing of the tables.
+/// The last one is the largest residual; the table of the lower face has its own. Lines longer than `width` lose
+/// columns of the effort. Empty if the states have nothing of the tables.
 pub fn table_of(rows: &[Record], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
     let has = |column: &Column, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {

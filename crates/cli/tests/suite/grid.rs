@@ -282,8 +282,8 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
     }
 }
 
-/// A number that is prescribed has no limit in its place. The pressure at an approach has one, with an error that holds:
-/// the top of the surface lies above the highest point of its grid.
+/// A number that is prescribed has no limit in its place. The pressure at an approach has one, with an error that
+/// holds: the top of the surface lies above the highest point of its grid.
 #[test]
 fn at_a_prescribed_approach_the_pressure_has_the_grid_error() {
     let folder = tempfile::tempdir().unwrap();
