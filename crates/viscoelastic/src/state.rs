@@ -17,9 +17,9 @@ pub struct ViscoelasticState<S = Solution> {
     pub dissipated: f64,
     /// The difference between the work of the rigid surface in the step, by the trapezoidal rule, and the energy stored
     /// and lost, in magnitude. It falls with the square of the length of the step, but it is no error of `dissipated`:
-    /// at a held approach it is 0 for steps of any length. It is 0 in a step of no time at a hard wall, and in the first
-    /// step with a law, whose work is unknown. In a step with a jump, whose loss is that difference, it is the largest
-    /// error of the rule for forces that change monotonically.
+    /// at a held approach it is 0 for steps of any length. It is 0 in a step of no time at a hard wall, and in the
+    /// first step with a law, whose work is unknown. In a step with a jump, whose loss is that difference, it is the
+    /// largest error of the rule for forces that change monotonically.
     pub work_imbalance: f64,
     pub(crate) history: History,
 }

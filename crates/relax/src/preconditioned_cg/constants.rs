@@ -23,7 +23,7 @@ pub(super) const HALVINGS: usize = 30;
 pub(super) const REFRESH: f64 = 1e-4;
 
 /// The gradient is computed anew, too, if a residual below [`REFRESH`] has not fallen in this number of iterations: a
-/// warm start may begin so near its end that rounding errors of the gradient keep the residual above that factor. Chosen: a
+/// warm start may begin so near its end that rounding errors of the gradient keep it above that factor. Chosen: a
 /// refresh then costs at most a fiftieth of the pairs (no effect).
 pub(super) const STALLED: u64 = 25;
 
