@@ -139,9 +139,9 @@ pub struct Step {
 /// A path of a contact, each state found from the last one.
 ///
 /// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in
-/// jumps. A step is therefore divided until the balance of work and energy closes to fourth order, which shows that no
-/// energy was lost, or until a jump is enclosed between two states so close that the work between them is negligible:
-/// the energy that is missing is then the loss.
+/// jumps. A step is therefore divided until the balance of work and energy closes to fourth order and is alike in both
+/// halves, which shows that no energy was lost, or until a jump is enclosed between two states so close that the work
+/// between them is negligible: the energy that is missing is then the loss.
 ///
 /// With friction the state itself depends on the number of increments in which it is reached, as long as they are few:
 /// slip counts from the start of an increment, and where the contact grows this is too early. A step, also the first
@@ -635,7 +635,7 @@ impl<P: Quasistatic> Search<'_, P> {
                     Err(_) => {}
                     Ok(middle) => {
                         let mut halves = Halves::new(&here.reading, &middle.reading, &end.reading);
-                        let closes = |halves: &Halves| halves.simpson().abs() <= allowed * span;
+                        let closes = |halves: &Halves| halves.simpson().abs().max(halves.unlikeness) <= allowed * span;
                         // The ends of a piece do not show a force that rises and falls within; its work is of second
                         // order in the length of the piece.
                         let enclosed = |halves: &Halves| halves.spread + reference * span * span;
@@ -714,6 +714,9 @@ struct Halves {
     spread: f64,
     /// The difference of `missing` from its value over the undivided piece.
     change: f64,
+    /// The difference of `missing` between the two halves, in magnitude. Where small jumps lose energy, the balance by
+    /// Simpson's rule can close by chance; the halves then differ.
+    unlikeness: f64,
 }
 
 impl Halves {
@@ -721,7 +724,8 @@ impl Halves {
         let [first, second] = [Balance::between(from, middle), Balance::between(middle, to)];
         let missing = first.missing + second.missing;
         let change = missing - Balance::between(from, to).missing;
-        Self { missing, spread: first.spread + second.spread, change }
+        let unlikeness = (first.missing - second.missing).abs();
+        Self { missing, spread: first.spread + second.spread, change, unlikeness }
     }
 
     /// The work by Simpson's rule less the energy gained.

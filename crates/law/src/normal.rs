@@ -238,7 +238,8 @@ impl Law for HarmonicCosine {
         if normal < 0.0 {
             0.5 * self.curvature * normal * normal - self.energy
         } else if normal < self.cutoff() {
-            -0.5 * self.energy * (1.0 + (self.wavenumber * normal).cos())
+            // (1 + cos x)/2, without the rounding errors of its terms where they cancel.
+            -self.energy * (0.5 * self.wavenumber * normal).cos().powi(2)
         } else {
             0.0
         }

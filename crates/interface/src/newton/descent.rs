@@ -16,6 +16,8 @@ const HALVINGS: u32 = 14;
 const SHARE: f64 = 1e-4;
 /// The rounding error of an energy over the magnitude of its terms.
 pub(super) const ROUNDING: f64 = 1e-14;
+/// A rise of the energy over the magnitude of its terms that may be all rounding error. Chosen.
+const HIDDEN: f64 = 100.0 * ROUNDING;
 
 /// A search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z, step by step.
 pub(super) struct Descent<'a, M: Model> {
@@ -63,16 +65,22 @@ impl Placed {
 /// The change of the energy from here to the trial.
 pub(super) struct Change {
     pub(super) energy: f64,
-    /// The decrease that the slope predicts.
+    /// The decrease that the slope here predicts.
     promised: f64,
+    /// The decrease that the slope at the trial predicts for one more step; negative beyond the minimum.
+    ahead: f64,
     /// Magnitude of the terms that make up `energy`.
     pub(super) size: f64,
 }
 
 impl Change {
-    /// Returns true if the energy falls enough.
+    /// Returns true if the energy falls enough. Where rounding errors hide its change, the slopes at both ends tell (the
+    /// approximate Wolfe condition, Hager and Zhang 2005).
     fn falls(&self) -> bool {
-        self.promised > 0.0 && self.energy.is_finite() && self.energy <= -SHARE * self.promised + ROUNDING * self.size
+        let enough = -SHARE * self.promised;
+        let is_hidden = self.energy <= HIDDEN * self.size;
+        let falls = self.energy <= enough || (is_hidden && -0.5 * (self.promised + self.ahead) <= enough);
+        self.promised > 0.0 && self.energy.is_finite() && falls
     }
 }
 
@@ -253,14 +261,16 @@ impl<'a, M: Model> Descent<'a, M> {
         // A mean that is held is so but for rounding errors: their work is not part of the energy.
         let Self { frame, here, trial, force, multipliers, .. } = self;
         let points = frame.points();
-        let [change, promised, size] = reduce(
+        let traction = trial.reaction.tractions();
+        let [change, promised, ahead, size] = reduce(
             here.w.len(),
             &|range| {
-                range.fold([0.0; 3], |sums, k| {
+                range.fold([0.0; 4], |sums, k| {
                     let step = trial.w[k] - here.w[k];
                     let uniform = frame.push_on(k / points) - multipliers[k / points];
                     let work = step * (0.5 * (here.elastic[k] + trial.elastic[k]) - uniform);
-                    add(sums, [work, step * force[k], work.abs()])
+                    let next = traction[k] - trial.elastic[k] + uniform;
+                    add(sums, [work, step * force[k], step * next, work.abs()])
                 })
             },
             &add,
@@ -273,7 +283,7 @@ impl<'a, M: Model> Descent<'a, M> {
             },
             &add,
         );
-        Change { energy: change + law, promised, size: size + law_size }
+        Change { energy: change + law, promised, ahead, size: size + law_size }
     }
 
     /// The slope of the energy along the direction, negative downhill.

@@ -56,6 +56,11 @@ impl Reaction {
         for_each((energies, split(&mut self.tables, self.points)), &leaf);
     }
 
+    /// The tractions component by component.
+    pub(crate) fn tractions(&self) -> &[f64] {
+        &self.tables[..self.components * self.points]
+    }
+
     /// The traction along component `c`.
     pub(crate) fn traction(&self, c: usize) -> &[f64] {
         &self.tables[c * self.points..][..self.points]

@@ -9,7 +9,7 @@ use gfmd_contact::{Budget, Drive, Equilibrium, Load, Progress, SolveError};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{FrictionalContact, Interface, Path, Refinement, State, Step};
-use gfmd_law::{CoupledExponential, Exponential, Law, Limit, Morse, Separation, XuNeedleman};
+use gfmd_law::{CoupledExponential, Exponential, HarmonicCosine, Law, Limit, Morse, Separation, XuNeedleman};
 use gfmd_response::{FullResponse, NormalResponse};
 use ndarray::Array2;
 
@@ -92,6 +92,23 @@ fn a_closed_loop_loses_what_a_fine_path_loses() {
         }
         // It jumps once on the way in and once on the way out.
         assert_eq!(steps.iter().filter(|step| step.dissipated > Some(1e-8)).count(), 2);
+    }
+}
+
+/// Where the attraction is too steep for the grid each point jumps on its own.
+#[test]
+fn small_jumps_within_long_steps_are_all_counted() {
+    let enough = Refinement { solves_per_step: 100, ..FINE };
+    for number in 0..6 {
+        let n = 48 + 4 * number;
+        let law = HarmonicCosine::new(1e-4, 30.0 + 8.0 * number as f64).unwrap();
+        let interface = Interface::on(half_space(n), &asperities(n), law).unwrap();
+        let turns = [0.002, -0.008];
+        let fine = by_trapezoids(&interface, &approaches(&turns, 8000));
+        for steps in [2, 3, 5] {
+            let [lost, error] = lost(&follow(&interface, &approaches(&turns, steps), enough));
+            assert!((lost - fine).abs() < 1e-3 * fine + error, "{lost:e} ± {error:e}, {fine:e}");
+        }
     }
 }
 
