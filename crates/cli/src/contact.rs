@@ -380,6 +380,7 @@ impl Loads {
             return Ok(Outcome { report, failure });
         }
         report.head.warn_of_slopes(&report.loads, &prepared.facts, session);
+        prepared.warn_of_strain(report.loads.iter().map(|load| load.number("displacement")), session);
         if let Some(file) = file {
             report.out = session.agree(self.finish(file, &report, &gathered))?;
         }

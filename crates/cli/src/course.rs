@@ -132,7 +132,11 @@ impl Course {
         let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
         progress.finish();
         let Log { widest, unsettled, .. } = log;
-        let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !ended.is_kept(kept.as_deref())));
+        let is_kept = ended.is_kept(kept.as_deref());
+        if !is_kept {
+            prepared.warn_of_strain(ended.records.iter().map(|step| step.number("displacement")), session);
+        }
+        let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !is_kept));
         Ok(Followed { contact, path, ended, file, widest, unsettled })
     }
 }

@@ -292,6 +292,9 @@ impl Way {
         }
         progress.finish();
         let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
+        if !is_kept {
+            prepared.warn_of_strain(report.states.iter().map(|state| state.displacement), session);
+        }
         let out = file.filter(|_| !is_kept).map(|file| file.finish(&report.states, count)).transpose()?;
         report.out = session.written(out);
         report.peak_bytes = peak_bytes();

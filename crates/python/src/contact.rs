@@ -367,6 +367,11 @@ impl Problem {
         accuracy::check(asked, &self.prepared, control == "displacement").map_err(|failure| refused(py, &failure))
     }
 
+    /// The warning of strain that is not small at an approach; `None` if it is.
+    fn strain(&self, approach: f64) -> Option<String> {
+        self.prepared.doubt_of_strain(approach)
+    }
+
     /// The warning of slopes that are not small, with the largest pressure of the loads; `None` if they are.
     fn slopes(&self, largest: f64) -> Option<String> {
         let Prepared { facts, surface, body, .. } = &self.prepared;

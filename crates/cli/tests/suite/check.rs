@@ -210,6 +210,23 @@ fn warnings_stand_in_json_and_in_the_file() {
     assert!(codes("contact --n 32 --eps-f-inv 4 --p-star 0.2").is_empty());
     assert_eq!(codes("contact --n 32 --eps-f-inv 8 --p-star 0.05"), ["grid"]);
     assert_eq!(codes("punch --n 16 --depth 0.2"), ["large-strain", "large-strain"]);
+    // The approach is a number, or follows from the pressure; the rough surfaces are lower than the slab.
+    for slab in ["--height 0.05", "--height 0.05 --lower-seed 3", "--height 0.02 --layer 1,0.3,0.03"] {
+        for load in ["--displacement 0.1", "--pressure 0.3"] {
+            let words = format!("contact --n 32 --eps-f-inv 4 {slab} {load}");
+            assert_eq!(codes(&words), ["large-strain"], "{words}");
+        }
+        let gentle = codes(&format!("contact --n 32 --eps-f-inv 4 {slab} --displacement 0.004"));
+        assert!(!gentle.contains(&"large-strain".into()), "{slab}: {gentle:?}");
+    }
+    let slab = "--n 16 --eps-f-inv 4 --height 0.05";
+    for command in [
+        "path --displacement 0.002,0.1 --steps 2",
+        "wear --displacement 0.1 --coefficient 1e-6 --distance 0,1",
+        "slide --displacement 0.1 --velocity 1 --prony 1:0.5",
+    ] {
+        assert_eq!(codes(&format!("{command} {slab}")), ["large-strain"], "{command}");
+    }
     let law = "--law exponential --param gamma=1e-4,range=1e-5 --coarse";
     assert_eq!(codes(&format!("contact --n 16 --eps-f-inv 4 {law} --p-star 0.05")), ["lattice-trapping", "grid"]);
     assert_eq!(codes(&format!("path --n 16 --eps-f-inv 4 {law} --displacement 0.01")), ["lattice-trapping"]);

@@ -112,6 +112,18 @@ fn small_jumps_within_long_steps_are_all_counted() {
     }
 }
 
+/// Near first touch the energy changes by less than its rounding errors.
+#[test]
+fn first_touch_takes_few_iterations() {
+    let law = HarmonicCosine::new(1e-4, 8.0).unwrap();
+    let interface = Interface::on(half_space(256), &asperities(256), law).unwrap();
+    let refinement = Refinement { solves_per_step: 0, ..FINE };
+    let steps = follow(&interface, &approaches(&[-0.01, -0.0072], 200), refinement);
+    for (index, step) in steps.iter().enumerate() {
+        assert!(step.effort.iterations < 60, "step {index}: {}", step.effort.iterations);
+    }
+}
+
 #[test]
 fn a_loop_under_load_loses_what_a_fine_path_loses() {
     let response = half_space(128);

@@ -115,12 +115,12 @@ class _Setup:
             raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
 
     def tell(self, done: list[Contact], control: str, values: list[float]) -> None:
-        """Warns of slopes that are not small, and of units that are mixed up."""
-        for doubt in self.problem.doubts(_KEYS[control], max(values)):
-            warned(doubt)
-        reported = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
-        if reported is not None:
-            warned(reported)
+        """Warns of slopes and strains that are not small, and of units that are mixed up."""
+        slopes = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
+        strain = self.problem.strain(max((contact.displacement for contact in done), default=0.0))
+        for doubt in [*self.problem.doubts(_KEYS[control], max(values)), slopes, strain]:
+            if doubt is not None:
+                warned(doubt)
 
     def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
         """The contact under one load, from a state, or as the options ask."""

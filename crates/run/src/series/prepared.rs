@@ -314,6 +314,26 @@ impl Prepared {
         }
     }
 
+    /// Warns of approaches at which strain is not small.
+    pub fn warn_of_strain(&self, approaches: impl IntoIterator<Item = f64>, session: &Session) {
+        let approach = approaches.into_iter().fold(0.0, f64::max);
+        if let Some(doubt) = self.doubt_of_strain(approach) {
+            session.warn("large-strain", doubt);
+        }
+    }
+
+    /// The words about a largest approach, length, at which strain is not small; `None` if it is.
+    pub fn doubt_of_strain(&self, approach: f64) -> Option<String> {
+        let part = approach / self.body.total_height();
+        let said = self.surface.units().words(approach, "length");
+        let doubt = || {
+            format!(
+                "the approach of {said} is {part:.2} of the height of the slab; linear elasticity holds for small strain"
+            )
+        };
+        (part > STRAINED).then(doubt)
+    }
+
     /// The words about a largest reduced pressure far beyond full contact, which `name` gives.
     pub fn doubt_of_load(&self, p_star: f64, name: &str) -> Option<String> {
         let units = self.surface.units();
@@ -363,6 +383,9 @@ const WEAKEST: f64 = 1e-5;
 /// The reduced pressure beyond which a load is no load of a rough contact: at 2 nearly all of the surface is in
 /// contact.
 const HIGHEST: f64 = 10.0;
+
+/// The ratio of the approach to the height of the slab above which strain is not small, as below a punch.
+const STRAINED: f64 = 0.1;
 
 /// Checks that a contact can be solved under a drive, which `name` gives.
 ///
