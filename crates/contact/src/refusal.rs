@@ -101,6 +101,21 @@ pub enum Refusal {
         /// The smallest possible value, about.
         least: f64,
     },
+    /// The load or approach is so small that the tolerance, over h_rms, does not resolve it.
+    #[error(
+        "the {what} is {found:e}; it must be at least {least:e} on this surface, or the tolerance less than \
+         {tolerance:e}, which does not resolve smaller ones"
+    )]
+    Unresolved {
+        /// Mean pressure or approach.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// The smallest possible value.
+        least: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// The tractions of a law are so large that a mean pressure of this size makes no difference at the tolerance.
     #[error(
         "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to \

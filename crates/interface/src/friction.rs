@@ -62,6 +62,8 @@ const SHARE: f64 = 0.1;
 const SHARE_OF_RESIDUAL: f64 = 0.075;
 /// The tolerance of both problems in the first round, and the largest one.
 const FIRST: f64 = 1e-3;
+/// The largest part of a prescribed approach that is within the tolerance of a round.
+const OF_THE_APPROACH: f64 = 0.1;
 
 /// The only solver, which alternates between projected conjugate gradients and spectral projected gradients.
 const SOLVERS: [Solver; 1] = [Solver::Auto];
@@ -220,7 +222,12 @@ impl FrictionalContact {
         let mut increment = Increment::new(self, drive, start);
         let mut iterations = 0;
         let mut ending = Ending::GaveUp(Why::Circles);
-        let mut tolerance = FIRST;
+        // Without pressure, a surface that is moved by a prescribed approach must not be within the tolerance.
+        let coarsest = |increment: &Increment| match drive.load {
+            Load::Approach(approach) => FIRST.min(OF_THE_APPROACH * approach / increment.length_scale),
+            Load::MeanPressure(_) => FIRST,
+        };
+        let mut tolerance = coarsest(&increment);
         for round in 0..ROUNDS {
             let part = Budget {
                 tolerance: tolerance.max(SHARE * budget.tolerance),
@@ -247,7 +254,7 @@ impl FrictionalContact {
             }
             let mut state = certify(&mut increment);
             state.effort.iterations = iterations;
-            tolerance = FIRST.min(SHARE_OF_RESIDUAL * state.residual.worst());
+            tolerance = coarsest(&increment).min(SHARE_OF_RESIDUAL * state.residual.worst());
             if state.residual.worst() <= budget.tolerance {
                 self.check_shear(&state, budget.tolerance)?;
                 return Ok(state);

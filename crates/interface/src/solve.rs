@@ -48,7 +48,7 @@ impl Equilibrium for Interface {
         self.given.check_resolution(drive.load, softest, tolerance)?;
         let unit = if let Load::MeanPressure(_) = drive.load { softest } else { 1.0 } * self.given.rms_height();
         let least = RESOLVED * tolerance * unit;
-        if found < least { Err(Refusal::Slight { what, found, least }) } else { Ok(()) }
+        if found < least { Err(Refusal::Unresolved { what, found, least, tolerance }) } else { Ok(()) }
     }
 
     /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard

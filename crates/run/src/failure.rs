@@ -115,6 +115,7 @@ impl From<Refusal> for Failure {
             | Refusal::Hidden { .. }
             | Refusal::Shallow { what: "mean pressure", .. }
             | Refusal::Slight { what: "mean pressure", .. }
+            | Refusal::Unresolved { what: "mean pressure", .. }
             | Refusal::Rounding { what: "mean pressure", .. } => "--pressure",
             Refusal::Digits { .. } | Refusal::Unit { .. } => "--young",
             Refusal::NotFinite { what: "lateral displacement", .. }
@@ -125,6 +126,7 @@ impl From<Refusal> for Failure {
             | Refusal::NotFinite { what: "approach", .. }
             | Refusal::Shallow { .. }
             | Refusal::Slight { .. }
+            | Refusal::Unresolved { .. }
             | Refusal::Rounding { .. } => "--displacement",
             Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "--solver",
             Refusal::Law(_) => "--param",

@@ -23,7 +23,7 @@ use crate::processes;
 pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
 
 /// The number of the format of journals: another one cannot be continued.
-const JOURNAL: u32 = 2;
+const JOURNAL: u32 = 3;
 
 /// A run of the program.
 #[derive(Clone)]

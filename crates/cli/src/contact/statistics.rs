@@ -4,13 +4,14 @@ use gfmd_contact::Fields as _;
 use gfmd_flow::Flow;
 use gfmd_green::Height;
 use gfmd_measure::Patches;
-use gfmd_problem::{Posed, Rest};
+use gfmd_problem::{MemoryNeed, Posed, Rest};
 use gfmd_record::{At, Record, Statistics};
 use ndarray::ArrayView2;
 
 use super::{Args, Conducting, stiffness};
 use gfmd_run::failure::Failure;
 use gfmd_run::flow::through;
+use gfmd_run::memory;
 use gfmd_run::series::Prepared;
 use gfmd_run::source::Surface;
 
@@ -36,11 +37,10 @@ pub(super) fn measured(
 }
 
 /// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions
-/// and spectra; `warn`
-/// takes the words of numbers that are less exact than they should be.
+/// and spectra; `warn` takes the words of numbers that are less exact than they should be.
 ///
 /// # Errors
-/// Measurements that the contact does not have; those that cannot be computed.
+/// Measurements that the contact does not have; those that cannot be computed, or need more memory than there is.
 pub fn measure(
     args: &Args,
     prepared: &Prepared,
@@ -50,6 +50,9 @@ pub fn measure(
 ) -> Result<(Record, Option<Statistics>), Failure> {
     let facts = args.facts(prepared.surface.grid.is_line());
     facts.check()?;
+    if args.flow {
+        memory::fits(MemoryNeed::FLOW_ALONE, "flow", prepared.surface.grid.points())?;
+    }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
     let stiffness = stiffness(contact, state, args.problem.stiffness_tol, &mut warn).map_err(Into::into);
     let at = At { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tol) };

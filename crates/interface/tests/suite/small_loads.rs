@@ -69,6 +69,27 @@ fn friction_under_a_small_load_is_that_under_a_large_one() {
     }
 }
 
+/// On a flat top all fields are the approach times fixed ones.
+#[test]
+fn friction_at_a_small_approach_is_that_at_a_large_one() {
+    let (grid, heights) = disc(24);
+    let contact = FrictionalContact::new(&half_space(0.2), &grid, &heights, Limit::Coulomb(0.3)).unwrap();
+    let tractions = |approach: f64| {
+        let pressed = contact.press(Load::Approach(approach)).solve().unwrap();
+        let lateral = [0.1 * approach, 0.0];
+        let drive = Drive { load: Load::Approach(approach), lateral, time: 0.0, distance: 0.0 };
+        let sheared = contact.press(drive).starting_from(Some(&pressed)).solve().unwrap();
+        [sheared.traction / approach, pressed.traction / approach]
+    };
+    let expected = tractions(1e-2);
+    for approach in [1e-5, 1e-6, 1e-9, 1e-30] {
+        for (found, expected) in tractions(approach).iter().zip(&expected) {
+            let error = apart(found, expected);
+            assert!(error < 1e-3, "{approach:e}: {error:e}");
+        }
+    }
+}
+
 /// Morse's law repels where the gap is negative; far away it vanishes, and tractions there are rounding errors.
 #[test]
 fn rounding_errors_far_from_contact_are_no_contact() {
