@@ -189,11 +189,10 @@ impl fmt::Display for Report {
                 }
             }
             (Some(lost), Some(error)) => {
+                let digits = |factor: f64| with_limit(lost * factor, lost * factor, error * factor);
                 match self.head.units().shown("stress*length", lost.abs().max(error)) {
-                    Some(Shown { factor, name }) => {
-                        write!(f, "\ndissipated ({:.6} +- {:.2}) {name}", lost * factor, error * factor)?;
-                    }
-                    None => write!(f, "\ndissipated {lost:.6e} +- {error:.1e} per area")?,
+                    Some(Shown { factor, name }) => write!(f, "\ndissipated {} {name}", digits(factor))?,
+                    None => write!(f, "\ndissipated {} per area", digits(1.0))?,
                 }
                 let none = if error >= lost.abs() { "none within its error, " } else { "" };
                 write!(f, " ({none}{} extra solves)", self.extra_solves)?;
