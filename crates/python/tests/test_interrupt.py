@@ -21,14 +21,21 @@ ENDLESS = dict(solver="verlet-critical", tolerance=1e-15, max_iterations=10**9)
 
 
 @pytest.fixture
-def ctrl_c():
+def no_finalisers():
+    """Python loses an exception that a signal raises in a finaliser, such as those of figures of other tests."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.fixture
+def ctrl_c(no_finalisers):
     """Presses Ctrl-C some time after it is called. A shell in the background has the signal ignored, Python then
     too.
     """
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     over = threading.Event()
-    # Python loses an exception that a signal raises in a finaliser, such as those of figures of other tests.
-    gc.collect()
 
     def press(seconds=0.5, when=None):
         def wait():
@@ -128,7 +135,7 @@ def test_a_sweep_that_goes_on_ends_as_one_in_one_go(ctrl_c, tmp_path):
     ],
     ids=["contact", "path"],
 )
-def test_exceptions_of_other_signals_come_as_they_are(call):
+def test_exceptions_of_other_signals_come_as_they_are(call, no_finalisers):
     class Late(Exception):
         pass
 
