@@ -245,9 +245,10 @@ impl<'a> Stored<'a> {
                 _ => 1.0,
             },
             // Repulsion and attraction cancel at the load zero.
-            "mean_pressure" if self.prepared.adhesion.is_some() => record.number("max_pressure"),
-            "p_star" if self.prepared.adhesion.is_some() => {
-                record.number("max_pressure") / self.prepared.unit_pressure()
+            "mean_pressure" | "p_star" | "force" | "kappa" | "kappa_corrected" if self.prepared.adhesion.is_some() => {
+                let [most, mean] = ["max_pressure", "mean_pressure"].map(|name| record.number(name));
+                let scale = (record.number(column.name) * most / mean).abs();
+                if scale.is_finite() { scale } else { most }
             }
             _ => 0.0,
         }

@@ -177,9 +177,9 @@ pub(crate) fn counted(
         found.near("contact_nodes", number(record, "contact_nodes"), area, 1e-6);
     }
     let reported = number(record, "mean_gap");
-    // In full contact with a wall the gap is zero, whatever rounding leaves of it.
+    // In full contact with a wall the gap is zero, whatever the search leaves of it within its tolerance.
     if reported == 0.0 && least == points {
-        found.near("mean_gap in full contact", mean(gap), 0.0, 1e-9 * case.plane.length[0]);
+        found.near("mean_gap in full contact", mean(gap), 0.0, case.tolerance.max(1e-9) * case.plane.length[0]);
     } else {
         found.near("mean_gap", reported, mean(gap), 1e-9 * largest(gap));
     }

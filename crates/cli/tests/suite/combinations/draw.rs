@@ -716,6 +716,8 @@ impl Case {
         if grid_error != "estimate" {
             let _ = write!(text, " --grid-error {grid_error}");
         }
+        // The states of a finer grid along a path are not kept.
+        let further = if is_path && grid_error == "refine" && further == "resume" { "" } else { further };
         let words = text.split_whitespace().map(str::to_owned).collect();
         Self {
             index,
