@@ -3,6 +3,7 @@
 
 mod catalogue;
 mod dampings;
+mod free_slab;
 mod page;
 
 use std::collections::BTreeMap;

@@ -23,7 +23,6 @@ mod checking;
 pub mod completions;
 pub mod contact;
 mod course;
-pub mod damping;
 pub mod green;
 mod guess;
 pub mod inputs;

@@ -16,8 +16,8 @@ use serde::Serialize;
 
 use crate::session::Common;
 use crate::{
-    body, check, completions, contact, damping, green, guess, inputs, kappa_sweep, law, path, processes, punch, report,
-    session, slide, surface, theory, wear,
+    body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, punch, report, session,
+    slide, surface, theory, wear,
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
@@ -49,8 +49,6 @@ pub enum Command {
     Body(Box<body::Args>),
     /// Make a rough surface, or measure one
     Surface(Box<surface::Args>),
-    /// Relax a free surface with several dampings; compare prediction and measurement
-    Damping(Box<damping::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
     /// Follow a contact along a path: loading and unloading, adhesion, friction
@@ -196,8 +194,7 @@ const GROUPS: &[(&str, &[&str], &[&str])] = &[
     ("Places", &["body"], &["depths", "levels", "deepest", "slice", "quantities"]),
     ("Places", &["green", "law"], &["z", "depth", "normal", "tangential"]),
     ("Load", &["theory"], &["p_star", "wavelength"]),
-    ("Dynamics", &["damping"], &["factors", "dt", "steps"]),
-    ("Body", &["punch", "body", "green", "damping"], &["height", "young", "poisson", "e_star"]),
+    ("Body", &["punch", "body", "green"], &["height", "young", "poisson", "e_star"]),
     ("Flash temperature", &["slide"], &["heat", "friction"]),
     ("Contact", &[], &["boundary", "components", "hardness", "finite_slope", "friction", "shear_strength"]),
     ("Accuracy", &[], &["grid_error", "accuracy", "energy_tol", "energy_solves"]),
@@ -297,7 +294,6 @@ impl Command {
             Self::Punch(args) => ended(punch::run(args, session)?),
             Self::Body(args) => whole(body::run(args, session)?),
             Self::Surface(args) => whole(surface::run(args, session)?),
-            Self::Damping(args) => whole(damping::run(args, session)?),
             Self::Green(args) => whole(green::run(args)?),
             Self::Path(args) => ended(path::run(args, session)?),
             Self::Slide(args) => ended(slide::run(args, session)?),

@@ -11,8 +11,6 @@ pub const SURFACE: MemoryNeed = MemoryNeed(5);
 pub const PUNCH: MemoryNeed = MemoryNeed(48);
 /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
 pub const BODY: MemoryNeed = MemoryNeed(36);
-/// The relaxation of a free surface.
-pub const DAMPING: MemoryNeed = MemoryNeed(40);
 
 /// The number of fields that are under way between processes, rounded up.
 const LETTERS: u64 = 1;
@@ -184,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_grid_whose_bytes_no_integer_holds_is_refused() {
-        let all = [SURFACE, MemoryNeed::HARD_WALL, MemoryNeed::LAW, MemoryNeed::ALL_COMPONENTS, PUNCH, BODY, DAMPING];
+        let all = [SURFACE, MemoryNeed::HARD_WALL, MemoryNeed::LAW, MemoryNeed::ALL_COMPONENTS, PUNCH, BODY];
         for fields in all {
             for points in [[1 << 31; 2], [1 << 33, 1 << 28], [usize::MAX, 1]] {
                 assert!(fields.bytes(points) > 1 << 60, "{fields:?} {points:?}");

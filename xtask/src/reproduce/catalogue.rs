@@ -139,7 +139,7 @@ pub(super) const FIGURES: [Figure; 19] = [
                  the punch; the critical one converges fastest.",
         here: "The amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the \
                critical damping of eq. 4.8, and the uniform mode (0, 0) of the free slab, pushed at one point, for the \
-               same factors (`gfmd damping`). For the free slab factor 1 is best; for the punch, whose held points \
+               same factors. For the free slab factor 1 is best; for the punch, whose held points \
                stiffen the soft modes, more damping is: 1162 steps to 1e-8 with factor 1, 578 with 2, 1240 with 3 \
                (docs/solvers.md).",
         erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle of the punch. Its first \

@@ -1,13 +1,16 @@
 //! Figure 4.1: the punch with several damping factors, beside the free slab.
 
+use gfmd_field::Grid;
+use gfmd_green::{Body, Material};
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 use gfmd_run::failure::Failure;
 use serde_json::Value;
 
 use super::Runs;
+use super::free_slab::FreeSlab;
 
 /// The damping over the critical one.
-const FACTORS: [&str; 4] = ["0.1", "0.3", "1", "3"];
+const FACTORS: [(&str, f64); 4] = [("0.1", 0.1), ("0.3", 0.3), ("1", 1.0), ("3", 3.0)];
 
 /// Steps of figure 4.1a, and the one at which figure 4.1b is taken.
 const STEPS: usize = 400;
@@ -19,19 +22,16 @@ const EVERY: usize = 2;
 const LENGTH: f64 = 1.27;
 const POINTS: f64 = 128.0;
 
+/// Free slab of unit length and height, as below the punch.
+const YOUNG: f64 = 70.0;
+const POISSON: f64 = 0.33;
+const HEIGHT: f64 = 1.0;
+
 /// The command of the punch with one factor, as it stands on the page.
 pub(super) fn command(factor: &str) -> String {
     format!(
         "punch --solver verlet-critical --damping {factor} --max-iter {STEPS} --tol 1e-15 --history \
          --history-mode 1,0,x"
-    )
-}
-
-/// The command of the free slab.
-pub(super) fn free() -> String {
-    format!(
-        "damping --n 128 --height 1 --young 70 --poisson 0.33 --factors {} --steps {STEPS} --out free.h5",
-        FACTORS.join(",")
     )
 }
 
@@ -43,7 +43,7 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
         .collect();
     let mut modes = Vec::new();
     let mut profiles = Vec::new();
-    for (hue, factor) in FACTORS.into_iter().enumerate() {
+    for (hue, (factor, _)) in FACTORS.into_iter().enumerate() {
         let report = runs.run(&(command(factor) + &points))?;
         let history = &report["history"];
         let label = format!("factor {factor}");
@@ -75,14 +75,17 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
         };
         return Ok(vec![("", svg(Chart::new(vec![panel]))?)]);
     }
-    runs.run(&free())?;
-    let file = gfmd_files::Reader::open(runs.folder.path().join("free.h5"));
-    let file = file.map_err(|error| Failure::Computation(error.to_string()))?;
-    let slowest: Vec<f64> = file.values("/history/mode").map_err(|error| Failure::Computation(error.to_string()))?;
-    let length = slowest.len() / FACTORS.len();
-    let free = slowest.chunks_exact(length).zip(FACTORS).enumerate().map(|(hue, (run, factor))| {
-        Series::line(&format!("factor {factor}"), hue, run.iter().enumerate().map(|(step, u)| (step as f64, *u)))
-    });
+    let failed = |reason: &dyn std::fmt::Display| Failure::Computation(format!("the free slab: {reason}"));
+    let material = Material::from_young(YOUNG, POISSON).map_err(|error| failed(&error))?;
+    let body = Body::slab(material, HEIGHT).map_err(|error| failed(&error))?;
+    let grid = Grid::square(POINTS as usize, 1.0).map_err(|error| failed(&error))?;
+    let slab = FreeSlab::new(&body, grid).ok_or_else(|| failed(&"a single point"))?;
+    let mut free = Vec::new();
+    for (hue, (label, factor)) in FACTORS.into_iter().enumerate() {
+        let amplitudes = slab.relax(factor, STEPS).map_err(|error| failed(&error))?;
+        let points = amplitudes.iter().enumerate().map(|(step, u)| (step as f64, *u));
+        free.push(Series::line(&format!("factor {label}"), hue, points));
+    }
     let panel = |title: &str, label: &str, series| Panel {
         title: title.into(),
         x: Axis::linear("time step"),
@@ -92,7 +95,7 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
     };
     let panels = vec![
         panel("punch", "amplitude of *u*_x, mode (1, 0) / *z*_m", modes),
-        panel("free slab", "amplitude of *u*_x, mode (0, 0) / start", free.collect()),
+        panel("free slab", "amplitude of *u*_x, mode (0, 0) / start", free),
     ];
     Ok(vec![("", svg(Chart { share_y: false, ..Chart::new(panels) })?)])
 }

@@ -68,8 +68,7 @@ fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Fa
     let mut commands = commands;
     commands.dedup();
     match (*work, *number) {
-        (Work::Dampings, "4.1a") => commands.push(dampings::free()),
-        (Work::Dampings, _) => commands[0] += " --history-point 0.3175,0.635,x",
+        (Work::Dampings, "4.1b") => commands[0] += " --history-point 0.3175,0.635,x",
         _ => {}
     }
     text.push_str("\n```text\n");

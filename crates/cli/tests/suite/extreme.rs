@@ -146,12 +146,6 @@ const BASES: &[Base] = &[
         lists: "",
     },
     Base {
-        line: "damping --n 4 --steps 60",
-        numbers: "--height --young --poisson --dt --factors",
-        counts: "--n --steps --dim",
-        lists: "--factors",
-    },
-    Base {
         line: "green --qx 3 --qy 4 --height 0.3 --poisson 0.3 --z 0.1",
         numbers: "--qx --qy --height --young --poisson --z --depth",
         counts: "--dim",
@@ -468,7 +462,6 @@ fn special_files_are_not_replaced() {
         "path --n 8 --eps-f-inv 2 --law exponential --param gamma=1e-4,range=0.01 --displacement 0.002 --steps 1",
         "punch --n 8",
         "surface --n 8 --eps-f-inv 2",
-        "damping --n 4 --steps 60",
         "kappa-sweep --preset smoke",
     ];
     for command in commands {
@@ -667,7 +660,7 @@ fn closed_streams_and_bytes_that_are_no_text() {
         let output = Command::new("bash").args(["-c", script, program]).current_dir(folder.path()).output().unwrap();
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    let commands = ["", "contact", "path", "punch", "body", "surface", "damping", "green", "law", "kappa-sweep"];
+    let commands = ["", "contact", "path", "punch", "body", "surface", "green", "law", "kappa-sweep"];
     for command in commands {
         let (status, stderr) = shell(&format!("\"$0\" {command} --help | head -c 0; exit ${{PIPESTATUS[0]}}"));
         assert!(status == Some(0) && stderr.is_empty(), "{command} --help: {status:?} {stderr}");

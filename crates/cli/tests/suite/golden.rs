@@ -433,7 +433,6 @@ fn sweep_punch_and_elasticity() {
     check(folder, "kappa-sweep", "kappa-sweep --config sweep.toml --out k.h5");
     check(folder, "punch", "punch --n 32 --nodes inclusive --refine 2 --out p.h5");
     check(folder, "punch-line", "punch --dim 2 --n 64 --contact frictionless --height inf --solver verlet --tol 1e-6");
-    check(folder, "damping", "damping --n 16 --steps 200 --out d.h5");
     check(folder, "green", "green --qx 3 --qy 4 --height 0.3 --poisson 0.45 --z 0.1");
     check(folder, "body-punch", "body --surface p.h5 --depths 0.1,0.3 --out b.h5");
 }
@@ -460,7 +459,6 @@ fn threads_change_no_bit() {
          --out p.h5",
         "path --n 64 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1 --tol 1e-6 --out f.h5",
         "punch --n 128 --out u.h5",
-        "damping --n 128 --steps 60 --factors 1 --out d.h5",
         "body --surface u.h5 --levels 3 --out b.h5",
         "kappa-sweep --config sweep.toml --out k.h5",
     ] {

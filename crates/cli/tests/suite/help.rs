@@ -20,7 +20,6 @@ fn every_command_has_examples_under_the_name_of_the_program() {
         "punch",
         "body",
         "surface",
-        "damping",
         "green",
         "path",
         "slide",

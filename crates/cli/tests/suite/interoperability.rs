@@ -64,10 +64,8 @@ fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
     run("contact --n 64 --dim 2 --p-star 0.05 --json --vtk line.vtp");
     run("punch --n 16 --json --out punch.h5");
     run("punch --n 16 --dim 2 --json --out strip.h5");
-    run("damping --n 8 --factors 0.5,1 --steps 40 --json --out damping.h5");
 
-    let names =
-        "contact line surface sweep body slice punch strip damping".split(' ').map(|name| name.to_owned() + ".h5");
+    let names = "contact line surface sweep body slice punch strip".split(' ').map(|name| name.to_owned() + ".h5");
     let files: Vec<_> = names.map(|name| folder.path().join(name)).collect();
     let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/interoperability/check.py");
     succeeds(Command::new(python()).arg(check).args(&files));
@@ -92,8 +90,6 @@ punch = xarray.open_dataset(folder + '/punch.h5', group='fields', engine='h5netc
 assert punch.traction.dims == ('x', 'y', 'component') and list(punch.component) == ['x', 'y', 'z']
 mean = xarray.open_dataset(folder + '/punch.h5', group='punch', engine='h5netcdf').mean_pressure
 assert abs(float(punch.traction.sel(component='z').mean()) + float(mean)) < 1e-12
-history = xarray.open_dataset(folder + '/damping.h5', group='history', engine='h5netcdf')
-assert history.mode.dims == ('factor', 'step') and history.mode.shape == (2, 41), history.mode
 root = xarray.open_dataset(folder + '/sweep.h5', engine='h5netcdf')
 for name in 'schema_version program version git_commit command created config machine threads'.split():
     assert name in root.attrs, name

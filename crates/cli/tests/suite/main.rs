@@ -11,7 +11,6 @@ mod common;
 mod conductance;
 mod contact;
 mod crash;
-mod damping;
 mod extreme;
 mod free;
 mod golden;

@@ -179,7 +179,6 @@ fn refusals_name_the_flag_and_what_to_do() {
         ("theory --n 16 --unit um --p-star 0.1", ["--young is missing", "--e-star 1"]),
         ("path --n 16 --unit um --p-star 0.1,0.2", ["--young is missing", "--e-star 1"]),
         ("punch --young 70GPa", ["--young is 70GPa", "the lengths of punch have none"]),
-        ("damping --height 1um", ["--height is 1um", "the lengths of damping have none"]),
         ("law --law morse --param gamma=1J/m^2 --param range=1 --normal 0", ["--param", "--unit"]),
     ] {
         let error = refused(folder.path(), flags);
