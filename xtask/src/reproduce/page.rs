@@ -67,9 +67,8 @@ fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Fa
     }
     let mut commands = commands;
     commands.dedup();
-    match (*work, *number) {
-        (Work::Dampings, "4.1b") => commands[0] += " --history-point 0.3175,0.635,x",
-        _ => {}
+    if let (Work::Dampings, "4.1b") = (*work, *number) {
+        commands[0] += " --history-point 0.3175,0.635,x";
     }
     text.push_str("\n```text\n");
     for command in commands {
