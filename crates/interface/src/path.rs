@@ -141,7 +141,8 @@ pub struct Step {
 /// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in
 /// jumps. A step is therefore divided until the balance of work and energy closes to fourth order and is alike in both
 /// halves, which shows that no energy was lost, or until a jump is enclosed between two states so close that the work
-/// between them is negligible: the energy that is missing is then the loss.
+/// between them is negligible: the energy that is missing is then the loss. Once the solves of a step are used up, the
+/// difference between the halves is an error of the loss.
 ///
 /// With friction the state itself depends on the number of increments in which it is reached, as long as they are few:
 /// slip counts from the start of an increment, and where the contact grows this is too early. A step, also the first
@@ -618,6 +619,10 @@ impl<P: Quasistatic> Search<'_, P> {
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
         let (mut jumped, mut is_known) = (false, true);
+        // With less, pieces are no longer divided only because their halves differ; the difference is then their error.
+        let enough = self.allowance - self.allowance / IN_ADVANCE;
+        // The end of the last piece that was divided although it balanced.
+        let mut balanced = 0.0;
         // The ends of the next one or two pieces, in reverse order.
         let mut ahead = vec![end];
         while here.share < 1.0 {
@@ -635,7 +640,11 @@ impl<P: Quasistatic> Search<'_, P> {
                     Err(_) => {}
                     Ok(middle) => {
                         let mut halves = Halves::new(&here.reading, &middle.reading, &end.reading);
-                        let closes = |halves: &Halves| halves.simpson().abs().max(halves.unlikeness) <= allowed * span;
+                        let balances = |halves: &Halves| halves.simpson().abs() <= allowed * span;
+                        let is_part = end.share <= balanced;
+                        let is_alike = |halves: &Halves| is_part || halves.unlikeness <= allowed * span;
+                        let is_late = self.allowance < enough;
+                        let closes = |halves: &Halves| balances(halves) && (is_late || is_alike(halves));
                         // The ends of a piece do not show a force that rises and falls within; its work is of second
                         // order in the length of the piece.
                         let enclosed = |halves: &Halves| halves.spread + reference * span * span;
@@ -650,12 +659,14 @@ impl<P: Quasistatic> Search<'_, P> {
                         }
                         piece = if closes(&halves) {
                             // Without a loss, the difference of work and energy is the error of the work.
-                            (halves.simpson(), halves.simpson().abs())
+                            let doubt = if is_alike(&halves) { 0.0 } else { halves.unlikeness };
+                            (halves.simpson(), halves.simpson().abs().max(doubt))
                         } else if encloses(&halves) {
                             (halves.missing, enclosed(&halves))
                         } else if self.allowance < RESERVE {
                             (halves.missing, halves.doubt())
                         } else {
+                            balanced = if balances(&halves) { end.share } else { 0.0 };
                             ahead.clear();
                             ahead.extend([end, middle]);
                             continue;

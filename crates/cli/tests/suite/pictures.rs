@@ -32,7 +32,7 @@ fn each_kind_of_contact_has_its_figures() {
         ("contact --n 32 --p-star 0.05 --boundary free", vec!["map", "gap", "section"]),
         (&format!("contact --n 64 {law} --pressure 0.005"), vec!["map", "traction", "gap", "section"]),
         (
-            "contact --n 32 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.05",
+            "contact --n 32 --height 0.3 --poisson 0.3 --lower-seed 2 --p-star 0.05",
             vec!["map", "gap", "section", "lower-map", "lower-gap", "lower-section"],
         ),
         ("path --n 32 --p-star 0.01,0.2,0.01 --steps 2 --hardness 0.1", vec!["map", "gap", "section", "path"]),
@@ -67,7 +67,7 @@ fn the_page_has_the_figures_of_the_command() {
             &["repulsion and attraction", "gap", "section through both surfaces"],
         ),
         (
-            "contact --n 32 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.05",
+            "contact --n 32 --height 0.3 --poisson 0.3 --lower-seed 2 --p-star 0.05",
             &[
                 "gap",
                 "section through both surfaces",
