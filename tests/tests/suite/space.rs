@@ -60,6 +60,7 @@ fn refused(refusal: &Refusal) -> Verdict {
         Refusal::Slight { .. } => "refused: slight",
         Refusal::Rounding { .. } => "refused: rounding",
         Refusal::Hidden { .. } => "refused: hidden by the tractions",
+        Refusal::Unresolved { found, least, .. } if found < least => "refused: not resolved by the tolerance",
         Refusal::Shallow { .. } => "refused: below the rounding of the heights",
         Refusal::Digits { .. } | Refusal::Unit { .. } => "refused: units",
         Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "refused: solver",

@@ -74,8 +74,8 @@ pub(super) struct Change {
 }
 
 impl Change {
-    /// Returns true if the energy falls enough. Where rounding errors hide its change, the slopes at both ends tell (the
-    /// approximate Wolfe condition, Hager and Zhang 2005).
+    /// Returns true if the energy falls enough. Where rounding errors hide its change, the slopes at both ends decide
+    /// (the approximate Wolfe condition, Hager and Zhang 2005).
     fn falls(&self) -> bool {
         let enough = -SHARE * self.promised;
         let is_hidden = self.energy <= HIDDEN * self.size;

@@ -328,7 +328,8 @@ impl Prepared {
         let said = self.surface.units().words(approach, "length");
         let doubt = || {
             format!(
-                "the approach of {said} is {part:.2} of the height of the slab; linear elasticity holds for small strain"
+                "the approach of {said} is {part:.2} of the height of the slab; \
+                 linear elasticity holds for small strain"
             )
         };
         (part > STRAINED).then(doubt)
