@@ -1,4 +1,4 @@
-//! Contacts with closed forms: the error must fall with the grid spacing at an order that is measured here.
+//! Contacts with closed forms. The error must fall with the grid spacing at an order that is measured here.
 
 use std::f64::consts::{PI, TAU};
 
@@ -50,8 +50,8 @@ fn mean_gap(solution: &Solution) -> f64 {
     solution.gap.mean().unwrap_or(f64::NAN)
 }
 
-/// The errors on one grid, as root mean square over contacts that are shifted by parts of the spacing. The error of a
-/// single contact would jump with the position of its edge between two points.
+/// Returns the errors on one grid, as root mean square over contacts that are shifted by fractions of the spacing. The
+/// error of a single contact would jump with the position of its edge between two points.
 fn shifted<const K: usize>(
     n: usize,
     errors: impl Fn(f64) -> Result<[f64; K], ValidationError>,
@@ -61,7 +61,7 @@ fn shifted<const K: usize>(
     Ok(std::array::from_fn(|k| (all.iter().map(|e| e[k].powi(2)).sum::<f64>() / SHIFTS as f64).sqrt()))
 }
 
-/// The order at which the errors fall over all grids.
+/// Returns the order at which the errors fall over all grids.
 fn convergence<const K: usize>(
     grids: &[usize],
     errors: impl Fn(usize) -> Result<[f64; K], ValidationError>,
@@ -70,7 +70,7 @@ fn convergence<const K: usize>(
     Ok(order(&errors))
 }
 
-/// The root mean square deviation of the pressure from `exact`, over the root mean square of `exact`.
+/// Returns the root mean square deviation of the pressure from `exact`, divided by the root mean square of `exact`.
 fn deviation(solution: &Solution, exact: impl Fn(f64, f64) -> f64) -> f64 {
     let (nx, ny) = solution.pressure.dim();
     let sums = solution.pressure.indexed_iter().fold([0.0; 2], |sums, ((i, j), p)| {
@@ -100,8 +100,8 @@ fn westergaard() -> Result<Vec<Check>, ValidationError> {
             })
         })?;
         edges.compare_to(area(&solve(1024, 0.0)?), wave.area(mean), 1.0 / 1024.0);
-        // The pressure ends in a square root, its error is that of a point or two at the edge: order 1. The mean gap
-        // integrates a 3/2 power over that stretch.
+        // The pressure ends in a square root, and its error stems from one or two points at the edge: order 1. The mean
+        // gap integrates a 3/2 power over the same stretch.
         checks.push(Check::at_least(format!("wave at {load} of full contact: order of the mean gap"), WAVE, gap, 1.5));
         checks.push(Check::at_least(
             format!("wave at {load} of full contact: order of the pressure"),
@@ -148,7 +148,7 @@ fn hertz() -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// A row of flat punches, with singular edges: m points act like a punch of nearly m spacings.
+/// Checks a row of flat punches with singular edges: m points act like a punch of nearly m spacings.
 fn flat_punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     const PUNCH: &str = "closed form of a row of flat punches";
     let file = reference.json("theory_curves.json")?;
@@ -161,7 +161,7 @@ fn flat_punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
         };
         let [order] = convergence(&[160, 320, 640, 1280], |n| Ok([(depth(n)? - wanted).abs()]))?;
         slowest = Some(slowest.map_or(order, |slowest: f64| slowest.min(order)));
-        // The depth of a punch of width w is (2/π) ln(1/sin(π w/2)), over p L/E*.
+        // The depth of a punch of width w is (2/π) ln(1/sin(π w/2)), in units of p L/E*.
         let acts_like = 2.0 / PI * (-0.5 * PI * depth(1280)?).exp().asin();
         width.compare_to(acts_like, fraction, 1.0 / 1280.0);
     }
@@ -171,7 +171,7 @@ fn flat_punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     ])
 }
 
-/// The variance of the pressure in full contact of a slab over that of a half-space, for continuous spectra.
+/// Checks the variance of the full-contact pressure of a slab relative to a half-space, for continuous spectra.
 fn persson_slab(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     const QUADRATURE: &str = "independent quadrature";
     let file = reference.json("theory_curves.json")?;
@@ -235,7 +235,7 @@ fn johnson(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// At full contact the pressure is Persson's Gaussian: its variance is (E* g/2)², exactly.
+/// Checks that the pressure at full contact is Persson's Gaussian: its variance is (E* g/2)², exactly.
 fn full_contact() -> Result<Check, ValidationError> {
     let gradient = 0.1;
     let numbers = Discretisation { eps_t_inv: 4.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };

@@ -1,5 +1,5 @@
-//! Contacts with free boundaries, a hardness, or both: dense solutions of small problems, and closed forms on a patch,
-//! whose errors must fall with the grid spacing at an order that is measured here.
+//! Contacts with free boundaries, a hardness, or both: dense solutions of small problems, and closed forms on a patch
+//! with errors that must fall with the grid spacing at an order measured here.
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
 }
 
-/// Every problem by every solver.
+/// Solves every problem by every solver.
 fn dense(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     let file = reference.json("bounded_contacts.json")?;
     let mut checks = Vec::new();
@@ -43,7 +43,7 @@ fn dense(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     Ok(checks)
 }
 
-/// A surface of a file, with its grid.
+/// Reads a surface from a file, with its grid.
 pub(crate) fn surface(surface: &Value) -> Result<(Grid, Array2<f64>), ValidationError> {
     let (points, lengths) = (numbers(&surface["points"]), numbers(&surface["lengths"]));
     let grid = Grid::new([points[0] as usize, points[1] as usize], [lengths[0], lengths[1]])?;
@@ -51,7 +51,7 @@ pub(crate) fn surface(surface: &Value) -> Result<(Grid, Array2<f64>), Validation
     Ok((grid, Array2::from_shape_fn(grid.points(), |(i, j)| heights[i * grid.points()[1] + j])))
 }
 
-/// A contact by some solvers beside the dense solution of a problem.
+/// Compares a contact by some solvers with the dense solution of a problem.
 pub(crate) fn compare(
     contact: &Contact,
     problem: &Value,
@@ -82,7 +82,7 @@ pub(crate) fn compare(
     Ok(worst.check(format!("{name}, {} {load:?}", if is_approach { "to" } else { "by" }), reference, 1e-8))
 }
 
-/// Heights over a square patch of side 2 as a function of the distance from its centre, which lies between points.
+/// Returns heights over a square patch of side 2 as a function of the distance from its centre, between the points.
 fn round(n: usize, height: impl Fn(f64) -> f64) -> Array2<f64> {
     let at = |i: usize| (i as f64 + 0.5) * 2.0 / n as f64 - 1.0;
     Array2::from_shape_fn((n, n), |(i, j)| height(at(i).hypot(at(j))))
@@ -94,13 +94,13 @@ fn press(heights: &Array2<f64>, load: Load) -> Result<Solution, ValidationError>
     Ok(contact.press(load).tolerance(1e-10).solve()?)
 }
 
-/// Sphere, cone and flat punch of contact radius a = 1/2 on a patch of side 2, by load: the errors of the approach.
+/// Checks sphere, cone and flat punch of contact radius a = 1/2 on a patch of side 2: the errors of the approach.
 fn shapes() -> Result<Vec<Check>, ValidationError> {
     let a = 0.5_f64;
     let grids = [32_u16, 64, 128, 256];
     let mut errors: [Vec<(usize, [f64; 2])>; 3] = Default::default();
     for n in grids.map(usize::from) {
-        // The highest points lie half a diagonal from the centre: the approach begins there.
+        // The highest points lie half a diagonal from the centre, where the approach begins.
         let first = 2.0_f64.sqrt() / n as f64;
         // Paraboloid of radius 1: F = 4/3 a³, δ = a², p(0) = 2 a/π.
         let sphere = press(&round(n, |r| -0.5 * r * r), Load::MeanPressure(a.powi(3) / 3.0))?;
@@ -110,7 +110,7 @@ fn shapes() -> Result<Vec<Check>, ValidationError> {
         let cone = press(&round(n, |r| -r), Load::Approach(0.5 * PI * a - first))?;
         let force = 4.0 * cone.mean_pressure;
         errors[1].push((n, [(force - 0.5 * PI * a * a).abs(), 0.0]));
-        // Flat punch: F = 2 a δ, with the radius of a circle of the area that the cells cover.
+        // Flat punch: F = 2 a δ, with the radius of a circle with the area of the covered cells.
         let punch = press(&round(n, |r| if r < a { 0.0 } else { -1.0 }), Load::MeanPressure(0.025))?;
         let cells = punch.pressure.iter().filter(|p| **p > 0.0).count() as f64;
         let radius = (4.0 * cells / PI).sqrt() / n as f64;
@@ -131,7 +131,7 @@ fn shapes() -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// A cylinder on a line: a² = 4 F R/π, p(0) = 2 F/(π a).
+/// Checks a cylinder on a line: a² = 4 F R/π, p(0) = 2 F/(π a).
 fn line() -> Result<Check, ValidationError> {
     let (n, a) = (1024, 0.5_f64);
     let grid = Grid::line(n, 2.0)?;

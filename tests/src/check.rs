@@ -9,36 +9,36 @@ use gfmd_surface::SurfaceError;
 
 use crate::Reference;
 
-/// A number and the bound that it must meet.
+/// Value and the bound that it must meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// The quantity that is compared.
+    /// Quantity that is compared.
     pub name: String,
-    /// The origin of the expected numbers.
+    /// Origin of the expected values.
     pub source: &'static str,
-    /// The error, relative unless the name says otherwise, or an order of convergence.
+    /// Error, relative unless the name says otherwise, or order of convergence.
     pub value: f64,
-    /// The bound of the value.
+    /// Bound of the value.
     pub bound: Bound,
 }
 
-/// An upper or a lower bound.
+/// Upper or lower bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// The upper bound of an error.
+    /// Upper bound of an error.
     AtMost(f64),
-    /// The lower bound of an order of convergence or of a ratio.
+    /// Lower bound of an order of convergence or of a ratio.
     AtLeast(f64),
 }
 
 /// Checks that belong together.
 #[derive(Clone, Copy, Debug)]
 pub struct Topic {
-    /// The name of its file here, and of its test.
+    /// Name of its file here and of its test.
     pub name: &'static str,
-    /// The title in docs/validation.md.
+    /// Title in docs/validation.md.
     pub title: &'static str,
-    /// The function that computes the checks.
+    /// Function that computes the checks.
     pub checks: fn(&Reference) -> Result<Vec<Check>, ValidationError>,
 }
 
@@ -49,9 +49,9 @@ pub enum ValidationError {
     /// A reference file that is missing or has unexpected contents.
     #[error("{file}: {reason}")]
     Reference {
-        /// The path of the file.
+        /// Path of the file.
         file: String,
-        /// The reason.
+        /// Reason of the failure.
         reason: String,
     },
     /// A contact that could not be solved.
@@ -66,22 +66,22 @@ pub enum ValidationError {
     /// A contact that could not be posed.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// An impossible body.
+    /// An invalid body.
     #[error(transparent)]
     Green(#[from] GreenError),
-    /// An impossible grid.
+    /// An invalid grid.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// A contact with a law that did not come to rest.
+    /// A contact with a law that did not reach equilibrium.
     #[error(transparent)]
     Interface(#[from] SolveError<State>),
-    /// A contact with friction that did not come to rest.
+    /// A contact with friction that did not reach equilibrium.
     #[error(transparent)]
     Friction(#[from] SolveError<FrictionState>),
-    /// A contact with plastic depth that did not come to rest.
+    /// A contact with plastic depth that did not reach equilibrium.
     #[error(transparent)]
     Plastic(#[from] SolveError<PlasticState>),
-    /// Parameters that make no law.
+    /// Invalid parameters of a law.
     #[error(transparent)]
     Law(#[from] LawError),
     /// Fields inside that could not be computed.
@@ -93,23 +93,23 @@ pub enum ValidationError {
     /// Slices that do not fit.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// An impossible surface.
+    /// An invalid surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
 }
 
 impl Check {
-    /// An error that must not exceed `bound`.
+    /// Makes a check of an error that must not exceed `bound`.
     pub fn error(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
         Self { name: name.into(), source, value, bound: Bound::AtMost(bound) }
     }
 
-    /// A number that must reach `bound`: an order of convergence, or a ratio.
+    /// Makes a check of a value that must reach `bound`: an order of convergence, or a ratio.
     pub fn at_least(name: impl Into<String>, source: &'static str, value: f64, bound: f64) -> Self {
         Self { name: name.into(), source, value, bound: Bound::AtLeast(bound) }
     }
 
-    /// Returns true if the bound is met. NaN meets none.
+    /// Returns true if the bound is met. NaN meets no bound.
     pub fn passes(&self) -> bool {
         match self.bound {
             Bound::AtMost(bound) => self.value <= bound,
@@ -118,17 +118,17 @@ impl Check {
     }
 }
 
-/// The largest error of several comparisons.
+/// Largest error of several comparisons.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Worst(f64);
 
 impl Worst {
-    /// An empty comparison, whose check fails.
+    /// Starts an empty comparison, which fails its check.
     pub(crate) fn new() -> Self {
         Self(f64::NEG_INFINITY)
     }
 
-    /// Compares relative to the wanted number itself.
+    /// Compares relative to the magnitude of the wanted value.
     pub(crate) fn compare(&mut self, found: f64, wanted: f64) {
         self.compare_to(found, wanted, wanted.abs());
     }
@@ -141,14 +141,14 @@ impl Worst {
         }
     }
 
-    /// The check of the largest error. It fails if nothing was compared.
+    /// Makes the check of the largest error. It fails if nothing was compared.
     pub(crate) fn check(self, name: impl Into<String>, source: &'static str, bound: f64) -> Check {
         let value = if self.0 == f64::NEG_INFINITY { f64::NAN } else { self.0 };
         Check::error(name, source, value, bound)
     }
 }
 
-/// The order at which errors fall with the number of points, by least squares in logarithms.
+/// Returns the order at which errors fall with the number of points, by least squares in logarithms.
 pub(crate) fn order<const K: usize>(errors: &[(usize, [f64; K])]) -> [f64; K] {
     let points: Vec<(f64, [f64; K])> = errors.iter().map(|(n, e)| ((*n as f64).ln(), e.map(|e| -e.ln()))).collect();
     let x = points.iter().map(|p| p.0).sum::<f64>() / points.len() as f64;

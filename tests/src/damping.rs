@@ -12,7 +12,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
         let damping = Damping::critical(k, dt);
         critical.compare(damping.eta(), row.get("eta_cr"));
         critical.compare_to(damping.beta, row.get("beta_cr"), 1.0);
-        // A double root of the characteristic polynomial: the sum of the roots, halved.
+        // Double root of the characteristic polynomial: half the sum of the roots.
         critical.compare_to(0.5 * (1.0 + damping.beta - damping.tau * k), row.get("lam_cr"), 1.0);
         critical.compare(damping.stiffness_limit(), row.get("kmax_stable"));
         critical.compare(Damping::central_critical(k, dt), row.get("gamma_central"));

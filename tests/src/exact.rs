@@ -1,4 +1,4 @@
-//! Contact problems with exact solutions of independent programs: active sets, and two public codes that agree.
+//! Contact problems with exact solutions by independent programs: active sets, and two public codes that agree.
 
 use std::f64::consts::TAU;
 
@@ -24,7 +24,7 @@ fn get(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or(f64::NAN)
 }
 
-/// The heights −(h − min h): the reference describes the punch by its lower face, measured from its lowest point.
+/// Returns the heights −(h − min h): the reference has the lower face of the punch, measured from its lowest point.
 fn heights(problem: &Value) -> Array2<f64> {
     let [nx, ny] = ["nx", "ny"].map(|key| get(problem, key) as usize);
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -47,7 +47,7 @@ fn response(problem: &Value) -> Result<NormalResponse, ValidationError> {
     })
 }
 
-/// Each problem by every solver, with prescribed load and with prescribed approach.
+/// Solves each problem by every solver, with prescribed load and with prescribed approach.
 fn active_sets(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     let file = reference.json("contact_problems.json")?;
     let mut checks = Vec::new();
@@ -73,7 +73,7 @@ fn active_sets(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     Ok(checks)
 }
 
-/// The largest error of the pressure over the largest pressure; infinite if the points in contact differ.
+/// Compares pressure (relative to its largest value), mean gap and energy; infinite error if the contact nodes differ.
 fn compare(worst: &mut Worst, solution: &Solution, expected: &Value, pressures: &[f64]) {
     let area = contact_area(solution.pressure.view(), Boundary::Periodic);
     if area.nodes as f64 != get(expected, "contact_nodes") {

@@ -1,5 +1,5 @@
-//! Contacts with friction in which pressure and shear act on each other, on slabs and for ν < ½: dense solutions of
-//! small problems. And the tangential stiffness of rough contacts.
+//! Contacts with friction and with coupled pressure and shear, on slabs and for ν < ½: dense solutions of small
+//! problems. Also the tangential stiffness of rough contacts.
 
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ pub(crate) fn body(case: &Value) -> Result<Body, ValidationError> {
     Ok(Body::stack(&layers, base)?)
 }
 
-/// Every increment of a case, each from the state before.
+/// Checks every increment of a case, each from the state before.
 fn case(case: &Value) -> Result<Check, ValidationError> {
     let name = case["name"].as_str().unwrap_or_default();
     let get = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
@@ -61,7 +61,7 @@ fn case(case: &Value) -> Result<Check, ValidationError> {
     follow(&contact, case, format!("friction, {name}"), DENSE)
 }
 
-/// The states of a case by `contact`, each increment from the state before.
+/// Returns the states of a case by `contact`, each increment from the state before.
 pub(crate) fn follow(
     contact: &FrictionalContact,
     case: &Value,
@@ -87,8 +87,8 @@ pub(crate) fn follow(
     Ok(worst.check(format!("{name}: pressure and shear of all increments"), source, 1e-8))
 }
 
-/// The tangential over the normal stiffness of a rough contact, against that of a circle. The points in contact stick,
-/// and the pressure stays.
+/// Checks the ratio of tangential to normal stiffness of a rough contact against the ratio of a circle. The points in
+/// contact stick, and the pressure does not change.
 fn tangential_stiffness() -> Result<Check, ValidationError> {
     let mut worst = Worst::new();
     for poisson in [0.0, 0.3, 0.5] {

@@ -45,7 +45,7 @@ fn transfer(reference: &Reference) -> Result<Check, ValidationError> {
     Ok(worst.check("transfer into the body, per wave vector", DIGITS, 5e-14))
 }
 
-/// The displacements along x, y, z (zero along y on a line) and the states at one depth.
+/// Displacements along x, y, z (zero along y on a line) and states at one depth.
 type Plane = ([Vec<f64>; 3], Vec<State>);
 
 fn plane(interior: &Interior, depth: f64) -> Result<Plane, ValidationError> {
@@ -60,7 +60,7 @@ fn plane(interior: &Interior, depth: f64) -> Result<Plane, ValidationError> {
     Ok((displacement, (0..points).map(|point| deformation.at(point)).collect()))
 }
 
-/// Each row of the table as a real wave on a grid with that one wave.
+/// Checks each row of the table as a real wave on a grid with only this wave.
 fn waves(reference: &Reference) -> Result<[Check; 3], ValidationError> {
     let mut worst = [Worst::new(); 3];
     for row in reference.table("body_fields.json")? {
@@ -94,7 +94,7 @@ fn waves(reference: &Reference) -> Result<[Check; 3], ValidationError> {
     ])
 }
 
-/// The punch of chapter 4 of the thesis: side of the cell and height of the slab, and depth.
+/// Punch of chapter 4 of the thesis: side of the cell, height of the slab, and depth.
 const LENGTH: f64 = 1.27;
 const DEPTH: f64 = 0.005;
 
@@ -106,12 +106,12 @@ fn punch_field(reference: &Reference, name: &str) -> Result<Array3<f64>, Validat
     reference.array(&format!("punch3d_sticking_zm1_nu033/{name}.npy"))
 }
 
-/// The array `[x, y, component]` in the order component after component.
+/// Returns the array `[x, y, component]` in the order component after component.
 fn components(field: Array3<f64>) -> Vec<f64> {
     field.permuted_axes([2, 0, 1]).iter().copied().collect()
 }
 
-/// The comparison on the plane y = Ly/2 at every eighth of 65 heights and every second point.
+/// Compares the plane y = Ly/2 at every eighth of 65 heights and every second point.
 fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     let read = |name: &str| punch_field(reference, name);
     let (body, grid) = (punch_body()?, Grid::square(128, LENGTH)?);
@@ -126,8 +126,7 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
         for ((i, _, axis), wanted) in displacements.indexed_iter().filter(|((_, k, _), _)| *k == level) {
             displacement.compare_to(u[axis][middle(i)], *wanted, DEPTH);
         }
-        // The surface is left out: the file has derivatives along Nyquist directions there, which fields on a grid do
-        // not.
+        // The surface is excluded: the file has derivatives along Nyquist directions there, unlike fields on a grid.
         for ((i, _, k), wanted) in stresses.indexed_iter().filter(|((_, k, _), _)| *k == level && level < 8) {
             stress.compare_to(states[middle(i)].stress[k], *wanted, largest);
         }
@@ -138,9 +137,9 @@ fn punch(reference: &Reference) -> Result<[Check; 2], ValidationError> {
     ])
 }
 
-/// The comparison with finite elements of the continuum, below a punch with sharp edges, up to three quarters of the
-/// height. The displacement of the surface is theirs, too, at the points of a grid, so that only the values between the
-/// points near the edges differ.
+/// Compares with finite elements of the continuum, below a punch with sharp edges, up to three quarters of the height.
+/// The displacement of the surface is also from the elements, at the points of a grid, so that only the values between
+/// the points near the edges differ.
 fn finite_elements(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
     const ELEMENTS: &str = "finite elements of high order, sharp edges";
     let coarse = below_sharp_punch(reference, 64)?;
@@ -155,7 +154,7 @@ fn finite_elements(reference: &Reference) -> Result<Vec<Check>, ValidationError>
     ])
 }
 
-/// The largest errors of displacement and stress on the plane y = Ly/2 of a grid with n x n points.
+/// Returns the largest errors of displacement and stress on the plane y = Ly/2 of a grid with n x n points.
 fn below_sharp_punch(reference: &Reference, n: usize) -> Result<[f64; 2], ValidationError> {
     let read = |name: &str| punch_field(reference, name);
     let (body, grid) = (punch_body()?, Grid::square(n, LENGTH)?);
@@ -178,7 +177,7 @@ fn below_sharp_punch(reference: &Reference, n: usize) -> Result<[f64; 2], Valida
     Ok([u_error / DEPTH, s_error / largest])
 }
 
-/// A rough displacement with zero mean.
+/// Returns a rough displacement with zero mean.
 fn rough(components: usize, grid: &Grid) -> Vec<f64> {
     let mut field: Vec<f64> = (1..=components * grid.len()).map(|i| (i as f64 * 0.618_033).fract()).collect();
     for component in field.chunks_exact_mut(grid.len()) {
@@ -232,7 +231,7 @@ fn identities() -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// The energy ∫ ½ σ:ε dz, averaged over the plane, by Simpson's rule.
+/// Returns the energy ∫ ½ σ:ε dz, averaged over the plane, by Simpson's rule.
 fn energy_inside(interior: &Interior, height: f64) -> Result<f64, ValidationError> {
     const STEPS: usize = 2000;
     let mut ws = interior.workspace();
@@ -246,8 +245,8 @@ fn energy_inside(interior: &Interior, height: f64) -> Result<f64, ValidationErro
     Ok(sum * height / (3 * STEPS) as f64)
 }
 
-/// Figures 3.9 to 3.11 of the thesis: cos(2πx) on a surface that is held sideways, in three dimensions and in two; and
-/// figure 3.2, two waves that cross.
+/// Checks figures 3.9 to 3.11 of the thesis, cos(2πx) on a surface that is held sideways, in three and in two
+/// dimensions, and figure 3.2, two waves that cross.
 fn single_modes() -> Result<[Check; 2], ValidationError> {
     let body = Body::slab(Material::from_young(1.0, 0.33)?, 1.0)?;
     let (line, square) = (Grid::line(16, 1.0)?, Grid::square(16, 1.0)?);

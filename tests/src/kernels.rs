@@ -1,4 +1,4 @@
-//! Stiffness and compliance of one wave vector against boundary-value problems solved by other means.
+//! Stiffness and compliance of one wave vector against boundary-value problems solved by other methods.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::{Check, Reference, ValidationError};
 
 const DIGITS: &str = "boundary-value problems in 60-digit arithmetic";
 
-/// The relative error of a matrix entry.
+/// Relative error of a matrix entry.
 const KERNEL: f64 = 2e-14;
 
 pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
@@ -67,8 +67,8 @@ fn three_dimensions(reference: &Reference) -> Result<Worst, ValidationError> {
                 [("xx", m[0][0].re), ("xy", m[0][1].re), ("xy", m[1][0].re), ("yy", m[1][1].re), ("zz", m[2][2].re)]
             {
                 let wanted = row.get(&format!("{letter}{name}"));
-                // Entry xy is the difference of two numbers that are equal at ν = 0, so its error is that of its
-                // neighbours.
+                // Entry xy is the difference of two values that are equal at ν = 0, so its error is relative to entry
+                // xx.
                 worst.compare_to(found, wanted, if name == "xy" { m[0][0].re } else { wanted.abs() });
             }
             for (name, found) in [("xz", m[0][2]), ("xz", m[2][0].conj()), ("yz", m[1][2]), ("yz", m[2][1].conj())] {
@@ -209,9 +209,9 @@ fn softest_mode(reference: &Reference) -> Result<Worst, ValidationError> {
     Ok(worst)
 }
 
-/// The comparison with a table of finite elements.
+/// Compares with a table of finite elements.
 fn finite_elements(reference: &Reference) -> Result<Check, ValidationError> {
-    /// The largest change in the last refinement of the finite elements, which is their accuracy.
+    /// Largest change in the last refinement of the finite elements, a measure of their accuracy.
     const CHANGE: f64 = 7e-12;
     let file = reference.json("stiffness_table.json")?;
     let mut worst = Worst::new();

@@ -13,10 +13,10 @@ use ndarray::{Array2, Axis};
 use crate::check::{Worst, order};
 use crate::{Check, Reference, ValidationError, unit_half_space};
 
-/// The wave of [`ripple`].
+/// Wave of [`ripple`].
 const WAVE: Westergaard = Westergaard { modulus: 1.0, amplitude: 0.01, period: 1.0 };
 
-/// The sphere of [`sphere`], for any work of adhesion.
+/// Sphere of [`sphere`], for any work of adhesion.
 const SPHERE: AdhesiveSphere = AdhesiveSphere { modulus: 1.0, curvature_radius: 1.0, work: f64::NAN };
 
 const CLOSED_FORMS: &str = "closed forms, evaluated in Python";
@@ -31,7 +31,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-/// Compares to 1e-12 of the number, or to 1e-13 where it is small: the terms of the reference cancel there.
+/// Compares to 1e-12 of the value, or to 1e-13 where it is small: the terms of the reference cancel there.
 fn near(worst: &mut Worst, found: f64, wanted: f64) {
     worst.compare_to(found, wanted, wanted.abs().max(0.1));
 }
@@ -49,8 +49,8 @@ fn cohesive(reference: &Reference) -> Result<Check, ValidationError> {
         for (found, column) in found.zip(["Tn", "Tt", "Jnn", "Jnt", "Jtn", "Jtt"]) {
             near(&mut worst, *found, row.get(column));
         }
-        // A law without a potential has no energy, here and there. The reference counts energy from the closed
-        // interface, a law counts it from far away, where it is φ_n higher.
+        // A law without a potential has no energy, here and in the reference. The reference counts energy from the
+        // closed interface, a law from infinite distance, where it is φ_n higher.
         match law.energy(opening, sliding) {
             Some(energy) => near(&mut worst, energy, row.get("potential") - row.get("phi_n")),
             None => near(&mut worst, f64::from(row.get("potential").is_finite()), 0.0),
@@ -76,7 +76,7 @@ fn adhesive(reference: &Reference) -> Result<Check, ValidationError> {
 }
 
 fn friction(reference: &Reference) -> Result<Check, ValidationError> {
-    // A direction that is no axis.
+    // A direction off the axes.
     const ALONG: [f64; 2] = [0.6, -0.8];
     let mut worst = Worst::new();
     for row in reference.table("friction_laws.json")? {
@@ -138,7 +138,7 @@ fn wave() -> Result<Check, ValidationError> {
     ))
 }
 
-/// The pull-off load of a sphere along a path of approaches.
+/// Returns the pull-off load of a sphere along a path of approaches.
 fn pull_off(n: usize, law: impl Law + 'static) -> Result<f64, ValidationError> {
     let interface = Interface::new(&unit_half_space(), &Grid::square(n, 1.0)?, &sphere(n), law)?;
     let (mut last, mut lowest) = (rest(&interface, 0.002, None)?, f64::INFINITY);

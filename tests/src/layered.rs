@@ -56,7 +56,7 @@ impl File {
         Ok(Body::stack(&layers, base)?)
     }
 
-    /// The body of a problem, and its name.
+    /// Returns the body of a problem and its name.
     fn body(&self, problem: &Value) -> Result<(Body, String), ValidationError> {
         let name = problem["body"].as_str().unwrap_or_default();
         let body = self.one(name)?;
@@ -99,7 +99,7 @@ impl File {
         Ok(())
     }
 
-    /// Every problem by every method of conjugate gradients.
+    /// Solves every problem by every method of conjugate gradients.
     fn contacts(&self) -> Result<Vec<Check>, ValidationError> {
         let mut checks: Vec<(String, Worst)> = Vec::new();
         for problem in self.rows("contacts") {
@@ -117,7 +117,7 @@ impl File {
         Ok(checks.into_iter().map(check).collect())
     }
 
-    /// The first problem of some bodies by the dynamics.
+    /// Solves the first problem of some bodies by the dynamics.
     fn dynamics(&self) -> Result<Check, ValidationError> {
         let mut worst = Worst::new();
         for name in ["sliding", "plate", "coated"] {
@@ -131,7 +131,7 @@ impl File {
         Ok(worst.check("contact by dynamics: sliding base, plate, coating", DENSE, 1e-8))
     }
 
-    /// Sticking punches.
+    /// Checks sticking punches.
     fn punches(&self) -> Result<Vec<Check>, ValidationError> {
         let geometry = &self.0["punch"];
         let (points, lengths) = (numbers(&geometry["points"]), numbers(&geometry["lengths"]));
@@ -161,7 +161,7 @@ impl File {
         Ok(checks)
     }
 
-    /// Displacement and stress below a wave of pressure, on both sides of every interface.
+    /// Checks displacement and stress below a wave of pressure, on both sides of every interface.
     fn waves(&self) -> Result<Check, ValidationError> {
         let mut worst = Worst::new();
         for row in self.rows("waves") {
@@ -183,7 +183,7 @@ impl File {
                 let [a, w, tau, zz, xx] = ["a", "w", "tau", "zz", "xx"].map(get);
                 let size = body.normal_compliance(q);
                 let u = interior.displacement(depth, &mut ws)?.to_vec();
-                // The second state at a depth is that of the lower layer.
+                // The second state at a depth belongs to the lower layer.
                 let below = depth == last;
                 let state = if below {
                     interior.deformation_below(depth, &mut ws)?
@@ -206,9 +206,9 @@ impl File {
     }
 }
 
-/// A cylinder on a thin layer: the layer deforms point by point, with the modulus C11 on a bonded base, E* on a sliding
-/// one, where moreover the lateral stress of the confined layer is uniform (theory.md, section 4.1). The error falls
-/// with h/a.
+/// Checks a cylinder on a thin layer. The layer deforms point by point, with the modulus C11 on a bonded base and E* on
+/// a sliding one, where in addition the lateral stress of the confined layer is uniform (theory.md, section 4.1). The
+/// error falls with h/a.
 fn thin_layers() -> Result<Vec<Check>, ValidationError> {
     let material = Material::from_young(1.0, 0.25)?;
     let (n, a, radius) = (4096_u16, 0.2_f64, 1.0);
@@ -229,7 +229,7 @@ fn thin_layers() -> Result<Vec<Check>, ValidationError> {
             let solution = contact.press(Load::Approach(approach)).tolerance(1e-9).solve()?;
             let mut expected = 0.0;
             for _ in 0..100 {
-                // The half width of the contact with the bulge around it.
+                // Half width of the contact including the bulge around it.
                 let half = (2.0 * radius * (approach + push * expected * height / modulus)).sqrt();
                 expected = 2.0 / 3.0 * half.powi(3) / radius * modulus / height;
             }
@@ -248,8 +248,8 @@ fn thin_layers() -> Result<Vec<Check>, ValidationError> {
     Ok(checks)
 }
 
-/// A rigid strip without friction on a thin bonded layer: below it the layer is compressed uniformly, with the modulus
-/// C11; the edges add a part that falls with h/a.
+/// Checks a rigid strip without friction on a thin bonded layer. Below it the layer is compressed uniformly, with the
+/// modulus C11; the edges add a contribution that falls with h/a.
 fn strip() -> Result<[Check; 2], ValidationError> {
     let material = Material::from_young(1.0, 0.25)?;
     let (grid, punch) = (Grid::line(4096, 1.0)?, FlatPunch::new(0.25, Edge::Inclusive)?);
@@ -274,7 +274,7 @@ fn strip() -> Result<[Check; 2], ValidationError> {
     ])
 }
 
-/// Two half-spaces are one with the composite modulus, whose pressures the contact has.
+/// Checks that two half-spaces have pressure and approach of one half-space with the composite modulus.
 fn pair() -> Result<Check, ValidationError> {
     let (first, second) = (Material::from_young(1.0, 0.3)?, Material::from_young(5.0, 0.45)?);
     let pair = Body::half_space(first).against(Body::new(second, Height::Infinite)?);

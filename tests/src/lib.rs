@@ -1,10 +1,10 @@
-//! Validation: what the crates compute against references, closed forms and identities.
+//! Validation: results of the crates against references, closed forms and identities.
 //!
-//! A [`Check`] is a number and the bound it must meet. [`TOPICS`] lists the functions that make them, one file each;
+//! A [`Check`] is a value and the bound it must meet. [`TOPICS`] lists the functions that make them, one file each.
 //! `cargo test` asserts them, and `cargo xtask verify` prints them and writes docs/validation.md. To add a topic: a
 //! file with a function of a [`Reference`], and its line in [`TOPICS`].
 //!
-//! Beside them: short ways to pose a contact problem.
+//! The crate also has short ways to pose a contact problem.
 
 mod analytic;
 mod bounded;
@@ -56,7 +56,7 @@ pub const TOPICS: [Topic; 16] = [
     Topic { name: "steep", title: "Finite slopes", checks: steep::checks },
 ];
 
-/// Every method that can be asked for by name.
+/// All methods that can be selected by name.
 pub const SOLVERS: [Solver; 9] = [
     Solver::PolonskyKeer,
     Solver::ProjectedCg,
@@ -69,15 +69,15 @@ pub const SOLVERS: [Solver; 9] = [
     Solver::AugmentedLagrangian,
 ];
 
-/// A half-space of contact modulus 1.
+/// Returns a half-space of contact modulus 1.
 ///
 /// # Panics
-/// Never.
+/// Never panics.
 pub fn unit_half_space() -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, 0.0).expect("a valid material"))
 }
 
-/// Solves without watching.
+/// Solves without monitoring.
 ///
 /// # Errors
 /// As [`Equilibrium::equilibrate`].
@@ -94,7 +94,7 @@ pub fn press(
 /// Presses `heights` on the unit half-space over a square cell of length 1, by the default method.
 ///
 /// # Errors
-/// As [`Equilibrium::equilibrate`], and a shape that is no grid.
+/// As [`Equilibrium::equilibrate`]; a shape that makes no grid.
 pub fn press_on_half_space(
     heights: &ArrayRef2<f64>,
     mean_pressure: f64,

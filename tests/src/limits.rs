@@ -1,5 +1,4 @@
-//! Tables 3.1 to 3.3 of the thesis, as they should read, and eq. 3.18 as it is printed: its matrix M is K/2 (theory.md,
-//! section 12).
+//! Tables 3.1 to 3.3 of the thesis, corrected, and eq. 3.18 as printed: its matrix M is K/2 (theory.md, section 12).
 
 use gfmd_green::{Body, Material};
 
@@ -20,7 +19,7 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
         let (shear, s, r) = (material.shear_modulus(), material.s(), material.r());
         let springs = [shear, shear, shear / s].map(|modulus| modulus / HEIGHT);
         for [nx, ny] in DIRECTIONS {
-            // Table 3.1, at q = 0 and near it: the entries approach the limit like q zm.
+            // Table 3.1, at q = 0 and near it: the entries approach the limit as q zm.
             for (worst, h) in [(&mut uniform, 0.0), (&mut long, 1e-7)] {
                 let k = slab.stiffness([nx * h / HEIGHT, ny * h / HEIGHT]);
                 for (i, row) in k.iter().enumerate() {
@@ -30,7 +29,7 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
                     }
                 }
             }
-            // Table 3.2: the difference from the limit falls like exp(−2 q zm).
+            // Table 3.2: the difference from the limit falls as exp(−2 q zm).
             let q = 40.0 / HEIGHT;
             let (k, unit) = (slab.stiffness([nx * q, ny * q]), shear * q / (1.0 + s));
             for (found, wanted) in [
@@ -77,8 +76,8 @@ pub(crate) fn checks(_: &Reference) -> Result<Vec<Check>, ValidationError> {
     ])
 }
 
-/// The formulas that eq. 3.18 prints, in the variables of the thesis, against the factors by which they differ from K;
-/// and the formulas for K of theory.md, section 2.
+/// Compares the formulas of eq. 3.18 as printed, in the variables of the thesis, with K times the factors by which they
+/// differ, and the formulas of theory.md, section 2, with K.
 fn printed_matrix() -> Result<[Worst; 4], ValidationError> {
     let [mut diagonal, mut others, mut coupling, mut repaired] = [Worst::new(); 4];
     for poisson in [-0.3, 0.0, 0.25, 0.33, 0.45] {

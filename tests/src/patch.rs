@@ -60,7 +60,7 @@ fn body(case: &Value) -> Result<Body, ValidationError> {
     })
 }
 
-/// A contact with a law, by load or by approach.
+/// Checks a contact with a law, by load or by approach.
 fn law(case: &Value) -> Result<Check, ValidationError> {
     let (grid, heights) = surface(case)?;
     let name = case["law"].as_str().unwrap_or_default();

@@ -1,5 +1,4 @@
-//! A hardness for each point, on half-spaces and layers, and the plastic depth along a path: dense solutions of small
-//! problems.
+//! Hardness per point, on half-spaces and layers, and plastic depth along a path: dense solutions of small problems.
 
 use gfmd_contact::{Boundary, Budget, Contact, Hardness, Load, Solver};
 use gfmd_field::Grid;
@@ -27,7 +26,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-/// The contact of a problem, its grid and its name.
+/// Returns the contact of a problem, its grid and its name.
 fn contact(file: &File, problem: &Value) -> Result<(Grid, Contact, String), ValidationError> {
     let [rough, body] = ["surface", "body"].map(|key| problem[key].as_str().unwrap_or_default());
     let (grid, heights) = surface(&file.0["surfaces"][rough])?;
@@ -47,7 +46,7 @@ fn field(grid: &Grid, values: &Value) -> Result<Array2<f64>, ValidationError> {
     Ok(Array2::from_shape_fn(grid.points(), |(i, j)| values.get(i * grid.points()[1] + j).copied().unwrap_or(f64::NAN)))
 }
 
-/// A path step by step, and its fields at the end.
+/// Follows a path step by step and checks its fields at the end.
 fn along(file: &File, path: &Value) -> Result<Check, ValidationError> {
     let (grid, contact, name) = contact(file, path)?;
     let plastic = PlasticContact::new(contact);
@@ -62,7 +61,7 @@ fn along(file: &File, path: &Value) -> Result<Check, ValidationError> {
         let Some(state) = walk.state() else { continue };
         let solution = &state.solution;
         let expected = |key: &str| exact[key].as_f64().unwrap_or(f64::NAN);
-        // Lengths and energies over those of the whole path.
+        // Lengths and energies are relative to the whole path.
         let [depth, work] = ["plastic_volume", "energy"].map(expected);
         worst.compare(solution.mean_pressure, expected("mean_pressure"));
         worst.compare(solution.approach, expected("approach"));

@@ -1,4 +1,4 @@
-//! Flat punches that stick: node by node against an independent solution of the same discrete problem, and against
+//! Flat punches that stick: point by point against an independent solution of the same discrete problem, and against
 //! finite elements of the continuum.
 
 use gfmd_field::Grid;
@@ -36,7 +36,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-/// One geometry and the folder of its references.
+/// Geometry and the folder of its references.
 struct Case<'a> {
     folder: &'static str,
     reference: &'a Reference,
@@ -61,7 +61,7 @@ impl Case<'_> {
         self.press(n, edge, Method::ConjugateGradients)
     }
 
-    /// A displacement as `[component, x, y]`.
+    /// Reads a displacement as `[component, x, y]`.
     fn displacement(&self, name: &str) -> Result<Array3<f64>, ValidationError> {
         let name = format!("{}/{name}.npy", self.folder);
         Ok(if self.line {
@@ -75,12 +75,12 @@ impl Case<'_> {
         self.reference.json(&format!("{}/summary.json", self.folder))
     }
 
-    /// The mean pressure under the sharp punch.
+    /// Returns the mean pressure under the sharp punch.
     fn continuum(&self) -> Result<f64, ValidationError> {
         Ok(-self.summary()?["continuum_mean_sigma_zz_GPa"].as_f64().unwrap_or(f64::NAN))
     }
 
-    /// The comparison of every point and of the force.
+    /// Compares every point and the force.
     fn points(
         &self,
         what: &str,
@@ -112,7 +112,7 @@ impl Case<'_> {
         Ok(worst.check("square, 64 points, three kinds of dynamics: displacement over the depth", DISCRETE, 1e-8))
     }
 
-    /// The error measure of the thesis, with points on the edge held.
+    /// Checks the error measure of the thesis, with points on the edge held.
     fn nearness(&self) -> Result<Vec<Check>, ValidationError> {
         let continuum = self.displacement("continuum_u_n128")?;
         let grids = if self.line { vec![128] } else { vec![64, 128, 256] };
@@ -122,8 +122,8 @@ impl Case<'_> {
         }
         let what = if self.line { "strip" } else { "square" };
         let Some((_, [x, z])) = errors.iter().find(|(n, _)| *n == 128) else { return Ok(Vec::new()) };
-        // Alarms for a regression: a hair above 6.44e-4 and 6.32e-3 (strip), 6.35e-4 and 7.80e-3 (square), measured on
-        // x86-64.
+        // Bounds that detect a regression, slightly above 6.44e-4 and 6.32e-3 (strip), 6.35e-4 and 7.80e-3 (square),
+        // measured on x86-64.
         let [x_bound, z_bound] = if self.line { [0.00065, 0.0064] } else { [0.00064, 0.0079] };
         let mut checks = vec![
             Check::error(format!("{what}, 128 points: rms error of u_x over the depth"), CONTINUUM, *x, x_bound),
@@ -136,16 +136,16 @@ impl Case<'_> {
         Ok(checks)
     }
 
-    /// The set-up of the thesis, points on the edge not held: against the sharp-edged punch, and, as the thesis
-    /// compares (eq. 4.13, where it finds 0.00196 with elements that it does not describe in full), against elements on
-    /// the same nodes.
+    /// Checks the set-up of the thesis, points on the edge not held, against the sharp-edged punch and, as in the
+    /// thesis (eq. 4.13, with 0.00196 for elements that it does not fully describe), against elements on the same
+    /// nodes.
     fn strict(&self) -> Result<[Check; 3], ValidationError> {
         let solution = self.solve(128, Edge::Strict)?;
         let [x, _] = rms(&solution, &self.displacement("continuum_u_n128")?);
         let elements = self.reference.array::<Ix3>("punch3d_elements/u_n128.npy")?.permuted_axes([2, 0, 1]);
         let [same_x, same_z] = rms(&solution, &elements);
         let what = "square, 128 points, edge not held";
-        // A hair above what was measured.
+        // Slightly above the measured values.
         Ok([
             Check::error(format!("{what}: rms error of u_x over the depth"), CONTINUUM, x, 0.0047),
             Check::error(format!("{what}: eq. 4.13 of u_x"), ELEMENTS, same_x, 9.8e-4),
@@ -153,8 +153,8 @@ impl Case<'_> {
         ])
     }
 
-    /// The errors of the mean pressure on the grids n, 2 n, 4 n. Their order is one, and extrapolation of the first and
-    /// second power of the spacing removes them.
+    /// Checks the errors of the mean pressure on the grids n, 2 n, 4 n. Their order is one, and extrapolation of the
+    /// first and second power of the spacing removes them.
     fn force(&self, what: &str, n: usize, [order, limit]: [f64; 2]) -> Result<[Check; 2], ValidationError> {
         let continuum = self.continuum()?;
         let [mut orders, mut limits] = [Worst::new(); 2];
@@ -170,7 +170,7 @@ impl Case<'_> {
         ])
     }
 
-    /// The mean pressure interpolated to the true width, from the effective widths of the two conventions.
+    /// Checks the mean pressure interpolated to the true width, from the effective widths of the two conventions.
     fn effective_width(&self) -> Result<Check, ValidationError> {
         let grid = self.grid(128)?;
         let mut ends = [[0.0; 2]; 2];
@@ -193,7 +193,7 @@ fn compare(worst: &mut Worst, solution: &MixedSolution, wanted: &Array3<f64>) {
     }
 }
 
-/// √⟨(u_ref − u)²⟩ / depth of u_x and u_z, on the points that both grids have.
+/// Returns √⟨(u_ref − u)²⟩ / depth of u_x and u_z, on the points common to both grids.
 fn rms(solution: &MixedSolution, reference: &Array3<f64>) -> [f64; 2] {
     let [ours, theirs] = [solution.displacement.len_of(Axis(1)), reference.len_of(Axis(1))];
     let every = |field: ArrayView3<f64>, step: usize| {

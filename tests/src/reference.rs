@@ -8,31 +8,31 @@ use serde_json::Value;
 
 use crate::ValidationError;
 
-/// The folder with the reference files.
+/// Folder with the reference files.
 #[derive(Clone, Debug)]
 pub struct Reference {
     folder: PathBuf,
 }
 
 impl Default for Reference {
-    /// `data/reference` of this source tree.
+    /// Returns `data/reference` of this source tree.
     fn default() -> Self {
         Self { folder: Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference") }
     }
 }
 
 impl Reference {
-    /// Another folder with files of the same names.
+    /// Takes another folder with files of the same names.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self { folder: folder.into() }
     }
 
-    /// The path of the file `name`.
+    /// Returns the path of the file `name`.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// A file as JSON.
+    /// Reads a file as JSON.
     ///
     /// # Errors
     /// A file that is missing or is not JSON.
@@ -41,16 +41,16 @@ impl Reference {
         serde_json::from_str(&text).map_err(|error| self.refuse(name, error))
     }
 
-    /// A NumPy array of doubles.
+    /// Reads a NumPy array of doubles.
     ///
     /// # Errors
-    /// A file that is missing or holds something else.
+    /// A file that is missing or has other contents.
     pub fn array<D: Dimension>(&self, name: &str) -> Result<Array<f64, D>, ValidationError> {
         let file = File::open(self.path(name)).map_err(|error| self.refuse(name, error))?;
         Array::read_npy(file).map_err(|error| self.refuse(name, error))
     }
 
-    /// The rows of a JSON file with `columns` and `rows`.
+    /// Returns the rows of a JSON file with `columns` and `rows`.
     pub(crate) fn table(&self, name: &str) -> Result<Vec<Row>, ValidationError> {
         let json = self.json(name)?;
         let rows = |columns: &Value, rows: &Value| -> Option<Vec<Row>> {
@@ -58,7 +58,7 @@ impl Reference {
             let columns: Vec<String> = columns.as_array()?.iter().map(name_of).collect::<Option<_>>()?;
             let row = |row: &Value| -> Option<Row> {
                 let values = row.as_array()?;
-                // Yes and no count as one and zero.
+                // Booleans count as one and zero.
                 let number = |value: &Value| value.as_f64().or(value.as_bool().map(f64::from)).unwrap_or(f64::NAN);
                 let numbers = columns.iter().cloned().zip(values.iter().map(number)).collect();
                 let name = values.first().and_then(Value::as_str).unwrap_or_default().to_owned();
@@ -74,9 +74,9 @@ impl Reference {
     }
 }
 
-/// One row of a table: numbers by the names of their columns, NaN where the file has no number.
+/// Row of a table: values by the names of their columns, NaN where the file has no number.
 pub(crate) struct Row {
-    /// The text in the first column; empty if that is a number.
+    /// Text in the first column; empty if it is a number.
     pub(crate) name: String,
     numbers: Vec<(String, f64)>,
 }
@@ -90,7 +90,7 @@ impl Row {
         Complex64::new(self.get(&format!("Re_{column}")), self.get(&format!("Im_{column}")))
     }
 
-    /// The material from the columns E and nu.
+    /// Returns the material from the columns E and nu.
     pub(crate) fn material(&self) -> Result<Material, GreenError> {
         Material::from_young(self.get("E"), self.get("nu"))
     }

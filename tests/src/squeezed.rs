@@ -22,7 +22,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     Ok(checks)
 }
 
-/// The compliances of both faces, over the largest.
+/// Compares the compliances of both faces, relative to the largest.
 fn waves(file: &Value) -> Result<Check, ValidationError> {
     let mut worst = Worst::new();
     for wave in file["waves"].as_array().into_iter().flatten() {
@@ -35,7 +35,7 @@ fn waves(file: &Value) -> Result<Check, ValidationError> {
     Ok(worst.check("compliance of slabs and layers pressed on both faces", WAVES, 1e-11))
 }
 
-/// Both pressures and gaps, the load, and the parts of the approach.
+/// Compares both pressures and gaps, the load, and the parts of the approach.
 fn contact(case: &Value) -> Result<Check, ValidationError> {
     let get = |key: &str| case[key].as_f64().unwrap_or(f64::NAN);
     let (points, lengths) = (numbers(&case["points"]), numbers(&case["lengths"]));

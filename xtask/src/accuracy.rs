@@ -1,5 +1,5 @@
-//! `accuracy`: the estimates of the error of the grid, compared with closed forms and with solutions on grids 8 times
-//! finer, of new surfaces.
+//! `accuracy`: compares estimated grid errors with closed forms and with solutions of new surfaces on grids 8 times
+//! finer.
 
 mod case;
 
@@ -44,7 +44,7 @@ pub struct Args {
     rows: Option<PathBuf>,
 }
 
-/// The comparison of all numbers.
+/// Comparison of all quantities.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "docs/accuracy.md")]
 pub struct Report {
@@ -52,21 +52,21 @@ pub struct Report {
     pub patches: u64,
     pub alike: u64,
     pub first_seed: u64,
-    /// By the mode of `--grid-error` or the kind of the surface, then by the name of the number, then by the surfaces
-    /// and loads: `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
+    /// Results by mode of `--grid-error` or kind of surface, then by name of the quantity, then by surfaces and loads:
+    /// `all`, `H = 0.3`, `4 points a wave`, `p* = 0.01`.
     pub modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>>,
 }
 
-/// The errors of a number in some contacts.
+/// Errors of a quantity over several contacts.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "docs/accuracy.md")]
 pub struct Coverage {
-    /// Contacts with an estimate, and without one.
+    /// Number of contacts with an estimate, and without one.
     pub told: usize,
     pub untold: usize,
-    /// Those whose limit is within its error of the exact value.
+    /// Number of contacts with a limit that is within its error of the exact value.
     pub covered: usize,
-    /// Those whose number is within its error by the grid of the exact value.
+    /// Number of contacts with a value that is within its grid error of the exact value.
     pub bounded: usize,
     /// Medians: |number - exact| / exact, |limit - exact| / exact, limit error / |limit - exact|.
     pub number_error: f64,
@@ -95,7 +95,7 @@ impl Coverage {
     }
 }
 
-/// A number, its limit, the errors that are told, and the exact value.
+/// Value of a quantity, its limit, the estimated errors, and the exact value.
 #[derive(Serialize)]
 struct Compared {
     number: f64,
@@ -105,10 +105,10 @@ struct Compared {
     exact: f64,
 }
 
-/// The mode, the name of a number, the place of the load, and the comparison; `None` where the error is not told.
+/// Mode, name of the quantity, index of the load, and comparison; `None` without an error estimate.
 type Row = (&'static str, &'static str, usize, Option<Compared>);
 
-/// The loads of the contact of a case on a grid that is finer by this factor, as the program prints them.
+/// Solves the contact of a case on a grid that is `finer` by this factor; returns the loads as the program prints them.
 fn loads(case: &Case, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Value>, Failure> {
     let (flag, loads) = case.drives();
     let loads = loads.map(|load| load.to_string()).join(",");
@@ -117,11 +117,11 @@ fn loads(case: &Case, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Val
     Ok(solved::loads(&solved::contact(&flags)?).to_vec())
 }
 
-/// The numbers of all loads of a case compared with those in closed form, or of the finest grid.
+/// Compares the quantities of all loads of a case with closed forms or with the finest grid.
 fn rows(case: &Case, folder: &Path) -> Result<Vec<Row>, Failure> {
     let finest = match case.kind {
         Kind::Sphere => None,
-        // No formula of one grid holds for a law.
+        // A law has no formula for one grid.
         Kind::Adhesive => Some(loads(case, FINER, "none", folder)?),
         Kind::Rough | Kind::Patch | Kind::Waves => Some(loads(case, FINER, "estimate", folder)?),
     };
@@ -138,15 +138,15 @@ fn rows(case: &Case, folder: &Path) -> Result<Vec<Row>, Failure> {
     Ok(found)
 }
 
-/// The numbers that have a limit.
+/// Returns the names of quantities that have a limit.
 fn names() -> impl Iterator<Item = &'static str> {
     COLUMNS.iter().filter_map(Column::limit_of)
 }
 
-/// The limit of a number on the finest grid; under a law, which has none, the number itself.
+/// Returns the limit of a quantity on the finest grid. Under a law, without a limit, returns the quantity itself.
 fn exact(fine: &Value, name: &str, kind: Kind) -> Option<f64> {
     let exact = number(fine, &format!("{name}{}", if kind == Kind::Adhesive { "" } else { "_limit" }))?;
-    // Boundary links are counted in the spacing of their grid.
+    // Boundary links are counted in units of the grid spacing.
     Some(if name == "boundary_links" { exact / FINER as f64 } else { exact })
 }
 
@@ -159,7 +159,7 @@ fn compared(coarse: &Value, name: &str, exact: Option<f64>) -> Option<Compared> 
 /// Runs the command.
 ///
 /// # Errors
-/// A contact that was not solved; a file that cannot be written.
+/// A contact that could not be solved; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let kinds = [
         (Kind::Rough, args.seeds),

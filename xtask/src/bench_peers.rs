@@ -1,4 +1,4 @@
-//! `bench-peers`: times this program and peers (other programs) on common contact problems, to one certified residual.
+//! `bench-peers`: times this program and peers (other programs) on common problems, to one certified residual.
 //!
 //! The peers are installed from PyPI into a separate Python environment, and every solve is a separate process. One
 //! independent routine in NumPy (peers/certify.py) computes the residuals of all final pressures.
@@ -169,7 +169,7 @@ pub enum Peer {
 }
 
 impl Peer {
-    /// The name of its package.
+    /// Returns the name of its package.
     fn package(self) -> &'static str {
         match self {
             Self::Tamaas | Self::TamaasRegistered => "Tamaas",
@@ -193,7 +193,7 @@ pub enum TamaasFftw {
 }
 
 impl Args {
-    /// The arguments with the default values, or those of `--quick`, filled in, and sorted.
+    /// Returns the arguments with the default values, or the values of `--quick`, filled in and sorted.
     fn resolved(&self) -> Self {
         let mut args = self.clone();
         if self.quick {
@@ -230,12 +230,12 @@ impl Args {
         args
     }
 
-    /// The time limit of a peer, s.
+    /// Returns the time limit of a peer, s.
     fn patience(&self) -> f64 {
         self.patience.unwrap_or(f64::INFINITY)
     }
 
-    /// The page to write, if one is asked for.
+    /// Returns the page to write, if requested.
     fn page(&self) -> Option<&Path> {
         let default = match () {
             () if self.any_load => "docs/any-load.md",
@@ -282,13 +282,13 @@ impl Args {
         }
     }
 
-    /// All contestants; the first is the reference of the comparisons.
+    /// Returns all contestants; the first is the reference of the comparisons.
     fn contestants(&self) -> Vec<Contestant> {
         let own = self.solvers.iter().copied().map(Contestant::Own);
         own.chain(self.peers.iter().copied().map(Contestant::Peer)).collect()
     }
 
-    /// Leaves the peers out that are not installed, or do not suit the boundary; returns remarks on them.
+    /// Removes the peers that are not installed or do not suit the boundary; returns remarks on them.
     fn leave_out(&mut self, environment: &Environment) -> Vec<String> {
         let mut notes = Vec::new();
         let boundary = self.boundary;
@@ -309,20 +309,20 @@ impl Args {
     }
 }
 
-/// Cell length over longest wavelength, and grid points per shortest wavelength, of every surface.
+/// Cell length divided by longest wavelength, and grid points per shortest wavelength, of every surface.
 const EPS_T_INV: f64 = 2.0;
 const EPS_C_INV: f64 = 4.0;
 
 /// Spectral rms gradient of every surface.
 const RMS_GRADIENT: f64 = 0.1;
 
-/// The result of the command.
+/// Result of the command.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Made {
     /// Times to one certified residual.
     Timed(Report),
-    /// The table of all loads.
+    /// Table of all loads.
     AnyLoad(AnyLoad),
     /// Creep tests.
     Creep(Creep),
@@ -341,11 +341,11 @@ impl fmt::Display for Made {
     }
 }
 
-/// Runs the command. After a failure the finished cases are kept in a file, which the message names.
+/// Runs the command. After a failure the finished cases are kept in a file named in the message.
 ///
 /// # Errors
 /// Invalid input; an environment that cannot be created; a failed solve of this program; without `--any-load` a result
-/// whose certified residual exceeds the tolerance, or which differs from that of the first contestant.
+/// with a certified residual above the tolerance, or one that differs from the first contestant.
 pub fn run(args: &Args, session: &Session) -> Result<Made, Failure> {
     let mut args = args.resolved();
     args.check()?;
@@ -416,7 +416,7 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     Ok(report)
 }
 
-/// The folder for the files of this command, beside the build.
+/// Returns the folder for the files of this command, beside the build.
 fn work_folder() -> Result<PathBuf, Failure> {
     let program = std::env::current_exe().ok();
     let build = program.as_deref().and_then(|file| file.parent()?.parent()).map(PathBuf::from);
@@ -426,7 +426,7 @@ fn work_folder() -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-/// The heights of a surface in a cell of length 1, and their rms gradient.
+/// Returns the heights of a surface in a cell of length 1, and their rms gradient.
 fn rough(points: usize, hurst: f64, seed: u64) -> Result<(Array2<f64>, f64), Failure> {
     let refuse = |error: &dyn std::fmt::Display| Failure::input("--sizes, --hurst", error);
     let grid = Grid::new([points; 2], [1.0; 2]).map_err(|error| refuse(&error))?;
@@ -442,7 +442,7 @@ fn rough(points: usize, hurst: f64, seed: u64) -> Result<(Array2<f64>, f64), Fai
     Ok((heights, statistics.moments.rms_gradient()))
 }
 
-/// The problems of one surface, one per load; writes the surface to `folder` for all contestants.
+/// Returns the problems of one surface, one per load, and writes the surface to `folder` for all contestants.
 fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
     let (heights, rms_gradient) = rough(points, hurst, args.seed)?;
     let file = folder.join(format!("h-{points}-{hurst}.npy"));

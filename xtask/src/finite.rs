@@ -1,4 +1,4 @@
-//! `finite`: what self-affine surfaces of finite spectra have besides κ: mean gap, stiffness, pressure and its
+//! `finite`: properties of self-affine surfaces of finite spectra other than κ: mean gap, stiffness, pressure and its
 //! distribution, and the load at which contacts percolate.
 
 mod high;
@@ -19,29 +19,29 @@ pub use high::PRESSURES;
 
 const HURST: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
-/// 1/ε_f, points on the shortest wave, and the number of surfaces.
+/// Values of 1/ε_f, points on the shortest wave, and number of surfaces.
 const LEVELS: [(usize, usize, u64); 3] = [(8, 8, 64), (32, 8, 24), (128, 4, 8)];
 
-/// The longest waves over the length of the cell.
+/// Number of longest waves along the cell.
 const EPS_T_INV: usize = 2;
 
-/// The rms gradient, with which the surfaces are made.
+/// Rms gradient of the generated surfaces.
 const RMS_GRADIENT: f64 = 0.1;
 
-/// The reduced pressures p/(E* ḡ).
+/// Reduced pressures p/(E* ḡ).
 const REDUCED: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
 
-/// The loads p λ_l/(E* h_rms), which do not depend on the short waves.
+/// Loads p λ_l/(E* h_rms), which do not depend on the short waves.
 const OF_LONG_WAVES: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 
-/// Reduced pressures between which contacts percolate, each this factor over the one before, and the number of times
-/// that the interval in which they begin to is halved.
+/// Reduced pressures that bracket percolation: the first, the factor between neighbours, their number, and the number
+/// of bisections of the interval with the first percolation.
 const LIGHTEST: f64 = 0.12;
 const FACTOR: f64 = 1.12;
 const STEPS: i32 = 18;
 const HALVINGS: usize = 4;
 
-/// One of so many surfaces has twice the points, too, for the error of the distribution of pressure by the grid.
+/// Every n-th surface is also solved with twice the points, for the grid error of the pressure distribution.
 const FINER: u64 = 8;
 
 /// Flags of `finite`.
@@ -61,10 +61,10 @@ pub struct Args {
     out: PathBuf,
 }
 
-/// A number over surfaces, with half of its 95 % interval: scatter and error of the grid.
+/// Mean of a quantity over surfaces, with half of its 95 % interval: scatter and grid error.
 pub type Known = [f64; 2];
 
-/// All kinds of surfaces.
+/// Results for all kinds of surfaces.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "docs/results/finite.md")]
 pub struct Report {
@@ -79,35 +79,34 @@ pub struct Kind {
     pub hurst: f64,
     pub eps_f_inv: usize,
     pub surfaces: u64,
-    /// h_rms/(λ_l ḡ).
+    /// Height ratio h_rms/(λ_l ḡ).
     pub height: Known,
-    /// Under given reduced pressures, and under given loads of the long waves.
+    /// Results under given reduced pressures, and under given loads of the long waves.
     pub reduced: Vec<Numbers>,
-    /// Under the given reduced pressures, the part of the surface with more than each of [`PRESSURES`], over p/(E* ḡ).
+    /// Fraction of the surface above each of [`PRESSURES`] divided by p/(E* ḡ), under the given reduced pressures.
     pub above: Vec<Vec<Known>>,
     pub of_long_waves: Vec<Numbers>,
-    /// The reduced pressure and the area fraction at which contacts percolate along an axis, and the gap closes across
-    /// it.
+    /// Reduced pressure and area fraction at which contacts percolate along an axis and the gap closes across it.
     pub percolation: [Known; 2],
 }
 
-/// The numbers of a load.
+/// Results for one load.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Numbers {
-    /// p/(E* ḡ), or p λ_l/(E* h_rms).
+    /// Load p/(E* ḡ), or p λ_l/(E* h_rms).
     pub load: f64,
-    /// κ; like all of these `None` if contacts are too narrow for the grid on some surface.
+    /// Coefficient κ. Like all of these, `None` if contacts are too narrow for the grid on some surface.
     pub kappa: Option<Known>,
-    /// Mean gap over h_rms.
+    /// Mean gap divided by h_rms.
     pub gap: Option<Known>,
-    /// Stiffness times h_rms over the pressure.
+    /// Stiffness times h_rms divided by the pressure.
     pub stiffness: Option<Known>,
-    /// The rms pressure over the points in contact over E* ḡ.
+    /// Rms pressure over the points in contact, divided by E* ḡ.
     pub rms_pressure: Option<Known>,
 }
 
-/// The numbers of one surface: the height, four numbers with their errors for each load, the parts with high pressure
-/// for each reduced pressure, the load and area of percolation.
+/// Results for one surface: the height, four quantities with their errors for each load, the fractions with high
+/// pressure for each reduced pressure, the load and area of percolation.
 struct Found {
     height: f64,
     loads: Vec<Option<[Known; 4]>>,
@@ -115,8 +114,8 @@ struct Found {
     percolation: [Known; 2],
 }
 
-/// Half of the 95 % interval of a mean over numbers that scatter (Student's t to 2 % from four numbers on), with the
-/// mean of their own errors, which may be alike.
+/// Returns a mean and half of its 95 % interval: the scatter (Student's t to 2 % from four values on) and the mean of
+/// the individual errors, which may be correlated.
 fn mean(numbers: impl Iterator<Item = Known>) -> Known {
     let numbers: Vec<Known> = numbers.collect();
     let count = numbers.len() as f64;
@@ -131,7 +130,7 @@ fn limit(load: &Value, name: &str) -> Option<Known> {
     Some([found("_limit")?, found("_limit_error")?])
 }
 
-/// The four numbers of a load.
+/// Returns the four quantities of a load.
 fn numbers(load: &Value, height: f64) -> Option<[Known; 4]> {
     let pressure = number(load, "mean_pressure")?;
     let over = |known: Known, unit: f64| known.map(|part| part / unit);
@@ -146,8 +145,8 @@ fn numbers(load: &Value, height: f64) -> Option<[Known; 4]> {
     ])
 }
 
-/// The load and the area at which contacts of a surface percolate, the mean of both axes; first between the loads of a
-/// ramp.
+/// Returns the load and the area at which contacts of a surface percolate, averaged over both axes, starting between
+/// the loads of a ramp.
 fn percolation(surface: &str, ramp: &[Value]) -> Result<[Known; 2], Failure> {
     let unknown = || Failure::Computation("contacts do not begin to percolate between the loads of the ramp".into());
     let of_axis = |axis: usize| -> Result<[Known; 2], Failure> {
@@ -171,7 +170,7 @@ fn percolation(surface: &str, ramp: &[Value]) -> Result<[Known; 2], Failure> {
     Ok([0, 1].map(|which| [0, 1].map(|part| 0.5 * (x[which][part] + y[which][part]))))
 }
 
-/// Computes the numbers of a surface.
+/// Computes the results of a surface.
 fn found(hurst: f64, (eps_f_inv, points_per_wave): (usize, usize), seed: u64) -> Result<Found, Failure> {
     let n = points_per_wave * EPS_T_INV * eps_f_inv;
     let surface = format!("--n {n} --eps-t-inv {EPS_T_INV} --eps-f-inv {eps_f_inv} --hurst {hurst} --seed {seed}");
@@ -192,12 +191,12 @@ fn found(hurst: f64, (eps_f_inv, points_per_wave): (usize, usize), seed: u64) ->
     })
 }
 
-/// The numbers of the surfaces of one kind. Some surfaces have twice the points along each side in `finer`.
+/// Averages the results of the surfaces of one kind. `finer` has some of the surfaces with twice the points per side.
 fn kind(hurst: f64, eps_f_inv: usize, found: &[Found], finer: &[Vec<high::Parts>]) -> Kind {
     let above = |load: usize, place: usize| {
         let [value, scatter] = mean(found.iter().map(|found| [found.above[load][place], 0.0]));
         let steps = found.iter().zip(finer).map(|(found, finer)| finer[load][place] - found.above[load][place]);
-        // Of an error of order one, half is left on the finer grid.
+        // A first-order error is halved on the finer grid.
         [value, scatter.hypot(2.0 * steps.sum::<f64>() / finer.len() as f64)]
     };
     let over_loads = |first: usize, loads: &[f64]| {
@@ -223,7 +222,7 @@ fn kind(hurst: f64, eps_f_inv: usize, found: &[Found], finer: &[Vec<high::Parts>
 /// Runs the command.
 ///
 /// # Errors
-/// A contact that was not solved, or whose numbers are not known; a file that cannot be written.
+/// A contact that could not be solved or has unknown quantities; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let kinds = HURST.into_iter().flat_map(|hurst| LEVELS.map(|level| (hurst, level)));
     let surfaces = |all: u64| ((args.share * all as f64).round() as u64).max(2);

@@ -1,4 +1,4 @@
-//! `reproduce`: computes and draws the figures of the thesis, chapters 2 to 4, by the public commands, and writes
+//! `reproduce`: computes and draws the figures of the thesis, chapters 2 to 4, with the public commands, and writes
 //! docs/source/README.md.
 
 mod catalogue;
@@ -37,7 +37,7 @@ pub struct Args {
     reference: PathBuf,
 }
 
-/// The result of the command.
+/// Result of the command.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -45,7 +45,7 @@ pub struct Report {
     pub written: Vec<PathBuf>,
 }
 
-/// The folder in which the commands run, and what they print, by their texts.
+/// Working folder of the commands, and their output by command text.
 struct Runs {
     program: PathBuf,
     folder: tempfile::TempDir,
@@ -54,8 +54,7 @@ struct Runs {
 }
 
 impl Runs {
-    /// Runs `gfmd COMMAND --json`, once, and returns what it prints. A search that is stopped by `--max-iter` has
-    /// printed its state.
+    /// Runs `gfmd COMMAND --json` once and returns its output. A search stopped by `--max-iter` has printed its state.
     fn run(&mut self, command: &str) -> Result<&Value, Failure> {
         if !self.reports.contains_key(command) {
             let failed = |reason: String| Failure::Computation(format!("gfmd {command}: {reason}"));
@@ -83,7 +82,7 @@ impl Runs {
 /// Runs the command.
 ///
 /// # Errors
-/// A number that is no figure; a folder that cannot be written; a command that fails.
+/// A number that is not a figure; a folder that cannot be written; a command that fails.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let numbers: Vec<&str> = FIGURES.iter().map(|figure| figure.number).collect();
     if let Some(found) = args.figure.iter().find(|number| !numbers.contains(&number.as_str())) {

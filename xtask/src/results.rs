@@ -1,7 +1,7 @@
 //! `results`: writes data/results/limits.json, the tables of docs/results.md and its pages, docs/theory.md,
 //! docs/accuracy.md and README.md, and the figures, from the summaries in data/results.
 //!
-//! A table stands between `<!-- results: NAME -->` and `<!-- end -->`; the text around it is written by hand.
+//! A table stands between `<!-- results: NAME -->` and `<!-- end -->`. The text around it is written by hand.
 
 mod accuracy;
 mod axes;
@@ -38,20 +38,20 @@ pub struct Args {
     check: bool,
 }
 
-/// The result of the command.
+/// Result of the command.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     pub tables: usize,
     pub figures: usize,
-    /// The files that changed.
+    /// Files that changed.
     pub written: Vec<PathBuf>,
 }
 
-/// A table by the names of its page and of its place there.
+/// Table with the names of its page and of its place there.
 type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failure>);
 
-/// A figure by the name of its file.
+/// Figure with the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
 const TABLES: [Table; 21] = [
@@ -78,7 +78,7 @@ const TABLES: [Table; 21] = [
     ("results/others", "lines", axes::lines),
 ];
 
-/// The pages with tables, in the folder of the documents.
+/// Pages with tables, in the folder of the documents.
 const PAGES: [&str; 7] =
     ["accuracy", "../README", "results", "theory", "results/finite", "results/methods", "results/others"];
 
@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     Ok(Report { tables: TABLES.len(), figures: FIGURES.len(), written })
 }
 
-/// The page with a table in its place.
+/// Returns the page with a table in its place.
 pub(crate) fn filled(page: &str, name: &str, table: &str) -> Result<String, Failure> {
     let (start, end) = (format!("<!-- results: {name} -->\n"), "<!-- end -->");
     let missing = || Failure::Input(format!("the page has no place for {name}; it must have {start:?} and {end:?}"));

@@ -1,4 +1,4 @@
-//! Contacts that the program solves, as it prints them.
+//! Contacts solved by the program, as printed.
 
 use clap::Parser;
 use gfmd_cli::contact;
@@ -13,7 +13,7 @@ struct Command {
     contact: contact::Args,
 }
 
-/// The report of `contact` with these flags.
+/// Returns the report of `contact` with these flags.
 ///
 /// # Errors
 /// Flags that do not parse; a load that was not solved.
@@ -28,12 +28,12 @@ pub fn contact(flags: &str) -> Result<Value, Failure> {
     serde_json::to_value(&outcome.report).map_err(|error| Failure::Computation(error.to_string()))
 }
 
-/// The loads of a report.
+/// Returns the loads of a report.
 pub fn loads(report: &Value) -> &[Value] {
     report["loads"].as_array().map_or(&[], Vec::as_slice)
 }
 
-/// A number of a load; `None` if it has no value.
+/// Returns a quantity of a load; `None` if it has no value.
 pub fn number(load: &Value, name: &str) -> Option<f64> {
     let column = COLUMNS.iter().find(|column| column.name == name)?;
     load.pointer(&format!("/{}", column.json.replace('.', "/")))?.as_f64()

@@ -1,4 +1,4 @@
-//! `verify`: all checks of `gfmd-tests`, each with its value and its bound; writes docs/validation.md.
+//! `verify`: runs all checks of `gfmd-tests`, each with its value and its bound; writes docs/validation.md.
 
 mod document;
 mod figures;
@@ -28,7 +28,7 @@ pub struct Args {
     write_docs: Option<PathBuf>,
 }
 
-/// The result of the command.
+/// Result of the command.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -38,7 +38,7 @@ pub struct Report {
     pub written: Vec<PathBuf>,
 }
 
-/// The checks of one topic.
+/// Checks of one topic.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct TopicReport {
@@ -46,7 +46,7 @@ pub struct TopicReport {
     pub checks: Vec<CheckReport>,
 }
 
-/// One check. The bound is `at_most` for an error, `at_least` for an order of convergence.
+/// Result of one check. The bound is `at_most` for an error, `at_least` for an order of convergence.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct CheckReport {
@@ -110,7 +110,7 @@ impl TopicReport {
 }
 
 impl CheckReport {
-    /// The value and its bound as text.
+    /// Returns the value and its bound as text.
     fn words(&self) -> [String; 2] {
         match (self.at_most, self.at_least) {
             (Some(bound), _) => [format!("{:.2e}", self.value), format!("≤ {bound:e}")],

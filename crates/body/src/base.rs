@@ -9,7 +9,7 @@ use crate::interior::check_finite;
 /// a line, component after component.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BaseField {
-    /// Displacement (length) of a base that fixes u_z: bonded, or sliding, whose lateral components must be zero.
+    /// Displacement (length) of a base that fixes u_z: bonded, or sliding with zero lateral components.
     Displacement(Vec<f64>),
     /// Traction (stress) on the lower face of a plate. Its mean must be zero, since the mean traction balances the load
     /// (theory.md, section 4.2).
@@ -17,16 +17,16 @@ pub enum BaseField {
 }
 
 impl BaseField {
-    /// The displacement (length) of the traction-free surface of `body` caused by this base, component after component.
-    /// The displacement under a load is the sum of this displacement and that with the base at rest.
+    /// Computes the displacement (length) of the traction-free surface of `body` caused by this base, component after
+    /// component. Add it to the displacement under a load with the base at rest.
     ///
-    /// By reciprocity: w = (Σ G)† u_b with Σ G the traction σ_xz, σ_yz, σ_zz on the base at rest per traction on the
-    /// surface, and w = (T G)† t_b with T G the displacement of the lower face (theory.md, section 4.2). For a
+    /// By reciprocity, w = (Σ G)† u_b, where Σ G is the traction σ_xz, σ_yz, σ_zz on the base at rest per surface
+    /// traction, and w = (T G)† t_b, where T G is the displacement of the lower face (theory.md, section 4.2). For a
     /// [pair](Body::against) of bodies it is the base of the first body.
     ///
     /// # Errors
-    /// A body without such a base; a field of the wrong length, not finite, with a mean traction, or with a lateral
-    /// displacement of a sliding base.
+    /// Returns an error if the body has no such base, or if the field has the wrong length, is not finite, has a mean
+    /// traction, or moves a sliding base laterally.
     pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
         let body = body.alone();
         let (field, ground) = self.check(&body, &grid)?;
@@ -41,11 +41,11 @@ impl BaseField {
         let base = body.at_depth(body.total_height())?;
         for index in 0..grid.spectrum_len() {
             let mode = grid.mode_at(index);
-            // A profile has no component along y.
+            // A line has no component along y.
             let at = |axis: usize| spectra[axis].get(index).copied().unwrap_or_default();
             let given = [at(0), at(1), at(2)];
             let found = if mode.is_uniform() {
-                // A base that moves as a whole takes the body with it.
+                // A uniform displacement of the base moves the whole body.
                 match self {
                     Self::Displacement(_) => given,
                     Self::Traction(_) => [Complex64::ZERO; 3],
@@ -112,7 +112,7 @@ impl BaseField {
     }
 }
 
-/// (A G)† v.
+/// Computes (A G)† v.
 fn reversed(a: &Matrix3, g: &Matrix3, v: [Complex64; 3]) -> [Complex64; 3] {
     let inner: [Complex64; 3] = std::array::from_fn(|k| (0..3).map(|row| a[row][k].conj() * v[row]).sum());
     std::array::from_fn(|k| (0..3).map(|row| g[row][k].conj() * inner[row]).sum())

@@ -1,37 +1,36 @@
 use gfmd_green::Material;
 
-/// The strain and the stress on one plane of a body, point by point, in the memory of a
-/// [`Workspace`](crate::Workspace).
+/// Strain and stress on one plane of a body, point by point, in the memory of a [`Workspace`](crate::Workspace).
 #[derive(Clone, Copy, Debug)]
 pub struct Deformation<'w> {
     pub(crate) material: Material,
-    /// The fields ε_xx, ε_yy, γ_xy, σ_zz, σ_yz, σ_xz; those that vanish on a line are empty.
+    /// Fields ε_xx, ε_yy, γ_xy, σ_zz, σ_yz, σ_xz; those that vanish on a line are empty.
     pub(crate) fields: [&'w [f64]; 6],
 }
 
-/// The strain and the stress at one point. Components are xx, yy, zz, yz, xz, xy.
+/// Strain and stress at one point, with components xx, yy, zz, yz, xz, xy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// The strain, dimensionless; for shear the engineering strain γ_ij = ∂_i u_j + ∂_j u_i.
+    /// Strain, dimensionless; shear components are engineering strains γ_ij = ∂_i u_j + ∂_j u_i.
     pub strain: [f64; 6],
-    /// The stress, tension positive.
+    /// Stress, positive in tension.
     pub stress: [f64; 6],
     shear_modulus: f64,
 }
 
 impl Deformation<'_> {
-    /// The material at this plane.
+    /// Returns the material at this plane.
     pub fn material(&self) -> &Material {
         &self.material
     }
 
-    /// The number of points.
+    /// Returns the number of points.
     #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
     pub fn len(&self) -> usize {
         self.fields[0].len()
     }
 
-    /// The state at point `index` of the grid.
+    /// Returns the state at point `index` of the grid.
     ///
     /// Stress follows from lateral strain and normal stress, which are both finite at ν = 1/2 (theory.md, section 5).
     ///
@@ -52,7 +51,7 @@ impl Deformation<'_> {
 }
 
 impl State {
-    /// The equivalent stress of von Mises, √(3 s_ij s_ij / 2), s the deviator of the stress.
+    /// Returns the von Mises stress √(3 s_ij s_ij / 2), where s is the deviator of the stress.
     ///
     /// It is computed from the strains, since the normal stresses of a nearly incompressible body differ by little.
     pub fn von_mises(&self) -> f64 {
@@ -61,7 +60,7 @@ impl State {
         self.shear_modulus * (2.0 * stretch + 3.0 * (yz * yz + xz * xz + xy * xy)).sqrt()
     }
 
-    /// The elastic energy per volume, ½ σ_ij ε_ij, in stress.
+    /// Returns the elastic energy per volume, ½ σ_ij ε_ij, in stress.
     pub fn energy_density(&self) -> f64 {
         0.5 * self.stress.iter().zip(self.strain).map(|(stress, strain)| stress * strain).sum::<f64>()
     }

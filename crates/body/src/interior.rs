@@ -7,109 +7,109 @@ use rayon::prelude::*;
 
 use crate::{BaseField, Deformation};
 
-/// A body whose surface is displaced: the spectra from which every depth follows.
+/// Body with a displaced surface: the spectra that determine the fields at every depth.
 pub struct Interior {
     body: Body,
     transform: Transform,
     components: Components,
-    /// ũ_x, ũ_y, ũ_z of the surface; ũ_y is zero on a line.
+    /// Surface modes ũ_x, ũ_y, ũ_z; ũ_y is zero on a line.
     surface: [Vec<Complex64>; 3],
-    /// ũ_z of the Nyquist modes of a surface without shear traction, by their index in the half spectrum, in ascending
-    /// order. They are not in `surface`, since their lateral displacement vanishes at the points of the grid only.
+    /// Nyquist modes ũ_z of a surface without shear traction, with their indices in the half spectrum, in ascending
+    /// order. They are stored separately, since their lateral displacement vanishes only at the grid points.
     nyquist: Vec<(usize, Complex64)>,
-    /// The mean of σ_xz, σ_yz, σ_zz, if it was given.
+    /// Mean of σ_xz, σ_yz, σ_zz, if it was given.
     mean_traction: Option<[f64; 3]>,
-    /// Displacement modes of the base, if it moves, as those of the surface.
+    /// Modes of the base displacement, laid out as for the surface; `None` if the base is at rest.
     base: Option<[Vec<Complex64>; 3]>,
 }
 
-/// The working memory of one caller, made by [`Interior::workspace`]: six fields, their spectra, and the workspace of a
-/// transform. A call itself allocates nothing.
+/// Working memory of one caller, created by [`Interior::workspace`]: six fields, their spectra, and the workspace of a
+/// transform. The calls themselves allocate nothing.
 pub struct Workspace {
     transform: gfmd_field::Workspace,
     spectra: [Vec<Complex64>; 6],
     fields: Vec<f64>,
 }
 
-/// Reasons why fields inside cannot be computed.
+/// Error in the computation of interior fields.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InteriorError {
-    /// A field or a workspace of another grid.
+    /// Field or workspace of another grid.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// A depth outside the body.
+    /// Depth outside the body.
     #[error(transparent)]
     Place(#[from] GreenError),
-    /// A value that is NaN or infinite.
+    /// Value that is NaN or infinite.
     #[error("the value is {found} at index {index}; it must be finite")]
     NotFinite {
-        /// The value.
+        /// Given value.
         found: f64,
-        /// Its index, the first one of several.
+        /// Index of the first such value.
         index: usize,
     },
-    /// A field for another base.
+    /// Field that does not match the base of the body.
     #[error("the {given} of the base is given; the body must be {allowed}")]
     Base {
-        /// The field that was given.
+        /// Kind of the given field.
         given: &'static str,
-        /// The bodies that have it.
+        /// Bodies that accept such a field.
         allowed: &'static str,
     },
-    /// A mean traction on the lower face of a plate.
+    /// Mean traction on the lower face of a plate.
     #[error(
         "the mean traction on the lower face is {found}; it must be zero, since the mean is borne against the load"
     )]
     MeanTraction {
-        /// The mean of a component.
+        /// Mean of a component.
         found: f64,
     },
-    /// A mean traction of the surface that its mean displacement contradicts.
+    /// Mean traction of the surface that contradicts its mean displacement.
     #[error(
         "the mean traction along {axis} is {found}; it must be {expected}, which the mean displacement of the surface \
          says"
     )]
     Contradiction {
-        /// The component: x, y or z.
+        /// Component: x, y or z.
         axis: char,
-        /// The mean traction.
+        /// Given mean traction.
         found: f64,
-        /// The mean traction that belongs to the mean displacement.
+        /// Mean traction that matches the mean displacement.
         expected: f64,
     },
-    /// A lateral displacement of a base without friction.
+    /// Lateral displacement of a frictionless base.
     #[error("the lateral displacement of the sliding base is {found} at index {index}; it must be zero")]
     Sideways {
-        /// The value.
+        /// Given value.
         found: f64,
-        /// Its index, the first one of several.
+        /// Index of the first such value.
         index: usize,
     },
-    /// A mean normal displacement of incompressible layers, which would change their volume.
+    /// Mean normal displacement of incompressible layers, which would change their volume.
     #[error("the mean of u_z is {found}; it must be zero on incompressible layers")]
     Volume {
-        /// The mean of u_z.
+        /// Mean of u_z.
         found: f64,
     },
 }
 
 impl Interior {
-    /// The interior below a displacement of the surface (length), given component after component: x, y, z, or x, z on
-    /// a line. For a [pair](Body::against) of bodies it is the relative displacement; the interior is then that of the
-    /// first body under its part of it.
+    /// Creates the interior below a surface displacement (length), given component after component: x, y, z, or x, z on
+    /// a line. For a [pair](Body::against) of bodies it is the relative displacement, and the interior belongs to the
+    /// first body under its part of the displacement.
     ///
-    /// The mean displacement is measured against the reference level of [`Body::level_compliance`]: it strains slabs
-    /// and layers, and a half-space moves with it.
+    /// The mean displacement is measured relative to the reference level of [`Body::level_compliance`]: it strains
+    /// slabs and layers, and a half-space moves with it.
     ///
-    /// The mean traction follows from the mean displacement where the body has a stiffness against it. Where it has
-    /// none (on a half-space, and along z on incompressible layers) the mean traction is zero, unless
-    /// [`with_mean_traction`](Self::with_mean_traction) gives it (theory.md, section 5). The mean of u_z must vanish if
+    /// The mean traction follows from the mean displacement where the body has a uniform stiffness. Where it has none
+    /// (on a half-space, and along z on incompressible layers) the mean traction is zero, unless
+    /// [`with_mean_traction`](Self::with_mean_traction) sets it (theory.md, section 5). The mean of u_z must vanish if
     /// all layers are incompressible.
     ///
     /// # Errors
-    /// A displacement of the wrong length or with a value that is not finite; incompressible layers whose volume would
-    /// change.
+    /// Returns an error if the displacement has the wrong length or is not finite, or if it would change the volume of
+    /// incompressible layers.
     pub fn new(body: &Body, grid: Grid, displacement: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         let (axes, points) = (interior.components.axes(), grid.len());
@@ -126,12 +126,12 @@ impl Interior {
         Ok(interior)
     }
 
-    /// The interior below the normal displacement (length) of a surface without shear traction, whose lateral
-    /// displacement follows (theory.md, section 3).
+    /// Creates the interior below the normal displacement (length) of a surface without shear traction. The lateral
+    /// displacement follows from it (theory.md, section 3).
     ///
     /// # Errors
-    /// A displacement of the wrong length or with a value that is not finite; incompressible layers whose volume would
-    /// change.
+    /// Returns an error if the displacement has the wrong length or is not finite, or if it would change the volume of
+    /// incompressible layers.
     pub fn frictionless(body: &Body, grid: Grid, normal: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         interior.check("displacement", normal, grid.len())?;
@@ -148,13 +148,13 @@ impl Interior {
         Ok(interior.without_shear())
     }
 
-    /// The interior below a pressure (stress, positive in compression) on a surface without shear traction. For a
-    /// [pair](Body::against) of bodies it is that of the first body.
+    /// Creates the interior below a pressure (stress, positive in compression) on a surface without shear traction. For
+    /// a [pair](Body::against) of bodies, the interior belongs to the first body.
     ///
     /// The mean displacement follows from [`Body::level_compliance`].
     ///
     /// # Errors
-    /// A pressure of the wrong length or with a value that is not finite.
+    /// Returns an error if the pressure has the wrong length or is not finite.
     pub fn of_pressure(body: &Body, grid: Grid, pressure: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         interior.check("pressure", pressure, grid.len())?;
@@ -186,14 +186,14 @@ impl Interior {
         self
     }
 
-    /// The interior below a traction on the surface (stress), given component after component: σ_xz, σ_yz, σ_zz, or
-    /// σ_xz, σ_zz on a line. For a [pair](Body::against) of bodies it is the traction on the first body, and the
-    /// interior is that of the first body.
+    /// Creates the interior below a surface traction (stress), given component after component: σ_xz, σ_yz, σ_zz, or
+    /// σ_xz, σ_zz on a line. For a [pair](Body::against) of bodies, both the traction and the interior belong to the
+    /// first body.
     ///
     /// The mean displacement follows from [`Body::level_compliance`].
     ///
     /// # Errors
-    /// A traction of the wrong length or with a value that is not finite.
+    /// Returns an error if the traction has the wrong length or is not finite.
     pub fn of_traction(body: &Body, grid: Grid, traction: &[f64]) -> Result<Self, InteriorError> {
         let mut interior = Self::at_rest(body, grid);
         let (axes, points) = (interior.components.axes(), grid.len());
@@ -216,13 +216,13 @@ impl Interior {
         Ok(interior)
     }
 
-    /// Sets the mean traction σ_xz, σ_yz, σ_zz on the surface (stress; a mean pressure p is −p along z), for bodies
-    /// whose mean displacement does not determine it: half-spaces, and incompressible layers along z. It is the mean of
-    /// these stresses at every depth. Since the mean lateral strain is zero, it causes a uniform strain along z in
-    /// every layer, and a displacement linear in depth in a half-space (theory.md, section 5).
+    /// Sets the mean surface traction σ_xz, σ_yz, σ_zz (stress; −p along z for a mean pressure p), for bodies in which
+    /// the mean displacement does not determine it: half-spaces, and incompressible layers along z. These stresses have
+    /// the same mean at every depth. Since the mean lateral strain is zero, the traction causes a uniform strain along
+    /// z in every layer, and a displacement linear in depth in a half-space (theory.md, section 5).
     ///
     /// # Errors
-    /// A value that is not finite; a traction that the mean displacement of layers contradicts, by more than a tenth.
+    /// Returns an error if a value is not finite, or contradicts the mean displacement of layers by more than a tenth.
     pub fn with_mean_traction(mut self, traction: [f64; 3]) -> Result<Self, InteriorError> {
         check_finite(&traction)?;
         let compliance = self.uniform_compliance();
@@ -241,7 +241,7 @@ impl Interior {
         Ok(self)
     }
 
-    /// The mean of σ_xz, σ_yz, σ_zz, in stress, the same at every depth.
+    /// Returns the mean of σ_xz, σ_yz, σ_zz, in stress, which is the same at every depth.
     pub fn mean_traction(&self) -> [f64; 3] {
         let compliance = self.uniform_compliance();
         self.mean_traction.unwrap_or_else(|| {
@@ -253,7 +253,7 @@ impl Interior {
         })
     }
 
-    /// The compliance of the uniform mode along x, y, z against the reference level.
+    /// Returns the compliance of the uniform mode along x, y, z, relative to the reference level.
     fn uniform_compliance(&self) -> [f64; 3] {
         let [lateral, normal] = self.body.level_compliance();
         [lateral, lateral, normal]
@@ -272,12 +272,12 @@ impl Interior {
         }
     }
 
-    /// Moves the base by `displacement` (length), component after component, while the surface keeps its displacement:
-    /// for one slab on a bonded base. The field is the sum of that with the base at rest, and that of the same slab
-    /// upside down with the surface at rest (theory.md, section 5).
+    /// Moves the base of one slab on a bonded base by `displacement` (length), component after component, while the
+    /// surface keeps its displacement. The field is the sum of two fields: the slab with its base at rest, and the slab
+    /// upside down with its surface at rest (theory.md, section 5).
     ///
     /// # Errors
-    /// Another body; a displacement of the wrong length or with a value that is not finite.
+    /// Returns an error for any other body, or if the displacement has the wrong length or is not finite.
     pub fn with_base(mut self, displacement: &[f64]) -> Result<Self, InteriorError> {
         if *self.body.base() != Base::BONDED || self.body.height() == Height::Infinite {
             return Err(InteriorError::Base { given: "displacement", allowed: "one slab on a bonded base" });
@@ -293,11 +293,11 @@ impl Interior {
         Ok(self)
     }
 
-    /// Adds the field of a base that moves by `displacement` (length) while the surface is free of traction and moves
-    /// as well: for one slab on a bonded base (theory.md, section 4.2).
+    /// Adds the field of a base that moves by `displacement` (length) below a traction-free surface, which moves as
+    /// well; for one slab on a bonded base (theory.md, section 4.2).
     ///
     /// # Errors
-    /// Another body; a displacement of the wrong length or with a value that is not finite.
+    /// Returns an error for any other body, or if the displacement has the wrong length or is not finite.
     pub fn over_base(mut self, displacement: &[f64]) -> Result<Self, InteriorError> {
         let grid = *self.grid();
         let lifted = BaseField::Displacement(displacement.to_vec()).surface_displacement(&self.body, grid)?;
@@ -310,7 +310,7 @@ impl Interior {
         self.with_base(displacement)
     }
 
-    /// The plane at `depth`, upside down; `None` if the base is at rest.
+    /// Returns the plane at `depth` of the body upside down; `None` if the base is at rest.
     fn upside_down(&self, depth: f64) -> Result<Option<Section<'_>>, InteriorError> {
         Ok(match &self.base {
             Some(_) => Some(self.body.at_depth(self.body.total_height() - depth)?.against_level()),
@@ -318,7 +318,7 @@ impl Interior {
         })
     }
 
-    /// The displacement of the base by the index of a mode, upside down.
+    /// Returns mode `index` of the base displacement, upside down.
     fn mirrored(&self, index: usize) -> [Complex64; 3] {
         self.base.as_ref().map_or([Complex64::ZERO; 3], |[x, y, z]| [x[index], y[index], -z[index]])
     }
@@ -330,8 +330,8 @@ impl Interior {
         check_finite(field)
     }
 
-    /// Replaces the relative displacement of a `pair` by that of the first body: at q ≠ 0 by the function `part`, and
-    /// for the uniform mode in proportion to the compliances.
+    /// Replaces the relative displacement of a `pair` by the displacement of the first body: by the function `part` at
+    /// q ≠ 0, and in proportion to the compliances for the uniform mode.
     fn share(&mut self, pair: &Body, part: impl Fn(&Mode, [Complex64; 3]) -> [Complex64; 3] + Sync) {
         let (own, all) = (self.body.level_compliance(), pair.level_compliance());
         let uniform = [0, 0, 1].map(|axis: usize| if all[axis] > 0.0 { own[axis] / all[axis] } else { 0.0 });
@@ -344,34 +344,34 @@ impl Interior {
         });
     }
 
-    /// If all layers of the `body` are incompressible, the mean of u_z must vanish. Its rounding error is removed.
+    /// Requires a zero mean of u_z if all layers of the `body` are incompressible, and removes its rounding error.
     fn keep_volume(&mut self, body: &Body, normal: &[f64]) -> Result<(), InteriorError> {
         let is_slab = |body: &Body| body.height() != Height::Infinite;
         if body.level_compliance()[1] > 0.0 || !(is_slab(body) || body.second().is_some_and(is_slab)) {
             return Ok(());
         }
-        // The uniform mode is the first; it is never recognised by a small wavenumber.
+        // The uniform mode is the first; a small wavenumber does not identify it.
         let found = std::mem::take(&mut self.surface[2][0]).re;
         let largest = normal.iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
         if found.abs() <= ROUNDING * largest { Ok(()) } else { Err(InteriorError::Volume { found }) }
     }
 
-    /// The body.
+    /// Returns the body.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// The grid of the surface and of every plane below it.
+    /// Returns the grid of the surface and of every plane below it.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
     }
 
-    /// The components of displacements.
+    /// Returns the components of displacements.
     pub fn components(&self) -> Components {
         self.components
     }
 
-    /// Allocates memory for any number of depths and for as many threads as the current rayon pool has.
+    /// Allocates memory for any number of depths and for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace {
         let rows = if self.grid().is_line() { 3 } else { 6 };
         Workspace {
@@ -381,10 +381,10 @@ impl Interior {
         }
     }
 
-    /// The displacement (length) at `depth` (length) below the surface, component after component.
+    /// Computes the displacement (length) at `depth` (length) below the surface, component after component.
     ///
     /// # Errors
-    /// A depth outside the body; a workspace of another grid.
+    /// Returns an error if the depth is outside the body, or if the workspace belongs to another grid.
     pub fn displacement<'w>(&self, depth: f64, ws: &'w mut Workspace) -> Result<&'w [f64], InteriorError> {
         self.check_workspace(ws)?;
         let section = self.body.at_depth(depth)?.against_level();
@@ -411,8 +411,7 @@ impl Interior {
         Ok(&ws.fields[..self.components.len() * self.grid().len()])
     }
 
-    /// The strain and the stress at `depth` (length) below the surface. Between two layers they are those of the upper
-    /// one.
+    /// Computes strain and stress at `depth` (length) below the surface; at an interface, on its upper side.
     ///
     /// # Errors
     /// As [`Self::displacement`].
@@ -420,8 +419,8 @@ impl Interior {
         self.deformation_on(self.body.at_depth(depth)?, depth, ws)
     }
 
-    /// The [`deformation`](Self::deformation) at `depth`, but between two layers that of the lower layer: σ_xx, σ_yy,
-    /// σ_xy and the strains along z jump there.
+    /// Computes the [`deformation`](Self::deformation) at `depth`; at an interface, on its lower side. σ_xx, σ_yy, σ_xy
+    /// and the strains along z jump there.
     ///
     /// # Errors
     /// As [`Self::displacement`].
@@ -450,14 +449,14 @@ impl Interior {
             }
             if let Some(section) = &base {
                 let added = apply(&section.continuous_transfer_of(&mode), self.mirrored(index));
-                // The shear stresses σ_yz and σ_xz turn their signs upside down.
+                // The shear stresses σ_yz and σ_xz change sign upside down.
                 for (row, (added, sign)) in rows.iter_mut().zip(added.into_iter().zip([1.0, 1.0, 1.0, 1.0, -1.0, -1.0]))
                 {
                     *row += sign * added;
                 }
             }
             if mode.is_uniform() {
-                // The lateral strain has no mean.
+                // The lateral strain has zero mean.
                 let [xz, yz, zz] = mean_traction.map(|mean| Complex64::new(mean, 0.0));
                 rows[3..].copy_from_slice(&[zz, yz, xz]);
             }
@@ -488,8 +487,8 @@ impl Interior {
         Ok(())
     }
 
-    /// The uniform strain of the mean traction along z, from the top of the half-space that the plane cuts down to the
-    /// plane.
+    /// Returns the displacement due to the mean traction, relative to the top of the half-space that the plane cuts;
+    /// zero in layers.
     fn linear_displacement(&self, section: &Section<'_>) -> [f64; 3] {
         let Some(depth) = section.depth_in_half_space() else { return [0.0; 3] };
         let material = section.material();
@@ -499,7 +498,7 @@ impl Interior {
         std::array::from_fn(|axis| -depth * compliance[axis] * mean[axis])
     }
 
-    /// ũ_z of a mode of a surface without shear traction, if it is stored separately.
+    /// Returns ũ_z of a mode of a surface without shear traction, if it is stored separately.
     fn set_apart(&self, index: usize, mode: &Mode) -> Option<Complex64> {
         if self.nyquist.is_empty() || mode.nyquist == [false; 2] {
             return None;
@@ -508,7 +507,7 @@ impl Interior {
         Some(self.nyquist[at].1)
     }
 
-    /// The displacement ũ of the surface by the index of a mode in the half spectrum.
+    /// Returns the surface displacement ũ as a function of the index in the half spectrum.
     fn amplitude(&self) -> impl Fn(usize) -> [Complex64; 3] + Sync + '_ {
         let [x, y, z] = &self.surface;
         move |index| [x[index], y[index], z[index]]
@@ -522,20 +521,20 @@ pub(crate) fn check_finite(field: &[f64]) -> Result<(), InteriorError> {
     }
 }
 
-/// The number of modes that one thread takes at a time.
+/// Number of modes that one thread takes at a time.
 const CHUNK: usize = 512;
 
-/// The ratio of mean to largest value below which a mean counts as rounding error.
+/// Ratio of mean to largest value below which a mean counts as rounding error.
 const ROUNDING: f64 = 1e-12;
 
-/// The relative difference of two mean tractions that contradict each other, beyond the tolerance of any search.
+/// Relative difference at which two mean tractions contradict each other, beyond the tolerance of any search.
 const CONTRADICTION: f64 = 0.1;
 
-/// The ratio of a mean displacement to the largest amplitude below which it does not determine the mean traction.
+/// Ratio of mean displacement to largest amplitude below which it does not determine the mean traction.
 const UNCERTAIN: f64 = 1e-6;
 
-/// The product of a matrix and an amplitude. Zero amplitudes give zero even where the matrix is infinite, as for u_z of
-/// an incompressible slab at q = 0.
+/// Multiplies a matrix by an amplitude. Zero amplitudes give zero even where the matrix is infinite, as for u_z of an
+/// incompressible slab at q = 0.
 fn apply<const ROWS: usize>(matrix: &[[Complex64; 3]; ROWS], surface: [Complex64; 3]) -> [Complex64; ROWS] {
     let product = |entry: &Complex64, u: Complex64| if u == Complex64::ZERO { u } else { entry * u };
     matrix.map(|row| row.iter().zip(surface).map(|(entry, u)| product(entry, u)).sum())

@@ -1,16 +1,16 @@
-//! Fields inside an elastic body from the displacement of its surface: displacement, strain, stress, von Mises stress
+//! Fields inside an elastic body computed from its surface displacement: displacement, strain, stress, von Mises stress
 //! and elastic energy density at any depth ([theory.md](../gfmd/theory/index.html), section 5).
 //!
-//! Start at [`Interior`], which computes the spectra of a surface displacement once. Each depth then costs one pass
-//! over the modes and one inverse transform for each component. All depths share their memory, so that a volume takes
-//! the memory of a few of its planes. The body is a half-space or a slab on any base, layers included; the surface is a
-//! plane or a line (plane strain). Fields and their components are laid out as in `gfmd-response`.
+//! Start with [`Interior`], which computes the spectra of a surface displacement once. Each depth then costs one pass
+//! over the modes and one inverse transform per component. All depths share memory, so that a volume takes the memory
+//! of a few of its planes. The body is a half-space or a slab on any base, including layers; the surface is a plane or
+//! a line (plane strain). Fields and their components are laid out as in `gfmd-response`.
 //!
-//! - [`Interior::new`] takes all components of the displacement; for a surface without lateral displacement u_x and u_y
-//!   are zero.
+//! - [`Interior::new`] takes all components of the displacement; u_x and u_y are zero for a surface without lateral
+//!   displacement.
 //! - [`Interior::frictionless`] takes only u_z, for a surface without shear traction.
 //!
-//! Not here: contact (`gfmd-contact`), the matrices of one wave vector (`gfmd-green`), files (`gfmd-files`).
+//! See `gfmd-contact` for contact, `gfmd-green` for the matrices of one wave vector, and `gfmd-files` for files.
 //!
 //! ```
 //! use gfmd_body::Interior;

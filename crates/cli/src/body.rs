@@ -139,7 +139,7 @@ struct PlaceArgs {
     levels: Option<usize>,
 }
 
-/// The configuration with every default filled in, for the record of a run.
+/// Configuration with every default filled in, for the record of a run.
 #[derive(Serialize)]
 struct Config<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -163,7 +163,7 @@ struct Config<'a> {
     quantities: &'a [Quantity],
 }
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -175,9 +175,9 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress_unit: Option<String>,
     pub surface: String,
-    /// The mean traction on the surface by component, which is that of every depth.
+    /// Mean traction on the surface by component, equal at every depth.
     pub mean_traction: Vec<f64>,
-    /// The row of points, with `--slice`.
+    /// Row of points, with `--slice`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slice: Option<Slice>,
     pub levels: Vec<Level>,
@@ -188,12 +188,12 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// Numbers of all points at one depth. A number that none of the quantities needs is NaN, and `null` in JSON.
+/// Numbers over all points at one depth. A number that none of the quantities needs is NaN, and `null` in JSON.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Level {
     /// Depth below the surface.
     pub depth: f64,
-    /// Between two layers: the layer above, or the layer below.
+    /// Layer above or below, for a plane between two layers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub side: Option<Side>,
     /// Largest length of a displacement.
@@ -204,17 +204,17 @@ pub struct Level {
     pub mean_energy_density: f64,
 }
 
-/// The sides of a plane between two layers.
+/// Sides of a plane between two layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// In the upper layer.
+    /// Upper layer.
     Above,
-    /// In the lower layer.
+    /// Lower layer.
     Below,
 }
 
-/// A plane below the surface.
+/// Plane below the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Plane {
     depth: f64,
@@ -224,7 +224,7 @@ pub(crate) struct Plane {
 /// Runs the command.
 ///
 /// # Errors
-/// Unusable input; a file that could not be written; an interruption.
+/// Returns an error for unusable input, a file that cannot be written, or an interruption.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let (surface, name) = match &args.surface {
         Some(given) => (Surface::read(given, args.load, &args.length)?, input::name(given)),
@@ -285,7 +285,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let components = args.components(&quantities, &section, &surface.grid)?;
     let is_drawn = args.plots.is_some() || args.compare.is_some();
     if is_drawn {
-        // The maps, and their copies while they are drawn.
+        // Memory of the maps and their copies while drawing.
         let values = (depths.len() as u64).saturating_mul(section.points.len() as u64);
         memory::check_count("--levels", "values of a figure", values, 8 * components.len() as u64 * 2)?;
     }
@@ -297,7 +297,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let mut drawn = 0;
     for (number, &plane) in planes_below.iter().enumerate() {
         let depth = plane.depth;
-        // Maps have even levels, of which those between two layers show the upper one.
+        // Maps have evenly spaced levels; a level between two layers shows the upper side.
         let row = (depths.get(drawn) == Some(&depth)).then_some(drawn);
         drawn += usize::from(row.is_some());
         if session.is_interrupted() {
@@ -363,7 +363,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
-    /// The fields inside the `body` below the `surface` of the file `name`.
+    /// Returns the fields inside the `body` below the `surface` of the file `name`.
     fn interior(&self, name: &str, surface: &Surface, body: &Body, session: &Session) -> Result<Interior, Failure> {
         let Surface { grid, kind, values, record, mean_traction, .. } = surface;
         let refuse = |error: InteriorError| Failure::input(name, error);
@@ -385,13 +385,13 @@ impl Args {
         let interior = of_displacement().map_err(refuse)?;
         match (mean_traction, &self.mean_traction[..]) {
             (Some(mean), []) => match interior.with_mean_traction(*mean) {
-                // Flags give another body than that of the file: the displacement stays, and says its own traction.
+                // Flags give another body than the file: keep the displacement and derive its traction.
                 Err(InteriorError::Contradiction { .. }) => of_displacement().map_err(refuse),
                 interior => interior.map_err(refuse),
             },
             (Some(_), _) => Err(self.known_traction(name)),
             (None, []) => {
-                // Waves say what they are.
+                // Waves need no warning: they are prescribed.
                 if self.surface.is_some() && interior.body().level_compliance().contains(&0.0) {
                     let text = "the displacement of this body does not say the mean traction on it, which is taken as \
                                 0 where it does not; --mean-traction gives it";
@@ -413,7 +413,7 @@ impl Args {
         }
     }
 
-    /// The quantities to compute, in their order.
+    /// Returns the quantities to compute, in the order of [`Quantity::ALL`].
     fn quantities(&self, name: &str, surface: &Surface, session: &Session) -> Result<Vec<Quantity>, Failure> {
         let is_known = |quantity: &Quantity| surface.kind != Kind::Pressure || quantity.is_of_traction();
         let all = Quantity::ALL.into_iter().filter(|quantity| self.quantities.contains(quantity));
@@ -440,7 +440,7 @@ impl Args {
         Failure::value("--mean-traction", format!("{:?}", self.mean_traction), format!("left out: {name} has it"))
     }
 
-    /// The components that are drawn and compared on a section.
+    /// Returns the components to draw and compare on a section.
     fn components(&self, quantities: &[Quantity], section: &Rows, grid: &Grid) -> Result<Vec<Component>, Failure> {
         let absent = |component: &Component| grid.is_line() && component.is_out_of_plane();
         if self.draw.is_empty() {
@@ -455,8 +455,8 @@ impl Args {
     }
 }
 
-/// The planes at `depths`. One between two layers is taken twice, on either side; with even `levels` those that lie
-/// between them are added, unless they are those of an image.
+/// Returns the planes at `depths`. A plane between two layers occurs twice, once per side. Evenly spaced `levels` also
+/// get the interfaces above the deepest level. An image has the planes at `depths` only.
 fn planes(depths: &[f64], body: &Body, levels: bool, is_image: bool) -> Vec<Plane> {
     let at = |depth: f64| Plane { depth, side: None };
     if is_image {
@@ -477,10 +477,10 @@ fn planes(depths: &[f64], body: &Body, levels: bool, is_image: bool) -> Vec<Plan
     all.into_iter().flat_map(sides).collect()
 }
 
-/// The depths inside the body; `--levels` gives them from the surface downwards.
+/// Returns the depths inside the body; `--levels` counts from the surface downwards.
 fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     let interfaces = body.interfaces();
-    // The digits of a depth that is given, and of a sum of heights, may differ.
+    // A given depth and a sum of heights may differ by rounding.
     let snapped = |depth: f64| interfaces.iter().copied().find(|at| (depth - at).abs() <= 1e-12 * at).unwrap_or(depth);
     let inside = |flag: &str, depth: f64| match body.at_depth(depth) {
         Ok(_) => Ok(snapped(depth)),
@@ -513,10 +513,10 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     Ok(evenly_spaced(levels, deepest).map(snapped).collect())
 }
 
-/// The bytes of a level in the report, and in its text.
+/// Bytes of a level in the report and its text.
 const LEVEL_BYTES: u64 = 512;
 
-/// Returns depths from the surface to `deepest`, which is not rounded: a larger number could lie below the base.
+/// Returns depths from the surface to exactly `deepest`: a rounded depth could lie below the base.
 fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
     let last = levels - 1;
     (0..levels).map(move |k| if k == last { deepest } else { deepest * k as f64 / last as f64 })
@@ -560,7 +560,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([nx, ny], [lx, ly]) = (self.n, self.length);
         let units = Units::new(self.unit.as_deref(), self.stress_unit.as_deref());
-        // A unit that is known, after a number or below a head.
+        // Known unit, after a number or below a head.
         let unit = |kind: &str| Some(units.name(kind)).filter(|name| name != kind).unwrap_or_default();
         let [length, stress] = ["length", "stress"].map(unit);
         let after = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };

@@ -1,5 +1,5 @@
 //! `check`: recomputes the certificates of a result file from its own stored inputs, runs its configuration again on
-//! request, and compares number for number.
+//! request, and compares number by number.
 
 #[cfg(test)]
 mod configuration;
@@ -37,19 +37,19 @@ pub struct Args {
     sample: Option<u64>,
 }
 
-/// The state of a file from which the surface of a run was read.
+/// State of the surface file of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InputState {
-    /// Its checksum is that which the result has.
+    /// The file has the checksum stored in the result.
     Unchanged,
-    /// Its checksum differs.
+    /// The file has another checksum.
     Changed,
-    /// It is not there.
+    /// The file does not exist.
     Missing,
 }
 
-/// The input of a run.
+/// Input of a run.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Input {
@@ -58,7 +58,7 @@ pub struct Input {
     pub state: InputState,
 }
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -68,27 +68,27 @@ pub struct Report {
     pub intact: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<Input>,
-    /// The second surface.
+    /// Second surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_input: Option<Input>,
     pub rerun: bool,
-    /// Number of numbers that were compared.
+    /// Number of compared numbers.
     pub compared: u64,
-    /// The numbers that are equal up to rounding on another processor.
+    /// Number of numbers that are equal up to rounding on another processor.
     pub rounded: u64,
     /// Number of numbers that differ.
     pub differing: u64,
-    /// The differing variables, with their largest difference.
+    /// Differing variables, with their largest difference.
     pub differences: Vec<Difference>,
 }
 
-/// The number of differences that the message of a failure names.
+/// Largest number of differences named in the message of a failure.
 const LISTED: usize = 20;
 
 /// Runs the command.
 ///
 /// # Errors
-/// A file that cannot be read, or is no result.
+/// Returns an error if the file cannot be read or is not a result.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
@@ -115,7 +115,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let recomputed = recompute(args, kind, &reader, &mut comparison, session);
     match recomputed {
         Ok(()) => {}
-        // In a damaged file any input may be unusable; that it is damaged is the result.
+        // A damaged file may have unusable inputs; the damage itself is reported.
         Err(failure @ (Failure::Input(_) | Failure::Computation(_))) if intact == Some(false) => {
             comparison.differ("content", failure.to_string());
         }
@@ -158,11 +158,11 @@ fn recompute(
     let config = read(kind, &text)?;
     let checking = Checking { reader, kind, config: &config, session };
     check(checking, comparison)?;
-    // The fields below a surface have no certificate but that they can be computed again.
+    // Fields below a surface have no certificate, so recompute them.
     if args.rerun || kind == Kind::Body { again(checking, comparison) } else { Ok(()) }
 }
 
-/// The check of the results of a kind; `None` of sweeps, whose configuration is no flags.
+/// Returns the check for results of a kind; `None` for sweeps, which are not configured by flags.
 pub(crate) fn of(kind: Kind) -> Option<Check> {
     Some(match kind {
         Kind::Contact => Check::of::<contact::Args>(),
@@ -175,7 +175,7 @@ pub(crate) fn of(kind: Kind) -> Option<Check> {
     })
 }
 
-/// The input file that a result names in an attribute, if any.
+/// Returns the input file named in an attribute of a result, if any.
 fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failure> {
     let group = if kind == Kind::Body { "/input" } else { "/surface" };
     let (Ok(file), Ok(sha256)) = (reader.text(group, name), reader.text(group, &format!("{name}_sha256"))) else {

@@ -1,4 +1,4 @@
-//! The check of a result: the work that commands have in common, and that which each adds.
+//! Check of a result: the common part and the part of each command.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use gfmd_run::series::{Chosen, Prepared, StateFile};
 use gfmd_run::session::Session;
 use serde::de::DeserializeOwned;
 
-/// A result that is checked.
+/// Result to check.
 #[derive(Clone, Copy)]
 pub(crate) struct Checking<'a> {
     pub(crate) reader: &'a Reader,
@@ -23,18 +23,18 @@ pub(crate) struct Checking<'a> {
     pub(crate) session: &'a Session,
 }
 
-/// Flags of a command whose results can be checked.
+/// Flags of a command with results that can be checked.
 pub(crate) trait Checked: Args + DeserializeOwned {
-    /// Recomputes the numbers that others in the file determine, and compares.
+    /// Recomputes the numbers that follow from others in the file, and compares them.
     ///
     /// # Errors
-    /// A file that cannot be recomputed.
+    /// Returns an error if the file cannot be recomputed.
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure>;
 
-    /// The problem of the file, to be solved again; `None` if it is not at hand.
+    /// Returns the problem of the file, to be solved again; `None` if it is not available.
     ///
     /// # Errors
-    /// A configuration that poses no problem.
+    /// Returns an error if the configuration does not define a problem.
     fn repeated(checking: Checking) -> Result<Option<Self>, Failure> {
         repeated_problem(checking.reader, checking.config).map(Some)
     }
@@ -42,17 +42,17 @@ pub(crate) trait Checked: Args + DeserializeOwned {
     /// Runs the command with the output `out`.
     ///
     /// # Errors
-    /// The errors of the command.
+    /// Returns the errors of the command.
     fn write(self, out: PathBuf, session: &Session) -> Result<(), Failure>;
 }
 
-/// The check of the results of a command.
+/// Check of the results of a command.
 pub(crate) struct Check {
     /// Reads the configuration of a result.
     pub(crate) read: fn(Kind, &str) -> Result<Configuration, Failure>,
-    /// Recomputes the numbers that others in the file determine.
+    /// Recomputes the numbers that follow from others in the file.
     pub(crate) check: fn(Checking, &mut Comparison) -> Result<(), Failure>,
-    /// Runs the configuration again, and compares all variables.
+    /// Runs the configuration again and compares all variables.
     pub(crate) again: fn(Checking, &mut Comparison) -> Result<(), Failure>,
 }
 
@@ -62,7 +62,7 @@ impl Check {
     }
 }
 
-/// Runs the command again, which writes a file, and compares all variables.
+/// Runs the command again, writing a file, and compares all variables.
 fn again<A: Checked>(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
     let folder = Folder::new()?;
     let Some(args) = A::repeated(checking)? else { return Ok(()) };
@@ -73,8 +73,8 @@ fn again<A: Checked>(checking: Checking, comparison: &mut Comparison) -> Result<
 }
 
 impl Checking<'_> {
-    /// The problem of a result with the surface that stands in it, whose heights are compared with their checksum, and
-    /// with those that are generated again.
+    /// Returns the problem of a result with its stored surface. Compares the heights with their checksum and with
+    /// regenerated heights.
     pub(crate) fn problem<A: Checked>(
         self,
         boundary: impl FnOnce(&A) -> Boundary,
@@ -86,7 +86,7 @@ impl Checking<'_> {
         Ok(args)
     }
 
-    /// Compares the layout of a result with that which `write` writes.
+    /// Compares the layout of a result with the output of `write`.
     pub(crate) fn layout(
         self,
         comparison: &mut Comparison,
@@ -95,7 +95,7 @@ impl Checking<'_> {
         layout(self.kind, self.reader, comparison, write)
     }
 
-    /// Compares the layout of a file with so many states, which `finish` writes to its end.
+    /// Compares the layout of a file with this number of states, completed by `finish`.
     pub(crate) fn layout_of_states(
         self,
         (prepared, states, chosen): (&Prepared, usize, Chosen),

@@ -1,4 +1,4 @@
-//! `completions`: a script by which a shell completes the commands and flags of the program.
+//! `completions`: shell script that completes the commands and flags of the program.
 
 use clap::Args as ClapArgs;
 use clap_complete::{Shell, generate};
@@ -15,7 +15,7 @@ pub struct Args {
     shell: Shell,
 }
 
-/// The script for a program of this command line.
+/// Returns the script for a program with this command line.
 pub fn run(args: &Args, mut line: clap::Command) -> String {
     let (name, mut script) = (line.get_name().to_owned(), Vec::new());
     generate(args.shell, &mut line, name, &mut script);

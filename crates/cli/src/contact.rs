@@ -150,17 +150,17 @@ pub(crate) struct ControlArgs {
 }
 
 impl ControlArgs {
-    /// The flags with their values.
+    /// Returns the flags with their values.
     fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
         [("--pressure", &self.pressure), ("--p-star", &self.p_star), ("--displacement", &self.displacement)]
     }
 
-    /// The flag that is given.
+    /// Returns the given flag.
     pub(crate) fn flag(&self) -> &'static str {
         self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("--displacement", |(flag, _)| flag)
     }
 
-    /// The number of loads, which all have their sign right: an attraction alone goes with tension.
+    /// Checks the loads and returns their number. Only a contact with an attraction accepts tension.
     pub(crate) fn check(&self, pulls: bool) -> Result<usize, Failure> {
         let flags = self.given();
         if flags.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
@@ -178,7 +178,7 @@ impl ControlArgs {
         Ok(flags.iter().map(|(_, values)| numbers(values).count()).sum())
     }
 
-    /// The loads, with this unit of reduced pressures.
+    /// Returns the loads; `unit_pressure` is the unit of reduced pressures.
     pub(crate) fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
         (numbers(&self.pressure).map(Load::MeanPressure))
             .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
@@ -198,10 +198,10 @@ fn is_infinite(height: &Height) -> bool {
 /// Runs the command.
 ///
 /// # Errors
-/// Unusable input; a file that could not be written.
+/// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let Some(asked) = args.problem.accuracy else { return on_one_grid(args, session) };
-    // The first grid tells which one is needed, and has no files of its own.
+    // The first grid only estimates the required grid and writes no files.
     let mut now = Args { out: None, vtk: None, plots: None, ..args.clone() };
     now.problem.accuracy = None;
     session.agree(
@@ -214,7 +214,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let started = Instant::now();
         let Outcome { mut report, failure } = match (on_one_grid(&now, session), last) {
             (Ok(outcome), _) => outcome,
-            // A grid that is refused: what was found before stays.
+            // If a grid is refused, keep the earlier result.
             (Err(failure), Some(report)) => {
                 let found = grids.last().map_or_else(String::new, ToString::to_string);
                 let failure = Failure::Computation(format!("--accuracy is {}; {found}: {failure}", asked.relative()));
@@ -236,17 +236,17 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     }
 }
 
-/// Runs the command on the grid that is given.
+/// Runs the command on the given grid.
 fn on_one_grid(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if session.ranks().is_none() {
         return Loads::new(args, session)?.run(args, session);
     }
     args.check_solver_of_several()?;
-    // A file that one process cannot read or write ends all of them.
+    // A file that one process cannot read or write ends all processes.
     session.agree(Loads::new(args, session))?.run(args, session)
 }
 
-/// The input of the command, checked before the first solve.
+/// Input of the command, checked before the first solve.
 struct Loads {
     prepared: Prepared,
     conducting: Conducting,
@@ -277,13 +277,13 @@ impl Loads {
         Ok(Self { prepared, conducting, drives, output, vtk })
     }
 
-    /// The variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`; by the
-    /// gradient with free boundaries.
+    /// Returns the variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`;
+    /// with free boundaries, from the gradient.
     fn pressure_variance(&self, surface: &Surface, unknown: Unknown) -> f64 {
         let Surface { grid, heights, boundary, .. } = surface;
         let modulus = self.prepared.body.contact_modulus();
         let by_gradient = 0.25 * (modulus * surface.rms_gradient()).powi(2);
-        // Of several processes the first one has all heights, and the lift of its own rows.
+        // With several processes, the first has all heights but only the lift of its own rows.
         let base = self.prepared.base.as_ref();
         if base.is_some_and(|base| base.lift.dim() != heights.dim()) {
             return by_gradient;
@@ -305,7 +305,7 @@ impl Loads {
         prepared.warn_of_drives(drives, args.control.flag(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
-        // A search that is recorded, or that several processes share, is not kept: it cannot be continued.
+        // A recorded search, or one shared by several processes, cannot be continued and is not kept.
         let kept = match output {
             Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
                 let head = prepared.identity(&config, session);
@@ -320,7 +320,7 @@ impl Loads {
         Ok(Outcome { report, failure })
     }
 
-    /// Solves the loads that are not kept, and writes the file. An interrupted run whose state is kept has no file.
+    /// Solves the loads that are not kept, and writes the file. An interrupted run with a kept state has no file.
     fn solve(
         &self,
         contact: &Posed,
@@ -395,7 +395,7 @@ impl Loads {
         Ok(Outcome { report, failure })
     }
 
-    /// Writes the measurements of all loads, and gives the file its name.
+    /// Writes the measurements of all loads and closes the file under its name.
     fn finish(&self, mut file: StateFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
         let surface = &self.prepared.surface;
         if let Some(archive) = file.archive() {
@@ -410,7 +410,7 @@ impl Loads {
         file.finish(&report.loads, self.drives.len(), report.not_converged.as_ref())
     }
 
-    /// Writes the last load as a file of VTK and draws it, as far as this is asked for.
+    /// Writes the last load as a VTK file and draws it, if requested.
     fn show(
         &self,
         args: &Args,
@@ -510,7 +510,7 @@ impl Outlet for Measuring<'_> {
 }
 
 impl Measuring<'_> {
-    /// The records of a load on the finer grids.
+    /// Returns the records of a load on the finer grids.
     fn on_finer_grids(&mut self, drive: Drive) -> Result<Vec<Result<OnFinerGrid, String>>, Failure> {
         let (args, session) = (self.args, self.session);
         let mut stop = session.stop();
@@ -524,11 +524,11 @@ impl Measuring<'_> {
     }
 }
 
-/// The stiffness of a state at rest to a relative error, or the reason why it has none; `warn` takes the remark on one
-/// that is less exact than it should be.
+/// Returns the stiffness of a state at rest to a relative error, or the reason why it has none. `warn` receives a
+/// remark if the stiffness is less exact than requested.
 ///
 /// # Errors
-/// The reason.
+/// Returns the reason why there is no stiffness.
 pub fn stiffness(
     contact: &Posed,
     state: &Rest,
@@ -547,14 +547,14 @@ pub fn stiffness(
 gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
-    /// Checks that the fields that are chosen are there, with those that are needed.
+    /// Checks that the chosen fields exist and include all required ones.
     fn check_fields(&self, facts: &Facts) -> Result<(), Failure> {
         let Some(fields) = &self.fields else { return Ok(()) };
         if let Some(missing) = fields.missing(facts) {
             let allowed = format!("left out without {}", missing.of_loads.unwrap_or("a path"));
             return Err(Failure::value("--fields", missing.name, allowed));
         }
-        // The statistics of loads that are kept are measured again.
+        // Statistics of kept loads are measured again.
         if self.statistics && self.resume.resume && fields.contact_and_gap(facts).is_none() {
             let needed = format!("with {} and gap for --statistics with --resume", repulsion(facts));
             return Err(Failure::value("--fields", fields, needed));
@@ -562,7 +562,7 @@ impl Args {
         Ok(())
     }
 
-    /// The axes of the components that move.
+    /// Returns the axes of the moving components.
     fn axes(&self, surface: &Surface) -> &'static [usize] {
         let of_grid = Components::of(&surface.grid);
         if self.problem.components == Unknown::All || self.problem.finite_slope {

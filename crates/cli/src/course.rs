@@ -1,4 +1,4 @@
-//! A path of drives, followed step by step and kept: the work that `path` and `wear` have in common.
+//! Path of drives, followed step by step and kept: the common part of `path` and `wear`.
 
 mod args;
 mod waypoints;
@@ -27,7 +27,7 @@ use gfmd_run::session::Session;
 pub(crate) use self::args::{AroundArgs, StepArgs};
 pub(crate) use self::waypoints::{LoadArgs, counted, legs, lengths};
 
-/// The input of a path, checked before the first solve.
+/// Input of a path, checked before the first solve.
 pub(crate) struct Course {
     pub(crate) prepared: Prepared,
     pub(crate) drives: Vec<Drive>,
@@ -35,33 +35,33 @@ pub(crate) struct Course {
     pub(crate) output: Option<Output>,
 }
 
-/// The way in which a path is followed.
+/// Settings for following a path.
 pub(crate) struct Way<'a> {
     pub(crate) asked: Asked<'a>,
-    /// The flag of its loads or approaches.
+    /// Flag of its loads or approaches.
     pub(crate) flag: &'static str,
     pub(crate) resume: ResumeArgs,
     pub(crate) refinement: Refinement,
-    /// The configuration that a file keeps.
+    /// Configuration stored in the file.
     pub(crate) config: String,
 }
 
-/// A path that was followed as far as it goes.
+/// Path after it was followed as far as possible.
 pub(crate) struct Followed<'a> {
     pub(crate) contact: &'a Posed,
-    /// The path, at its last state.
+    /// Path at its last state.
     pub(crate) path: Path<'a, Posed>,
     pub(crate) ended: Ended,
-    /// The file, without its scalars. An interrupted run whose state is kept has none.
+    /// File without its scalars. An interrupted run with a kept state has none.
     pub(crate) file: Option<StateFile<'a>>,
-    /// The fields of the step with the largest contact.
+    /// Fields of the step with the largest contact.
     pub(crate) widest: Option<Shown>,
-    /// The steps that further increments would change.
+    /// Steps that further increments would change.
     pub(crate) unsettled: Vec<(usize, Step)>,
 }
 
 impl Course {
-    /// Follows the path, and hands it to `end`, which makes a report; `out` tells the file that is in it.
+    /// Follows the path and passes it to `end`, which makes a report; `out` returns the output file of the report.
     pub(crate) fn run<R>(
         &self,
         way: &Way,
@@ -87,7 +87,7 @@ impl Course {
         keeping(kept, |kept| end(self.follow(&contact, way, kept, session)?), out)
     }
 
-    /// Makes the steps that are not kept.
+    /// Computes the steps that are not kept.
     fn follow<'a>(
         &'a self,
         contact: &'a Posed,
@@ -141,19 +141,19 @@ impl Course {
     }
 }
 
-/// A path on a finer grid, beside the one that is asked for.
+/// Path on a finer grid, beside the requested one.
 struct Beside<'a> {
     prepared: &'a Prepared,
     contact: &'a Posed,
     path: Path<'a, Posed>,
-    /// Height of its highest point above that of the other grid, from which an approach counts there.
+    /// Height of its highest point above the highest of the other grid, added to each approach.
     rise: f64,
-    /// The reason why the path ended, once it has.
+    /// Reason why the path ended, once it has.
     ended: Option<String>,
 }
 
 impl Beside<'_> {
-    /// The record of the step under a drive of the other grid.
+    /// Returns the record of the step under a drive of the other grid.
     fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<OnFinerGrid, Failure> {
         if let Some(reason) = &self.ended {
             return Err(Failure::Computation(reason.clone()));
@@ -179,7 +179,7 @@ impl Beside<'_> {
     }
 }
 
-/// The flow through the gap of a state, if it is asked for.
+/// Computes the flow through the gap of a state, if requested.
 pub(crate) fn leak(
     prepared: &Prepared,
     state: &Rest,
@@ -192,14 +192,14 @@ pub(crate) fn leak(
     prepared.facts.flow.then(flow).transpose()
 }
 
-/// The sum of the errors of the losses of all steps; `None` if one is unknown.
+/// Returns the sum of the errors of all losses; `None` if one is unknown.
 pub(crate) fn error_of_losses(steps: &[Record]) -> Option<f64> {
     let mut lost = steps.iter().filter(|step| step.value("dissipated").is_some()).peekable();
     lost.peek()?;
     lost.map(|step| step.value("dissipated_error")).sum()
 }
 
-/// Prints the table of the steps, a line for each.
+/// Prints the table of the steps, one line per step.
 pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
     let width = f.width().map(|width| width.saturating_sub(5));
     for (index, line) in table_of(steps, &[Table::State, Table::Energy], units, width).iter().enumerate() {
@@ -214,12 +214,12 @@ pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &
     Ok(())
 }
 
-/// The flow of a table in units of a device.
+/// Legend of the flow, with its conversion to device units.
 pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
                                mean gap; in ml/s by Python: \
                                1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
 
-/// Prints the table of the flow, a line for each step, if there is one.
+/// Prints the table of the flow, one line per step, if there is one.
 pub(crate) fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
     let lines = table_of(steps, &[Table::Flow], units, None);
     for (index, line) in lines.iter().enumerate() {
@@ -233,14 +233,14 @@ pub(crate) fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &U
 struct Log<'a> {
     contact: &'a Posed,
     drives: &'a [Drive],
-    /// Paths on finer grids, beside the one that is asked for.
+    /// Paths on finer grids, beside the requested one.
     finer: Vec<Beside<'a>>,
     tolerance: f64,
     session: &'a Session,
     prepared: &'a Prepared,
-    /// The largest contact area, and its fields.
+    /// Largest contact area, and its fields.
     widest: Option<(f64, Shown)>,
-    /// The steps that further increments would change.
+    /// Steps that further increments would change.
     unsettled: Vec<(usize, Step)>,
 }
 
@@ -268,7 +268,7 @@ impl Outlet for Log<'_> {
         Ok(record)
     }
 
-    /// Visits the largest contact area and its fields; there are none before the first step.
+    /// Visits the largest contact area and its fields; before the first step there are none.
     fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
         if is_new {
             self.widest = Some((f64::NAN, Shown::zeros(self.prepared.surface.grid.len())));

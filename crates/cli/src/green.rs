@@ -52,10 +52,10 @@ pub struct Args {
 
 gfmd_problem::defaults_of_flags!(Args);
 
-/// A matrix in JSON: rows of pairs [re, im].
+/// Matrix in JSON: rows of pairs [re, im].
 type Rows = Vec<Vec<[f64; 2]>>;
 
-/// The result, as printed. Infinite entries (at q = 0 of a free or an incompressible body) are `null` in JSON.
+/// Printed result. Infinite entries (at q = 0 of a free or an incompressible body) are `null` in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Components: x, y, z, or x, z in 2-D.
@@ -75,7 +75,7 @@ pub struct Report {
     pub inside: Option<Inside>,
 }
 
-/// The displacement and the stress inside the body per displacement of the surface.
+/// Displacement and stress inside the body per displacement of the surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inside {
     /// Displacement per displacement of the surface.
@@ -89,7 +89,7 @@ pub struct Inside {
 /// Evaluates the flags.
 ///
 /// # Errors
-/// A flag out of its range.
+/// Returns an error if a flag is out of range.
 pub fn run(args: &Args) -> Result<Report, Failure> {
     for (flag, value) in [("--qx", args.qx), ("--qy", args.qy)] {
         if !value.is_finite() {
@@ -101,8 +101,8 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     }
     let given = body(args)?;
     section(args, &given)?;
-    // Determinants are products of several stiffnesses: they are computed in units of the modulus and the wavelength,
-    // powers of two that change no digit.
+    // Determinants are products of several stiffnesses. Compute them in units of the modulus and the wavelength, powers
+    // of two that change no digit.
     let largest = args.qx.abs().max(args.qy.abs());
     let (stress, length) = (unit_of(args.young), 1.0 / unit_of(largest));
     let stiffness_unit = stress / length;
@@ -149,7 +149,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
 }
 
 impl Report {
-    /// The first number that is NaN or infinite, and the name of its matrix. At q = 0 infinite entries have a meaning.
+    /// Returns the first invalid number, NaN or infinite, and its matrix. At q = 0 infinite entries are valid.
     fn unrepresentable(&self) -> Option<(&'static str, f64)> {
         let inside = self.inside.as_ref();
         let matrices = [
@@ -228,7 +228,7 @@ impl Display for Report {
     }
 }
 
-/// Writes each row as a line: its name, then the real and the imaginary part of each column.
+/// Writes each row on a line: its name, then the real and the imaginary part of each column.
 fn write_matrix(f: &mut fmt::Formatter, title: &str, names: &[&str], columns: &[&str], matrix: &Rows) -> fmt::Result {
     writeln!(f, "{title}")?;
     write!(f, "    ")?;

@@ -1,5 +1,5 @@
-//! Command lines as people write them first: words put into the form that the parser reads, and what to write instead
-//! of an option that a command lacks.
+//! Repairs command lines as first typed: brings words into the form that the parser reads, and suggests replacements
+//! for unknown options.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -9,10 +9,10 @@ use gfmd_problem::options::quantities::takes_units;
 use gfmd_run::failure::Failure;
 use gfmd_unit::Quantity;
 
-/// The flag of the surface.
+/// Flag of the surface.
 const SURFACE: &str = "--surface";
 
-/// Names by which options are sought, and the flags that exist.
+/// Other names for options, and the existing flags.
 const OTHER_NAMES: &[(&[&str], &str)] = &[
     (&["nu", "poisson-ratio", "poissons-ratio"], "poisson"),
     (&["e", "modulus", "young-modulus", "youngs-modulus", "elastic-modulus"], "young"),
@@ -38,7 +38,7 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
     (&["adhesion", "potential", "interaction"], "law"),
 ];
 
-/// Options that a command lacks, the commands (all if there is none), and what to write instead.
+/// Options unknown to a command, the commands (all if empty), and the replacement to suggest.
 const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     (
         &["force", "normal-force", "load", "weight"],
@@ -67,12 +67,12 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     ),
 ];
 
-/// The flag of an option with this name.
+/// Returns the option with this long name.
 fn find<'a>(commands: [&'a Command; 2], name: &str) -> Option<&'a Arg> {
     commands.into_iter().flat_map(Command::get_arguments).find(|arg| arg.get_long() == Some(name))
 }
 
-/// The number of values that an option takes at most.
+/// Returns the largest number of values of an option.
 fn most_values(arg: &Arg) -> usize {
     match (arg.get_action().takes_values(), arg.get_num_args()) {
         (true, Some(range)) => range.max_values(),
@@ -80,7 +80,7 @@ fn most_values(arg: &Arg) -> usize {
     }
 }
 
-/// True if the last number of a value has no unit, and `word` is one, as in `1 MPa`.
+/// Returns true if the last number of a value has no unit and `word` is a unit, as in `1 MPa`.
 fn is_unit_of(value: &str, word: &str) -> bool {
     let [last, first] = [value.rsplit([',', ':', '=']).next(), word.split([',', ':']).next()];
     let (last, first) = (last.unwrap_or_default(), first.unwrap_or_default());
@@ -89,26 +89,26 @@ fn is_unit_of(value: &str, word: &str) -> bool {
         && matches!(Quantity::parse(&format!("{last} {first}")), Ok(Some(_)))
 }
 
-/// True if a value begins with the minus of a number.
+/// Returns true if a value begins with the minus sign of a number.
 fn is_negative(word: &str) -> bool {
     word.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '.'))
 }
 
-/// True if a word names a file and is no number.
+/// Returns true if a word names a file and is not a number.
 fn is_file(word: &str) -> bool {
     word.parse::<f64>().is_err() && Path::new(word).exists()
 }
 
-/// True if a word begins as a number does.
+/// Returns true if a word begins like a number.
 fn begins_as_number(word: &str) -> bool {
     is_negative(word) || word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+'))
 }
 
-/// The words of a command line of which the first is the program, as the parser reads them: a file that stands alone is
+/// Returns the words of a command line, starting with the program, in the form that the parser reads: a file alone is
 /// the surface, a number and its unit are one value, and a value that begins with minus belongs to its flag.
 ///
 /// # Errors
-/// An option that the command lacks and that is known by another name, or elsewhere; values with spaces between.
+/// Returns an error for an unknown option with a known replacement, or for values separated by spaces.
 pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
     let place = words.iter().position(|word| command.find_subcommand(word).is_some());
     let Some((place, sub)) = place.and_then(|place| Some((place, command.find_subcommand(&words[place])?))) else {
@@ -116,7 +116,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
     };
     let mut out: Vec<String> = Vec::new();
     let mut rest = words.iter().skip(place + 1).map(|word| word.to_string_lossy().into_owned());
-    // The flag that waits for values, and their number; the option of the last word, if that is a value.
+    // Flag waiting for values, and their number; option of the last word if that is a value.
     let mut open: Option<(&Arg, usize)> = None;
     let mut last: Option<&Arg> = None;
     let mut surface: Option<String> = None;
@@ -131,7 +131,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
                 if let Some(hint) = hint(command, sub, name) {
                     return Err(Failure::Input(format!("unexpected argument '--{name}' found; {hint}")));
                 }
-                // The parser names it.
+                // The parser reports it.
                 out.push(word);
                 break;
             };
@@ -146,7 +146,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             continue;
         }
         let quantity = last.filter(|arg| takes_units(arg.get_id().as_str()));
-        // Further values of an option of numbers are numbers.
+        // Further values of a numeric option must be numbers.
         if quantity.is_some() && (!begins_as_number(&word) || is_file(&word)) {
             open = None;
         }
@@ -161,7 +161,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
                 let flag = out.pop().unwrap_or_default();
                 out.push(format!("{flag}={word}"));
             } else if word.starts_with('-') && word.len() > 1 && !is_negative(&word) {
-                // A short flag.
+                // Short flag.
                 out.push(word);
                 last = None;
                 continue;
@@ -186,7 +186,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
     Ok(before.iter().cloned().chain(out.into_iter().map(OsString::from)).collect())
 }
 
-/// Refuses a list whose last number alone has a unit in a word of its own, as `1,2 MPa`.
+/// Refuses a list with a unit on its last number only, in a separate word, as in `1,2 MPa`.
 fn one_unit(arg: &Arg, value: &str, word: &str) -> Result<(), Failure> {
     let entries = value.rsplit('=').next().unwrap_or_default();
     let bare = |entry: &str| entry.trim().parse::<f64>().is_ok_and(|number| number != 0.0);
@@ -201,7 +201,7 @@ fn one_unit(arg: &Arg, value: &str, word: &str) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a word that is neither an option, nor a value, nor a surface.
+/// Refuses a word that is not an option, a value or a surface.
 fn alone(
     sub: &Command,
     last: Option<&Arg>,
@@ -244,7 +244,7 @@ fn alone(
     Err(Failure::Input(reason))
 }
 
-/// What to write instead of the option `name`, which the command `sub` lacks.
+/// Returns the replacement for the option `name`, which the command `sub` lacks.
 fn hint(command: &Command, sub: &Command, name: &str) -> Option<String> {
     let name = name.to_lowercase().replace('_', "-");
     let has = |flag: &str| find([sub, command], flag).is_some();

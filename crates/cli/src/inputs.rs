@@ -1,4 +1,4 @@
-//! Inputs of a run, which none of its outputs may replace.
+//! Inputs of a run, which no output may replace.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -8,16 +8,16 @@ use gfmd_run::failure::Failure;
 use gfmd_run::source::file_of;
 use toml::{Table, Value};
 
-/// The flags that name a file to be written.
+/// Flags that name an output file.
 const WRITTEN: [&str; 3] = ["out", "vtk", "report"];
 
-/// The ends of names of files that are written beside an output.
+/// Suffixes of files written beside an output.
 const BESIDE: [&str; 5] = ["", ".part", ".journal", ".state", ".checkpoint"];
 
-/// Refuses words of a command line of which an output is the file of another word, by any name.
+/// Refuses command lines with an output that is also the file of another word, under any name.
 ///
 /// # Errors
-/// An output that is an input.
+/// Returns an error if an output is an input.
 pub fn stay(words: &[OsString]) -> Result<(), Failure> {
     let (mut written, mut read) = (Vec::new(), Vec::new());
     let mut flag = String::new();
@@ -36,10 +36,10 @@ pub fn stay(words: &[OsString]) -> Result<(), Failure> {
     apart(&written, &read)
 }
 
-/// Refuses a table with the keys of flags as [`stay`] refuses words.
+/// Refuses a table with flags as keys in the same way as [`stay`].
 ///
 /// # Errors
-/// An output that is an input.
+/// Returns an error if an output is an input.
 pub fn stay_in(table: &Table) -> Result<(), Failure> {
     let texts = table.iter().filter_map(|(key, value)| match value {
         Value::String(text) => Some((key.clone(), OsString::from(text))),
@@ -49,7 +49,7 @@ pub fn stay_in(table: &Table) -> Result<(), Failure> {
     apart(&written, &read)
 }
 
-/// Refuses files to be `written` that are files to be `read`, each with its flag; without one it is the argument.
+/// Refuses files to be `written` that are also `read`, each given with its flag, or as the argument if that is empty.
 fn apart(written: &[(String, OsString)], read: &[(String, OsString)]) -> Result<(), Failure> {
     for (out, path) in written {
         for (flag, input) in read {

@@ -45,7 +45,7 @@ pub struct Args {
     plot: Option<PathBuf>,
 }
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Name of the law.
@@ -58,16 +58,16 @@ pub struct Report {
     pub stress_unit: Option<String>,
     /// True if penetration is forbidden.
     pub wall: bool,
-    /// The requirements R1 to R6 of docs/theory.md, section 8; `null` for a law without tangential traction.
+    /// Requirements R1 to R6 of docs/theory.md, section 8; `null` for a law without tangential traction.
     pub mixed_mode: Option<MixedModeRecord>,
     /// One point for each separation.
     pub points: Vec<Point>,
-    /// The figures.
+    /// Figure files.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plots: Vec<PathBuf>,
 }
 
-/// [`MixedMode`], as printed.
+/// Printed form of [`MixedMode`].
 #[derive(Clone, Copy, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are those of `MixedMode`")]
 pub struct MixedModeRecord {
@@ -93,7 +93,7 @@ impl From<MixedMode> for MixedModeRecord {
     }
 }
 
-/// The law at one separation.
+/// Law at one separation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// Normal separation, open > 0.
@@ -111,7 +111,7 @@ pub struct Point {
 /// Evaluates the flags.
 ///
 /// # Errors
-/// A flag out of its range; figures that cannot be written.
+/// Returns an error if a flag is out of range or a figure cannot be written.
 pub fn run(args: &Args) -> Result<Report, Failure> {
     let law = args.law.build()?;
     let zeros = vec![0.0; args.normal.len()];

@@ -1,5 +1,5 @@
-//! The commands of the program `gfmd`, as a library. Each command is a module whose function `run` takes the flags and
-//! returns a report, to be printed as a table or as JSON (docs/interface.md).
+//! Commands of the program `gfmd`, as a library. Each command is a module with a function `run` that takes the flags
+//! and returns a report, to be printed as a table or as JSON (docs/interface.md).
 //!
 //! ```
 //! use clap::Parser;

@@ -1,4 +1,4 @@
-//! The program `gfmd`.
+//! Program `gfmd`.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! `path`: a contact along a path of loads, approaches and lateral displacements, each step from the last.
+//! `path`: a contact along a path of loads, approaches and lateral displacements, each step starting from the last.
 
 mod check;
 mod figures;
@@ -29,7 +29,7 @@ use gfmd_run::source::SourceArgs;
 
 pub use self::report::{Report, Sliding};
 
-/// The default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
+/// Default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
 const FRICTION_SOLVES: u64 = 10;
 
 /// Flags of `path`.
@@ -105,7 +105,7 @@ pub struct Args {
 gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
-    /// The facts of the path, whose surface may be a `line`.
+    /// Returns the facts of the path; `line` is true for a profile.
     fn facts(&self, line: bool) -> Facts {
         let friction = (self.friction.map(|_| Friction::Coulomb)).or(self.shear_strength.map(|_| Friction::Tresca));
         Facts {
@@ -120,7 +120,7 @@ impl Args {
         }
     }
 
-    /// The problem that the flags ask for.
+    /// Returns the problem requested by the flags.
     fn asked(&self) -> Result<Asked<'_>, Failure> {
         let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "--friction")))
             .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "--shear-strength")));
@@ -139,7 +139,7 @@ impl Args {
     fn energy_solves(&self) -> u64 {
         let slips = self.friction.is_some() || self.shear_strength.is_some();
         let default = match () {
-            // A step is as long as it is asked to be.
+            // Steps of a relaxing body are never subdivided.
             () if self.prony.relaxing().is_some() => 0,
             () if slips => FRICTION_SOLVES,
             () => Refinement::default().solves_per_step,
@@ -147,7 +147,7 @@ impl Args {
         self.energy_solves.unwrap_or(default)
     }
 
-    /// The resolved configuration as TOML.
+    /// Returns the resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let energy_solves = Some(self.energy_solves());
         let resolved = Self { source: self.source.resolved()?, energy_solves, ..self.clone() };
@@ -158,7 +158,7 @@ impl Args {
 /// Runs the command.
 ///
 /// # Errors
-/// Unusable input; a file that could not be written.
+/// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let course = course(args, session)?;
     let way = Way {
@@ -171,7 +171,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
 }
 
-/// The input of the command, checked before the first solve.
+/// Returns the input of the command, checked before the first solve.
 fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     if !(1e-9..=0.1).contains(&args.energy_tol) {
         return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
@@ -183,7 +183,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     }
     let prepared = Prepared::new(&args.asked()?, |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
-    // A viscoelastic body may be left behind, and meet the surface again.
+    // A viscoelastic body may lag behind the surface and touch it again.
     let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
     let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
@@ -191,7 +191,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     Ok(Course { prepared, drives, places, output })
 }
 
-/// Writes the file of a path, draws it, and tells of it.
+/// Writes the file of a path, draws it, and returns its report.
 fn ended(
     Course { prepared, drives, .. }: &Course,
     args: &Args,

@@ -1,4 +1,4 @@
-//! One command on several processes that a launcher of MPI has started: who prints, and how all of them end.
+//! One command on several processes started by an MPI launcher: printing, and the common end.
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -11,16 +11,16 @@ use gfmd_run::failure::Failure;
 use gfmd_run::processes::texts;
 use gfmd_vector::Ranks as _;
 
-/// The command that several processes run together. Others run as often as they are started, such as the shards of a
+/// The command shared by several processes. Other commands run separately on each process, such as the shards of a
 /// sweep.
 const TOGETHER: &str = "contact";
 
-/// Joins the other processes that a launcher has started for these `words`, if there are any.
+/// Joins the other processes started by a launcher with these `words`, if there are any.
 ///
 /// # Errors
-/// No MPI library, or that of another launcher; processes with other words.
+/// Returns an error if there is no MPI library, if it belongs to another launcher, or if processes have other words.
 pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
-    // Before it stand flags only, and the number of threads.
+    // Only flags and the number of threads precede the command.
     let is_command = |word: &&OsString| word.to_str().is_some_and(|word| word.starts_with(char::is_alphabetic));
     if words.iter().skip(1).find(is_command).is_none_or(|word| word != TOGETHER) {
         return Ok(None);
@@ -46,10 +46,10 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
     Ok(Some(world))
 }
 
-/// The time after which a process says that it waits for others to join.
+/// Time after which a process reports that it waits for others to join.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Does `work`, and calls `tell` on another thread if it takes longer than `patience`.
+/// Runs `work`, and calls `tell` on another thread if it takes longer than `patience`.
 fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: impl FnOnce() -> T) -> T {
     let (over, waiting) = mpsc::channel::<()>();
     std::thread::spawn(move || {
@@ -62,8 +62,8 @@ fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: im
     result
 }
 
-/// Says on stderr that this process waits for others, of which one may never come: one that runs another command, or
-/// has ended. The first process says so, and the second, if it is the first one that does not come.
+/// Reports on stderr that this process waits for others, since one that has ended or runs another command never joins.
+/// The first process reports, and the second, in case the first one is missing.
 fn tell_of_waiting() {
     if let Some(launcher) = Launcher::found().filter(|launcher| launcher.rank < 2) {
         let _ = writeln!(io::stderr(), "{}", waiting(&launcher));
@@ -77,16 +77,16 @@ fn waiting(Launcher { name, rank, size, .. }: &Launcher) -> String {
     )
 }
 
-/// The number of processes that the launcher has started on this machine, as far as it tells.
+/// Returns the number of processes that the launcher reports for this machine, or 1.
 pub(crate) fn on_this_machine() -> usize {
     Launcher::found().map_or(1, |launcher| launcher.local)
 }
 
-/// Ends the part of this process in a command with this exit status, after the first one has printed the reason of a
-/// failure. Returns the status.
+/// Ends this process in a command with this exit status, after the first process has printed the reason of a failure.
+/// Returns the status.
 ///
-/// All processes fail alike, or [agree](gfmd_run::processes::agree) on it, but for the first one, which writes: if the
-/// others go on, as when a disk is full, it ends them. They wait for it.
+/// All processes fail alike, or [agree](gfmd_run::processes::agree) on a failure, except the first one, which writes:
+/// if it fails alone, e.g. on a full disk, it ends the others. They wait for it.
 pub(crate) fn end(world: Option<&Arc<World>>, status: u8, failure: Option<&Failure>) -> u8 {
     if world.is_none_or(|world| world.rank() == 0)
         && let Some(failure) = failure
@@ -119,7 +119,7 @@ mod tests {
                     7
                 },
             );
-            // The sender is dropped with the thread that watches.
+            // The sender is dropped with the watching thread.
             (result, receiver.iter().count())
         };
         assert_eq!(reported(Duration::from_millis(20), Duration::from_millis(400)), (7, 1));

@@ -1,4 +1,4 @@
-//! The program: it parses the command line, runs the command, prints its report, and maps failures to exit codes.
+//! The program: parses the command line, runs the command, prints its report, and maps failures to exit codes.
 
 use std::ffi::OsString;
 use std::fmt::Display;
@@ -69,7 +69,7 @@ pub enum Command {
     Completions(completions::Args),
 }
 
-/// Parses the command line of the program that is called by `name`, runs the command, and returns the exit status.
+/// Parses the command line of the program called `name`, runs the command, and returns the exit status.
 pub fn start<C: Subcommand + Sync>(
     name: &'static str,
     run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
@@ -79,7 +79,7 @@ pub fn start<C: Subcommand + Sync>(
     ExitCode::from(status(name, std::env::args_os(), run))
 }
 
-/// The exit status of the program `name` with these `words`, of which the first is the program.
+/// Returns the exit status of the program `name` with these `words`, starting with the program.
 pub fn status<C: Subcommand + Sync>(
     name: &'static str,
     words: impl IntoIterator<Item = OsString>,
@@ -89,14 +89,14 @@ pub fn status<C: Subcommand + Sync>(
     match processes::join(&words) {
         Ok(world) => together(name, &words, run, world.as_ref()),
         Err(failure) => {
-            // No process has joined another one, so that each says why; a first one need not exist.
+            // No process has joined another, so each prints the reason; there may be no first one.
             let _ = writeln!(io::stderr(), "error: {failure}");
             failure.status()
         }
     }
 }
 
-/// The exit status of the program, whose processes are those of a `world`, if there is more than one.
+/// Returns the exit status of the program; with several processes they form the `world`.
 fn together<C: Subcommand + Sync>(
     name: &'static str,
     words: &[OsString],
@@ -132,13 +132,13 @@ fn together<C: Subcommand + Sync>(
         Some(world) => agree(&**world, session),
         None => session,
     };
-    // On a thread of the pool, so that not each sum over a vector has to enter it.
+    // Run on a thread of the pool, so that vector sums need not enter it each time.
     let failure = session.and_then(|session| rayon::scope(|_| run(&line.command, &session))).err();
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
 }
 
-/// Lets a write beyond the limit of the size of files (`ulimit -f`) fail as on a full disk, in place of a signal that
-/// ends the process without a word.
+/// Makes a write beyond the file size limit (`ulimit -f`) fail as on a full disk, instead of a signal that ends the
+/// process silently.
 fn fail_beyond_a_limit_of_files() {
     #[cfg(unix)]
     #[allow(unsafe_code, reason = "there is no other interface to signals without a handler")]
@@ -150,7 +150,7 @@ fn fail_beyond_a_limit_of_files() {
 
 /// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields
 /// of equal size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on
-/// two; an arena for each thread takes half a field more.
+/// two; one arena per thread takes half a field more.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
@@ -163,7 +163,7 @@ pub fn keep_freed_memory() {
     }
 }
 
-/// Terms of flags, by the key of the flag or the name of the command whose help explains them.
+/// Terms of flags, by the key of the flag or the name of the command with help that explains them.
 const TERMS: [(&str, &str); 6] = [
     ("p_star", "  p*       reduced pressure p/(E* g): mean pressure over contact modulus E* times rms gradient g"),
     ("e_star", "  E*       contact modulus E/(1 - nu^2)"),
@@ -181,8 +181,8 @@ const TERMS: [(&str, &str); 6] = [
     ),
 ];
 
-/// Groups of the flags that commands have themselves: their head, the commands (all if there is none), the keys. The
-/// first one that fits counts; flags that commands have in common bring their group with them.
+/// Groups of the flags of single commands: heading, commands (all if empty), keys. The first match counts; flags shared
+/// by commands bring their own group.
 const GROUPS: &[(&str, &[&str], &[&str])] = &[
     ("Measurements", &["surface"], &["fit_range", "window", "statistics", "boundary"]),
     (
@@ -221,7 +221,7 @@ fn grouped(command: clap::Command) -> clap::Command {
     })
 }
 
-/// Puts the name by which the program is called into its help, whose examples are written for `gfmd`.
+/// Puts the name of the called program into its help; the examples are written for `gfmd`.
 fn named(command: clap::Command, name: &'static str) -> clap::Command {
     let examples = |command: clap::Command| match command.get_after_help() {
         Some(text) => {
@@ -247,10 +247,10 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
 }
 
 impl Command {
-    /// The command `name` of a problem in a table with the keys of its flags, and the arrays of its options.
+    /// Creates the command `name` from a table with its flags as keys, and the arrays of its options.
     ///
     /// # Errors
-    /// A command without such a table; a key that the command does not have; a value of another type.
+    /// Returns an error if the command has no table form, a key is unknown to it, or a value has another type.
     pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
         inputs::stay_in(&table)?;
         of_table(name, &mut table, &arrays)?;
@@ -275,7 +275,7 @@ impl Command {
     /// Runs the command.
     ///
     /// # Errors
-    /// The reason why the command could not do what it was asked.
+    /// Returns the reason why the command failed.
     pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Shown>>, Failure> {
         fn whole<R: Shown + 'static>(report: R) -> Outcome<Box<dyn Shown>> {
             ended(Outcome { report, failure: None })
@@ -306,10 +306,10 @@ impl Command {
         })
     }
 
-    /// Runs the command and prints its report, also of a command that ended early.
+    /// Runs the command and prints its report, also if the command ended early.
     ///
     /// # Errors
-    /// The reason why the command could not do what it was asked.
+    /// Returns the reason why the command failed.
     pub fn run(&self, session: &Session) -> Result<(), Failure> {
         let Outcome { report, failure } = self.outcome(session)?;
         let printed = report.print(session);
@@ -317,18 +317,18 @@ impl Command {
     }
 }
 
-/// The report of a command.
+/// Report of a command.
 pub trait Shown {
     /// Prints the report as a table, or as JSON with `--json`.
     ///
     /// # Errors
-    /// A standard output that cannot be written.
+    /// Returns an error if standard output cannot be written.
     fn print(&self, session: &Session) -> Result<(), Failure>;
 
-    /// The report as one JSON object.
+    /// Returns the report as one JSON object.
     ///
     /// # Errors
-    /// An error of the serialisation.
+    /// Returns an error of the serialisation.
     fn json(&self, session: &Session) -> Result<String, Failure>;
 }
 
@@ -342,7 +342,7 @@ impl<R: Display + Serialize> Shown for R {
     }
 }
 
-/// A text that is printed as it is.
+/// Text printed verbatim.
 struct Plain(String);
 
 impl Shown for Plain {
@@ -358,13 +358,13 @@ impl Shown for Plain {
 /// Prints a report as a table, or as JSON with `--json`.
 ///
 /// # Errors
-/// A standard output that cannot be written.
+/// Returns an error if standard output cannot be written or a number of the report is not finite.
 pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
     let text = session.json(report)?;
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
     if session.is_first() {
-        // Tables take the width of their terminal from that of the format.
+        // The width of the format sets the width of the table.
         let table = || width().map_or_else(|| report.to_string(), |width| format!("{report:width$}"));
         write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
     }
@@ -376,7 +376,7 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     }
 }
 
-/// The width of the terminal that shows the output; `None` if none does.
+/// Returns the width of the terminal that shows the output; `None` without a terminal.
 fn width() -> Option<usize> {
     let size = io::stdout().is_terminal().then(terminal_size::terminal_size)?;
     size.map(|(width, _)| width.0.into())
@@ -391,7 +391,7 @@ fn write(text: &str) -> Result<(), Failure> {
     put(text).map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
 }
 
-/// The exit status of a message of clap.
+/// Returns the exit status of a message of clap.
 fn status_of(error: &clap::Error) -> u8 {
     if let ErrorKind::DisplayHelp | ErrorKind::DisplayVersion = error.kind() { 0 } else { 2 }
 }
@@ -400,7 +400,7 @@ fn status_of(error: &clap::Error) -> u8 {
 fn refuse(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // A reader that has seen enough, as `head`, closes the pipe.
+            // A reader such as `head` may close the pipe early.
             match put(&error.render().to_string()) {
                 Err(error) if error.kind() != io::ErrorKind::BrokenPipe => 1,
                 _ => 0,

@@ -28,7 +28,7 @@ struct Plain {
 }
 
 impl Progress {
-    /// Progress of `what`; `total` in the unit of the pieces.
+    /// Creates the progress of `what`; `total` has the unit of the pieces.
     pub fn new(quiet: bool, what: &str, total: f64) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let bar = (terminal && !quiet).then(|| {
@@ -46,7 +46,7 @@ impl Progress {
         Self { bar, plain, total: Mutex::new(total) }
     }
 
-    /// Changes the size of the work, to which more has been added.
+    /// Sets the total size of the work after more has been added.
     pub fn extend(&self, total: f64) {
         if let Ok(mut known) = self.total.lock() {
             if let Some(bar) = &self.bar {

@@ -33,7 +33,7 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -41,21 +41,21 @@ pub struct Report {
     pub kind: Kind,
     /// Number of figures in the page.
     pub figures: usize,
-    /// Warnings of the run, and parts that the file does not have.
+    /// Warnings of the run, and parts missing in the file.
     pub remarks: Vec<String>,
     pub out: PathBuf,
 }
 
-/// The figures of the page about a result, by their names in the order of the page, as SVG.
+/// Returns the figures of the page about a result as names and SVG, in the order of the page.
 ///
 /// # Errors
-/// A file that cannot be read, is no such result, or is damaged.
+/// Returns an error if the file cannot be read, is not a result, or is damaged.
 pub fn figures(file: &Path, session: &Session) -> Result<Vec<(String, String)>, Failure> {
     let (reader, kind, _) = opened(file, session)?;
     Ok(page_of(&reader, kind, session)?.into_figures())
 }
 
-/// A result file that is not damaged: its kind, and whether its checksum holds, if it has one.
+/// Opens a result file that is not damaged; returns its kind, and true if its checksum holds (`None` without one).
 fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
     let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
@@ -84,7 +84,7 @@ fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>)
     Ok((reader, kind, intact))
 }
 
-/// The contents of the page about a result.
+/// Returns the contents of the page about a result.
 fn page_of(reader: &Reader, kind: Kind, session: &Session) -> Result<Page, Failure> {
     match kind {
         Kind::Contact => gfmd_report::contact::page(reader),
@@ -100,7 +100,7 @@ fn page_of(reader: &Reader, kind: Kind, session: &Session) -> Result<Page, Failu
 /// Runs the command.
 ///
 /// # Errors
-/// A file that cannot be read, is no such result, or is damaged; a page that cannot be written.
+/// Returns an error if the file cannot be read, is not a result or is damaged, or if the page cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
     let (reader, kind, intact) = opened(file, session)?;
@@ -119,7 +119,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(Report { file: file.clone(), kind, figures: page.figures(), remarks: page.remarks, out })
 }
 
-/// The command that repeats the run of a result, or the reason why no command does.
+/// Returns the command that repeats the run of a result, or the reason why no command does.
 fn again(kind: Kind, reader: &Reader) -> Result<String, String> {
     let text = reader.text("/", "config").unwrap_or_default();
     let Some(Check { read, .. }) = check::of(kind) else {
@@ -134,8 +134,8 @@ fn again(kind: Kind, reader: &Reader) -> Result<String, String> {
     Ok(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
 }
 
-/// Refuses to replace a file that is no page of this command: by default the page has the name of the result, and a
-/// user may have written a page of that name.
+/// Refuses to replace a file that is not a page of this command: by default the page has the name of the result, and a
+/// user may have written another page under that name.
 pub(crate) fn check_replaceable(flag: &str, path: &Path) -> Result<(), Failure> {
     let mut start = Vec::new();
     match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
@@ -148,7 +148,7 @@ pub(crate) fn check_replaceable(flag: &str, path: &Path) -> Result<(), Failure> 
     Err(Failure::input(flag, format!("{}: {reason}; it must be another name", path.display())))
 }
 
-/// The number of bytes at the start of a page within which its mark stands.
+/// Number of bytes at the start of a page that contain its mark.
 const MARK_WITHIN: u64 = 1024;
 
 impl fmt::Display for Report {

@@ -1,4 +1,4 @@
-//! Flags of every command, the start of a run, and the end of what it prints.
+//! Flags of every command, start of a run, and end of its printed report.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -30,17 +30,17 @@ pub struct Common {
     pub verbose: u8,
 }
 
-/// The largest number of threads on a machine with fewer cores. Each has a stack and workspaces of its own.
+/// Largest number of threads on a machine with few cores. Each thread has its own stack and workspaces.
 const MOST_THREADS: usize = 256;
 
-/// The stack of each in bytes, as large as that of a process: commands run on one of them.
+/// Stack of each thread in bytes, as large as the stack of a process: commands run on one of the threads.
 const STACK: usize = 8 << 20;
 
-/// Sets up threads, log and the handler of Ctrl-C, once for the process, which is one of a `world` of several or alone.
-/// Only the first one prints.
+/// Sets up threads, log and the handler of Ctrl-C, once per process. The process is alone or one of a `world` of
+/// several; only the first one prints.
 ///
 /// # Errors
-/// More threads than the system can start.
+/// Returns an error if there are more threads than allowed or than the system can start.
 pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Failure> {
     let is_first = world.is_none_or(|world| world.rank() == 0);
     let quiet = common.quiet || !is_first;
@@ -65,7 +65,7 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
         .with_max_level(level)
         .with_target(false)
         .without_time()
-        // A log that cannot be written, as on a full disk, ends no run.
+        // A log that cannot be written, e.g. on a full disk, ends no run.
         .log_internal_errors(false)
         .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
         .init();
@@ -80,7 +80,7 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
         None => session,
     };
     let asked = session.clone();
-    // The second Ctrl-C ends the process at once.
+    // A second Ctrl-C ends the process at once.
     let handler = move || {
         if asked.interrupt() {
             std::process::exit(130);
@@ -90,7 +90,7 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
     Ok(session)
 }
 
-/// Writes the end of a printed report: the files written and drawn, one line each.
+/// Writes the end of a printed report: the files written and drawn, one per line.
 pub fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[PathBuf]) -> fmt::Result {
     if let Some(out) = out {
         writeln!(f, "\nwritten: {}", out.display())?;

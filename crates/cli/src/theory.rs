@@ -1,4 +1,4 @@
-//! `theory`: what theories say of a surface on a body, without solving a contact.
+//! `theory`: theories of rough contact for a surface on a body, without solving a contact.
 
 mod figures;
 
@@ -48,7 +48,7 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -69,7 +69,7 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// The theories at one load.
+/// Theories at one load.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Load {
@@ -79,10 +79,10 @@ pub struct Load {
     /// `null` for profiles, bodies other than a half-space, and beyond the range of the theory.
     pub bush_gibson_thomas: Option<AsperityRecord>,
     pub greenwood_williamson: Option<AsperityRecord>,
-    /// `null` for surfaces that are not made from a spectrum with a Hurst exponent, with a roll-off, profiles, and
-    /// bodies other than a half-space.
+    /// `null` for surfaces not generated from a spectrum with a Hurst exponent, with a roll-off, profiles, and bodies
+    /// other than a half-space.
     pub self_affine: Option<AreaRecord>,
-    /// Reasons, with the numbers that they leave without a value.
+    /// Reasons for missing values, with the names of the numbers.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub undefined: BTreeMap<&'static str, Vec<&'static str>>,
 }
@@ -97,7 +97,7 @@ pub struct PerssonRecord {
     pub at_wavelength: Vec<Magnified>,
 }
 
-/// The area that is seen if shorter waves are not.
+/// Contact area without waves shorter than the wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Magnified {
@@ -105,7 +105,7 @@ pub struct Magnified {
     pub area_fraction: f64,
 }
 
-/// A theory of asperities at one load.
+/// Theory of asperities at one load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct AsperityRecord {
@@ -113,19 +113,19 @@ pub struct AsperityRecord {
     pub separation: f64,
 }
 
-/// The fitted area in the limit at one load.
+/// Fitted area in the limit at one load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct AreaRecord {
     pub area_fraction: f64,
     pub standard_error: f64,
-    /// The area of a spectrum that ends, as the generator's does.
+    /// Area for a spectrum with a cut-off, as in the generator.
     pub of_band: f64,
-    /// The area counted on the grid; `null` beyond the loads of its fit.
+    /// Area counted on the grid; `null` beyond the loads of its fit.
     pub counted: Option<f64>,
 }
 
-/// The theories of one surface on one body.
+/// Theories of one surface on one body.
 struct Theories {
     persson: Persson,
     asperities: Result<Asperities, &'static str>,
@@ -136,20 +136,20 @@ struct Theories {
     rms_gradient: f64,
 }
 
-/// A body for which a theory has no number.
+/// Reason for a body without a theory.
 const NO_HALF_SPACE: &str = "the body is not a half-space";
 
-/// The loads for which theories of asperities have no number.
+/// Reason for loads beyond the theories of asperities.
 const NO_SUCH_LOAD: &str =
     "summits are independent only up to half of the surface in contact, and no load is known beyond 12 rms heights";
 
-/// The loads for which the counted area is not known.
+/// Reason for loads with unknown counted area.
 const NOT_COUNTED: &str = "it is fitted up to p* = 1.2, and up to full contact";
 
 /// Runs the command.
 ///
 /// # Errors
-/// A surface or body that cannot be used, a flat surface, a load that is not positive.
+/// Returns an error for a surface or body that cannot be used, a flat surface, or a load that is not positive.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let positive = |flag: &str, values: &[f64]| match values.iter().find(|value| !(**value > 0.0 && value.is_finite()))
     {
@@ -193,7 +193,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         }
         false => [0.0; 2],
     };
-    // The other theories know half-spaces only.
+    // The other theories hold for half-spaces only.
     let longest = std::f64::consts::TAU / grid.lengths()[0];
     let is_half_space = (body.normal_stiffness(longest) / (0.5 * e_star * longest) - 1.0).abs() < 1e-9;
     let theories = Theories {

@@ -1,4 +1,4 @@
-//! `wear`: a rough surface that slides on an elastic body, while both lose depth by Archard's law.
+//! `wear`: a rough surface sliding on an elastic body, both losing depth by Archard's law.
 
 mod check;
 mod figures;
@@ -89,7 +89,7 @@ impl Args {
         }
     }
 
-    /// The problem that the flags ask for.
+    /// Returns the problem requested by the flags.
     fn asked(&self) -> Asked<'_> {
         Asked {
             compliance: Cow::Borrowed(&self.compliance),
@@ -109,18 +109,18 @@ impl Args {
         }
     }
 
-    /// The resolved configuration as TOML.
+    /// Returns the resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
         toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))
     }
 }
 
-/// The largest depth that can be worn off, divided by the range of heights: rounding errors of what is left are smaller
-/// than it by ten digits.
+/// Largest depth that can be worn off, divided by the range of heights; the rounding errors of the remaining heights
+/// are ten digits smaller than this range.
 const MOST_WORN: f64 = 1e6;
 
-/// Refuses distances on which a depth is worn off, `rate` per distance, that the numbers of `heights` cannot follow.
+/// Refuses distances with a lost depth, `rate` per distance, beyond the precision of the numbers of `heights`.
 fn check_distance(rate: f64, distances: &[f64], heights: &Array2<f64>) -> Result<(), Failure> {
     let [least, most] = [f64::min, f64::max].map(|fold| heights.iter().copied().fold(heights[[0, 0]], fold));
     let (whole, allowed) = (distances.iter().sum::<f64>(), MOST_WORN * (most - least) / rate);
@@ -131,7 +131,7 @@ fn check_distance(rate: f64, distances: &[f64], heights: &Array2<f64>) -> Result
     Ok(())
 }
 
-/// The input of the command, checked before the first solve.
+/// Returns the input of the command, checked before the first solve.
 fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     args.coefficient()?;
     let distances = lengths("--distance", &args.distance)?;
@@ -155,21 +155,21 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
 /// Runs the command.
 ///
 /// # Errors
-/// Unusable input; a file that could not be written.
+/// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let course = course(args, session)?;
     let way = Way {
         asked: args.asked(),
         flag: args.loads.flag(),
         resume: args.steps.resume,
-        // A step is as long as it is asked to be.
+        // Steps are never subdivided.
         refinement: Refinement { solves_per_step: 0, ..Refinement::default() },
         config: args.config()?,
     };
     course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
 }
 
-/// Writes the file of a path, draws it, and tells of it.
+/// Writes the file of a path, draws it, and returns its report.
 fn ended(
     Course { prepared, drives, .. }: &Course,
     args: &Args,

@@ -3,8 +3,7 @@
 //! p* = 0.01).
 //!
 //! `cargo bench -p gfmd-contact` runs the conjugate gradients. The dynamics take minutes per sample and run only if
-//! named, `cargo bench -p gfmd-contact -- Verlet`. For a smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p
-//! gfmd-contact`.
+//! named: `cargo bench -p gfmd-contact -- Verlet`. A smaller grid: `GFMD_BENCH_POINTS=512 cargo bench -p gfmd-contact`.
 
 use std::hint::black_box;
 use std::time::Duration;

@@ -1,9 +1,9 @@
 //! Number of transform pairs to a tolerance of 1e-8 on bodies of all kinds, without a start: a table of
-//! docs/solvers.md. `cargo run --release -p gfmd-contact --example body_pairs -- 512`, methods by name, bodies by the
-//! beginning of theirs: `... -- 256 PreconditionedCg Verlet free`.
+//! docs/solvers.md. `cargo run --release -p gfmd-contact --example body_pairs -- 512`; methods are selected by name,
+//! bodies by the beginning of theirs: `... -- 256 PreconditionedCg Verlet free`.
 //!
-//! Heights are in units of the cell length, in which the longest wave is half a cell long. "over" means that 3000
-//! iterations are not enough.
+//! Heights are in units of the cell length; the longest wave is half a cell long. "over" means that 3000 iterations are
+//! not enough.
 #![allow(clippy::print_stdout, reason = "the example prints a table")]
 
 use std::sync::Arc;

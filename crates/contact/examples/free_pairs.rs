@@ -8,8 +8,7 @@ use gfmd_green::{Body, Material};
 use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::{Array2, s};
 
-/// A surface: its Hurst exponent, whether it is cut out of one of four times the area, and cells per longest
-/// wavelength.
+/// Surfaces: Hurst exponent, true if cut out of a surface of four times the area, and cells per longest wavelength.
 const SURFACES: [(f64, bool, f64); 5] =
     [(0.0, false, 2.0), (0.8, false, 2.0), (0.0, true, 1.0), (0.8, true, 1.0), (0.8, true, 2.0)];
 

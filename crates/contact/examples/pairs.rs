@@ -3,8 +3,8 @@
 //! 1024`
 //!
 //! The dynamics take longer and run only if requested by name, all or some:
-//! `cargo run --release -p gfmd-contact --example pairs -- dynamics 512`, `... -- Verlet AugmentedLagrangian 2048`.
-//! Their number of steps is the number of pairs less the few that check the result.
+//! `cargo run --release -p gfmd-contact --example pairs -- dynamics 512`, `... -- Verlet AugmentedLagrangian 2048`. The
+//! number of steps is the number of pairs minus the few that check the result.
 //!
 //! The number in brackets is the time of the whole solution in units of the time of one pair. The excess over the
 //! number of pairs is the cost of the sweeps over vectors and of memory. It is only as reproducible as the load on the
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The smallest of several measured times of a transform pair.
+/// Returns the smallest of several measured times of a transform pair.
 fn time_of_a_pair(grid: Grid) -> Result<f64, Box<dyn std::error::Error>> {
     let transform = Transform::new(grid);
     let mut workspace = transform.workspace();

@@ -1,6 +1,6 @@
-//! The cost of the case of the thesis in three components: a rough surface (H = 0, rms gradient 0.01) on a slab as high
-//! as the cell with nu = 0.33, p* = 0.01, to residuals of 1e-8. The dynamics moves all components, as the source does;
-//! the default seeks the pressure, from which all components follow. `cargo run --release -p gfmd-contact --example
+//! Cost of the case of the thesis in three components: a rough surface (H = 0, rms gradient 0.01) on a slab as high as
+//! the cell with nu = 0.33, p* = 0.01, to residuals of 1e-8. The dynamics moves all components, as the thesis does; the
+//! default seeks the pressure, which determines all components. `cargo run --release -p gfmd-contact --example
 //! source_case -- 256 512`
 #![allow(clippy::print_stdout, reason = "the example prints a table")]
 

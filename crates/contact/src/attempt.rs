@@ -2,14 +2,14 @@ use gfmd_relax::{Budget, Ending, InnerWatch, Variables as _, Visit, Watch};
 
 use crate::{Contact, Effort, Load, Solution};
 
-/// The part of the tolerance that a search has to reach; the rest is left to the rounding errors of the certificate.
+/// Fraction of the tolerance that a search has to reach; the rest is left to rounding errors of the certificate.
 pub(crate) const MARGIN: f64 = 0.95;
 
-/// A running solve: its task, its start, and its effort so far.
+/// Running solve: its task, its start, and its effort so far.
 pub(crate) struct Attempt<'a> {
     pub(crate) contact: &'a Contact,
     pub(crate) load: Load,
-    /// The scale of lengths in the residuals.
+    /// Length scale of the residuals.
     pub(crate) length_scale: f64,
     pub(crate) budget: Budget,
     /// Start pressure.
@@ -25,10 +25,10 @@ pub(crate) struct Ended {
     pub(crate) ending: Ending,
 }
 
-/// The end of a search. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
+/// End of a search. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
 pub(crate) enum Reached {
     Pressure(Vec<f64>),
-    /// The certificate of the pressure, which the solver has asked for itself. Its effort is that of the solver.
+    /// Certificate of the pressure that the solver itself has requested. It is counted in the effort of the solver.
     Certified(Box<Solution>),
 }
 
@@ -42,14 +42,14 @@ impl Reached {
 }
 
 impl Attempt<'_> {
-    /// The remaining budget.
+    /// Returns the remaining budget.
     pub(crate) fn budget_left(&self) -> Budget {
         let max_iterations = self.budget.max_iterations.saturating_sub(self.effort.iterations);
         Budget { max_iterations, ..self.budget }
     }
 
-    /// The watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables of the
-    /// solve outside of that part; `hides_layer` if those of the part are not the displacement.
+    /// Returns the watcher of a part of the solve, which counts its iterations from zero. `outer` visits the variables
+    /// outside this part; `hides_layer` is true if the variables of the part are not the displacement.
     pub(crate) fn part_watch<F: FnMut(&mut dyn Visit)>(
         &mut self,
         hides_layer: bool,

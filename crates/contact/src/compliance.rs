@@ -3,16 +3,16 @@ use gfmd_vector::Split;
 
 use crate::Contact;
 
-/// The compliance of the body of one solve, with the memory of its transforms.
+/// Compliance of the body in one solve, with the memory of its transforms.
 pub(crate) enum Compliance {
-    /// By a table for the modes of the periodic cell.
+    /// Table for the modes of the periodic cell.
     Periodic(NormalTransforms),
-    /// With free boundaries.
+    /// Free boundaries.
     Free(FreeTransforms),
 }
 
 impl Compliance {
-    /// For the rows of this process.
+    /// Makes the compliance for the rows of this process.
     pub(crate) fn of(contact: &Contact) -> Self {
         match &contact.free {
             Some(free) => Self::Free(FreeTransforms::of(free)),
@@ -20,7 +20,7 @@ impl Compliance {
         }
     }
 
-    /// `out` ← G `pressure`, the displacement downwards. The `table` has the compliances of the periodic modes.
+    /// Computes the downward displacement `out` = G `pressure`. `table` has the compliances of the periodic modes.
     pub(crate) fn apply(&mut self, table: &[f64], pressure: &[f64], out: &mut [f64]) {
         match self {
             Self::Periodic(transforms) => transforms.convolve(table, pressure, out),
@@ -28,8 +28,8 @@ impl Compliance {
         }
     }
 
-    /// As [`apply`](Self::apply), row by row: `source` makes the pressure from the rows of `input`, and `sink` gets the
-    /// displacement with the rows of `output`.
+    /// Applies the compliance as [`apply`](Self::apply), row by row: `source` makes the pressure from the rows of
+    /// `input`, and `sink` receives the displacement with the rows of `output`.
     pub(crate) fn apply_rows<I: Split, O: Split>(
         &mut self,
         table: &[f64],
@@ -42,7 +42,7 @@ impl Compliance {
         }
     }
 
-    /// ⟨p, G p⟩, summed over the points of all processes.
+    /// Returns ⟨p, G p⟩, summed over the points of all processes.
     pub(crate) fn quadratic_form(&mut self, table: &[f64], pressure: &[f64]) -> f64 {
         match self {
             Self::Periodic(transforms) => transforms.quadratic_form(table, pressure) * transforms.points() as f64,
@@ -57,7 +57,7 @@ impl Compliance {
         }
     }
 
-    /// Transforms so far, in pairs.
+    /// Returns the number of transforms so far, in pairs.
     pub(crate) fn pairs(&self) -> f64 {
         match self {
             Self::Periodic(transforms) => transforms.pairs(),
@@ -65,7 +65,7 @@ impl Compliance {
         }
     }
 
-    /// The counter of transforms, for a solve that continues an earlier one.
+    /// Returns the counter of transforms, for a solve that continues an earlier one.
     pub(crate) fn counter(&mut self) -> &mut u64 {
         match self {
             Self::Periodic(transforms) => transforms.counter(),
@@ -77,12 +77,12 @@ impl Compliance {
 /// Compliance and stiffness in single precision.
 pub(crate) enum Rounded {
     Periodic(RoundedTransforms),
-    /// With free boundaries, where the stiffness is approximate.
+    /// Free boundaries; the stiffness is approximate.
     Free(FreeRounded),
 }
 
 impl Rounded {
-    /// `uniform` are compliance and stiffness of the uniform mode of the periodic cell, if they are not zero.
+    /// Makes compliance and stiffness; `uniform` has both values of the periodic uniform mode, unless they are zero.
     pub(crate) fn of(contact: &Contact, uniform: Option<[f64; 2]>) -> Self {
         match &contact.free {
             Some(free) => Self::Free(FreeRounded::of(free)),
@@ -90,7 +90,7 @@ impl Rounded {
         }
     }
 
-    /// The unit of compliances.
+    /// Returns the unit of compliances.
     pub(crate) fn unit(&self) -> f64 {
         match self {
             Self::Periodic(transforms) => transforms.unit(),
@@ -98,7 +98,7 @@ impl Rounded {
         }
     }
 
-    /// Computes G v over the unit, of the field v whose rows `source` makes from the rows of `input`.
+    /// Computes G v divided by the unit, for the field v with rows that `source` makes from the rows of `input`.
     pub(crate) fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         match self {
             Self::Periodic(transforms) => transforms.compliance(input, source),
@@ -106,7 +106,7 @@ impl Rounded {
         }
     }
 
-    /// Hands on the rows of what [`compliance`](Self::compliance) has computed.
+    /// Passes the rows of the result of [`compliance`](Self::compliance) to `sink`.
     pub(crate) fn rows<O: Split>(&mut self, output: O, sink: impl Fn(usize, &mut [f32], O) + Sync) {
         match self {
             Self::Periodic(transforms) => transforms.rows(output, sink),
@@ -114,8 +114,8 @@ impl Rounded {
         }
     }
 
-    /// `out` ← K u times the unit, of the field u whose rows `source(i, row)` fills. With free boundaries a `floating`
-    /// surface may move as a whole.
+    /// Computes `out` = K u times the unit, for the field u with rows filled by `source(i, row)`. With free boundaries
+    /// a `floating` surface may move as a whole.
     pub(crate) fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         match self {
             Self::Periodic(transforms) => transforms.stiffness(source, out),
@@ -123,7 +123,7 @@ impl Rounded {
         }
     }
 
-    /// ⟨v, G v⟩ over the unit, summed over the points.
+    /// Returns ⟨v, G v⟩ divided by the unit, summed over the points.
     pub(crate) fn quadratic_form(&mut self, field: &[f32]) -> f64 {
         match self {
             Self::Periodic(transforms) => transforms.quadratic_form(field),
@@ -138,7 +138,7 @@ impl Rounded {
         }
     }
 
-    /// Transforms so far, in pairs.
+    /// Returns the number of transforms so far, in pairs.
     pub(crate) fn pairs(&self) -> f64 {
         match self {
             Self::Periodic(transforms) => transforms.pairs(),
@@ -146,7 +146,7 @@ impl Rounded {
         }
     }
 
-    /// The counter of transforms, for a solve that continues an earlier one.
+    /// Returns the counter of transforms, for a solve that continues an earlier one.
     pub(crate) fn counter(&mut self) -> &mut u64 {
         match self {
             Self::Periodic(transforms) => transforms.counter(),

@@ -1,5 +1,4 @@
-//! The conductance of the points in contact between two conductors of heat or of electric current (theory.md, section
-//! 7.6).
+//! Conductance of the points in contact between two conductors of heat or electric current (theory.md, section 7.6).
 
 use gfmd_field::Grid;
 use gfmd_green::{Conductor, Height};
@@ -9,12 +8,12 @@ use ndarray::ArrayRef2;
 
 use crate::{Boundary, Contact, Effort, Refusal, Stiffness};
 
-/// Two conductors that touch at some of the points of a grid and are insulated from each other at the others. One has
-/// unit conductivity, and the other none of the resistance: of conductors with the resistivities ρ₁ and ρ₂ the
-/// conductance is that found here over ρ₁ + ρ₂, half of it if both conductivities are 1.
+/// Two conductors that touch at some points of a grid and are insulated from each other at the others. One has unit
+/// conductivity and the other no resistance. Conductors with the resistivities ρ₁ and ρ₂ have the conductance found
+/// here divided by ρ₁ + ρ₂: half of it if both conductivities are 1.
 ///
-/// The conductors are half-spaces, or slabs on electrodes at one depth; the elastic body, its interaction with the
-/// rigid surface and its hardness matter only in that they decide which points touch. Clones share the data.
+/// The conductors are half-spaces, or slabs on electrodes at one depth. The elastic body, its interaction with the
+/// rigid surface and its hardness matter only because they decide which points touch. Clones share the data.
 ///
 /// ```
 /// use gfmd_contact::{Boundary, Conductors};
@@ -38,16 +37,16 @@ pub struct Conductors {
     contact: Contact,
 }
 
-/// The conductance of points in contact.
+/// Conductance of points in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductance {
-    /// Per area, over the sum of the two conductivities' inverses, in 1/length: of a periodic surface, mean current
-    /// density over the potential difference less that of the same mean current through the bulk alone; with free
-    /// boundaries, current over the area of the patch and over the whole potential difference. Infinite if all points
-    /// of a periodic surface touch; NaN of a profile with free boundaries on half-spaces, whose potential is known up
-    /// to a constant.
+    /// Conductance per area times the sum of the two resistivities, in 1/length. Periodic surface: mean current
+    /// density, divided by the potential difference in excess of the one that drives the same current through the bulk
+    /// alone. Free boundaries: current, divided by the area of the patch and the whole potential difference. Infinite
+    /// if all points of a periodic surface touch; NaN for a profile with free boundaries on half-spaces, where a
+    /// constant of the potential is unknown.
     pub value: f64,
-    /// The relative error of `value`, as [`Stiffness::error`].
+    /// Relative error of `value`, as [`Stiffness::error`].
     pub error: f64,
     /// Effort of the solve.
     pub effort: Effort,
@@ -59,13 +58,13 @@ impl From<Stiffness> for Conductance {
     }
 }
 
-/// The largest relative error of a conductance.
+/// Largest relative error of a conductance.
 const ERROR: f64 = 1e-9;
 
-/// Reasons why there is no conductance, or none that is exact.
+/// Reasons why there is no conductance, or no exact one.
 #[derive(Debug, thiserror::Error)]
 pub enum ConductanceError {
-    /// The pressure has another shape than the grid.
+    /// The pressure differs in shape from the grid.
     #[error("the shape of the pressure is {found:?}; it must be {expected:?} as that of the grid")]
     Shape {
         /// Shape of the pressure.
@@ -76,15 +75,15 @@ pub enum ConductanceError {
     /// The error of the conductance exceeds 1e-9.
     #[error("the error of the conductance {:e} is {:.1e} ({why})", .reached.value, .reached.error)]
     Inexact {
-        /// The conductance reached.
+        /// Conductance reached.
         reached: Conductance,
-        /// The reason why the iterations ended.
+        /// Reason why the iterations ended.
         why: Why,
     },
 }
 
 impl Conductors {
-    /// Conductors on a `grid`, each with its electrode at the depth `height` below the surface, or infinitely deep.
+    /// Makes conductors on a `grid`, each with its electrode at the depth `height` below the surface, or at infinity.
     ///
     /// # Errors
     /// A height that is not positive and finite; with free boundaries a height below 1/200 of the diagonal of the patch
@@ -94,11 +93,11 @@ impl Conductors {
         Ok(Self { contact: Contact::of_conductor(boundary, &conductor, grid)? })
     }
 
-    /// The conductance of the points `[x, y]` with a positive `pressure`, such as the
-    /// [repulsion](crate::Fields::repulsion) of a state: zero if there are none.
+    /// Computes the conductance of the points `[x, y]` with a positive `pressure`, such as the
+    /// [repulsion](crate::Fields::repulsion) of a state; zero if there are none.
     ///
     /// # Errors
-    /// A pressure of another shape than the grid; the conductance reached, if its error exceeds 1e-9.
+    /// A pressure that differs in shape from the grid; the conductance reached, if its error exceeds 1e-9.
     pub fn conductance(&self, pressure: &ArrayRef2<f64>) -> Result<Conductance, ConductanceError> {
         let (found, expected) = (pressure.dim().into(), self.contact.surface().shape());
         if found != expected {

@@ -13,51 +13,51 @@ use crate::pull_push::PullPush;
 use crate::solution::{Conditions, field};
 use crate::{Boundary, Dynamics, Hardness, Load, Refusal, RigidSurface, Solution, Units};
 
-/// A rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
+/// Rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
 pub struct Contact {
-    /// The response of the body to periodic pressures, in `units`. With free boundaries it is an approximation, which
-    /// the preconditioner uses.
+    /// Response of the body to periodic pressures, in `units`. With free boundaries it is an approximation for the
+    /// preconditioner.
     pub(crate) response: Arc<NormalResponse>,
-    /// The compliance of the body with free boundaries, in `units`.
+    /// Compliance of the body with free boundaries, in `units`.
     pub(crate) free: Option<Arc<FreeCompliance>>,
-    /// The largest pressure, in `units`.
+    /// Largest pressure, in `units`.
     pub(crate) hardness: Option<Upper>,
-    /// The rows that this process solves for.
+    /// Rows solved by this process.
     pub(crate) share: Share,
     /// Time step and damping of the damped dynamics.
     pub(crate) dynamics: Dynamics,
-    /// The largest less the smallest depth that the surfaces have lost, in `units`.
+    /// Difference between the largest and the smallest depth lost by the surfaces, in `units`.
     worn: f64,
     /// True if springs that act point by point are part of the body.
     is_softened: bool,
-    /// The rigid surface, in `units`.
+    /// Rigid surface, in `units`.
     pub(crate) scaled: Arc<RigidSurface>,
-    /// The rigid surface.
+    /// Rigid surface, in the units of the input.
     surface: Arc<RigidSurface>,
-    /// E* of the body as given.
+    /// E* of the body, in the units of the input.
     contact_modulus: f64,
     units: Units,
 }
 
-/// Stiffness of the uniform mode in preconditioners, relative to the softest wave, where the approach is prescribed and
-/// the body has no stiffness of its own for it: on a half-space with a fixed mean level and on an incompressible slab
-/// between two surfaces. There the effective stiffness depends on the contact area. Chosen; the sensitivity was not
+/// Stiffness of the uniform mode in preconditioners, relative to the softest wave, if the approach is prescribed and
+/// the body has no uniform stiffness of its own: on a half-space with a fixed mean level and on an incompressible slab
+/// between two surfaces. The effective stiffness then depends on the contact area. Chosen; the sensitivity was not
 /// measured.
 pub(crate) const LEVEL: f64 = 4.0;
 
 impl Contact {
-    /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
+    /// Makes the contact of `body` with a rigid profile `heights` on `grid`, in length, with peaks towards the body. A
     /// constant in the heights has no effect.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal; E* h_rms / L too large or small for a number.
+    /// Heights that differ in shape from the grid, are not finite, or are all equal; E* h_rms / L out of range.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         Self::over(&grid.whole(), body, grid, heights)
     }
 
-    /// As [`new`](Self::new), without lateral displacement of the surface (theory.md, section 3, restricted lateral
-    /// displacement).
+    /// Makes the contact as [`new`](Self::new), without lateral displacement of the surface (theory.md, section 3,
+    /// restricted lateral displacement).
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -65,7 +65,7 @@ impl Contact {
         Self::held_sideways_over(&grid.whole(), body, grid, heights)
     }
 
-    /// The rows of a grid that this one of several processes solves for ([`over`](Self::over)).
+    /// Returns the rows of a grid that this process, one of several, solves for ([`over`](Self::over)).
     ///
     /// # Errors
     /// More processes than can share the rows.
@@ -73,10 +73,10 @@ impl Contact {
         Ok(Share::among(ranks, grid.rows(), PullPush::shared_levels(grid.rows()))?)
     }
 
-    /// As [`new`](Self::new), solved by the processes of a [`share`](Self::share). Each holds its rows only, of all
-    /// fields that it gives (heights, hardness, start) and gets; all make the same calls. Fields and numbers have the
-    /// bits of one process. The methods are [`FREE_SOLVERS`](Self::FREE_SOLVERS). [`Watch`](gfmd_relax::Watch)ers of
-    /// any process may stop the search; its checkpoints have the rows of one.
+    /// Makes the contact as [`new`](Self::new), solved by the processes of a [`share`](Self::share). Each process gives
+    /// and gets only its rows of all fields (heights, hardness, start), and all make the same calls. Fields and numbers
+    /// have the bits of a single process. The methods are [`FREE_SOLVERS`](Self::FREE_SOLVERS). The
+    /// [`Watch`](gfmd_relax::Watch) of any process may stop the search; checkpoints have the rows of one process.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
@@ -84,7 +84,7 @@ impl Contact {
         Self::responding(NormalResponse::over, share, body, grid, heights)
     }
 
-    /// As [`over`](Self::over), without lateral displacement of the surface.
+    /// Makes the contact as [`over`](Self::over), without lateral displacement of the surface.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
@@ -122,11 +122,11 @@ impl Contact {
         Ok(contact)
     }
 
-    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] an approach is that against
-    /// points far away, and a mean pressure is the force over Lx Ly.
+    /// Makes the contact as [`new`](Self::new), with the given boundary. With [`Boundary::Free`] the approach is
+    /// measured against points far away, and the mean pressure is the force divided by Lx Ly.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and with free boundaries a body without a level far away, or with layers that are too
+    /// As [`new`](Self::new); with free boundaries also a body without a level far away, or with layers that are too
     /// thin.
     pub fn bounded(boundary: Boundary, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let mut contact = Self::new(body, grid, heights)?;
@@ -139,8 +139,8 @@ impl Contact {
         Ok(contact)
     }
 
-    /// The problem of two conductors on a `grid`, of which one has unit conductivity and the other no resistance:
-    /// potential for displacement, current density for pressure. The surface is flat, which only loads would see.
+    /// Makes the problem of two conductors on a `grid`, one with unit conductivity and the other without resistance:
+    /// potential for displacement, current density for pressure. The surface is flat, which matters only under a load.
     ///
     /// # Errors
     /// With free boundaries an electrode that is not deep enough.
@@ -167,12 +167,12 @@ impl Contact {
         })
     }
 
-    /// As [`new`](Self::new), with an existing response: one that is shared by many surfaces on one body, or one
-    /// without lateral displacement of the surface. The problem is solved in the units of the response, whatever its
-    /// size.
+    /// Makes the contact as [`new`](Self::new), with an existing response, which may be shared by many surfaces on one
+    /// body or exclude lateral displacement of the surface. The problem is solved in the units of the response,
+    /// whatever its size.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal.
+    /// Heights that differ in shape from the grid, are not finite, or are all equal.
     pub fn on(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
         let share = response.share().clone();
@@ -195,40 +195,38 @@ impl Contact {
         })
     }
 
-    /// This contact with another time step and damping of its damped dynamics. Values out of their range are refused at
-    /// the start of a solve.
+    /// Sets time step and damping of the damped dynamics. Values out of range are refused at the start of a solve.
     #[must_use]
     pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
         Self { dynamics, ..self }
     }
 
-    /// This contact with a `hardness`, the largest pressure that the surfaces can carry, in stress: a number or a field
-    /// `[x, y]`. Where the pressure reaches it, they are pressed into each other by the
-    /// [plastic depth](crate::Plastic).
+    /// Sets the `hardness`, the largest pressure that the surfaces can carry, in stress: a number or a field `[x, y]`.
+    /// Where the pressure reaches it, the surfaces are pressed into each other by the [plastic depth](crate::Plastic).
     ///
     /// # Errors
-    /// A hardness that is not positive and finite, or has another shape than the heights.
+    /// A hardness that is not positive and finite, or differs in shape from the heights.
     pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
         let hardness = Some(hardness.into().in_units(&self.surface, &self.units)?);
         Ok(Self { hardness, ..self })
     }
 
-    /// This contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length: it is
-    /// added to the clearance. The approach still counts from first touch of the undeformed surfaces, and the rms
-    /// height and gradient are theirs.
+    /// Returns this contact after the surfaces were pressed into each other by a plastic `depth` `[x, y]`, in length,
+    /// which is added to the clearance. The approach is still measured from first touch of the undeformed surfaces, and
+    /// the rms height and gradient do not change.
     ///
     /// # Errors
-    /// A depth of another shape than the heights, or not finite.
+    /// A depth that differs in shape from the heights, or is not finite.
     pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let surface = Arc::new(self.surface.indented(depth)?);
         Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
     }
 
-    /// This contact after the surfaces have lost a `depth` `[x, y]`, in length: as [`indented`](Self::indented), with
-    /// residuals over the extent of the depth where it is larger than that of the displacement.
+    /// Returns this contact after a loss of `depth` `[x, y]`, in length: as [`indented`](Self::indented), with
+    /// residuals relative to the extent of the depth if it exceeds the extent of the displacement.
     ///
     /// # Errors
-    /// A depth of another shape than the heights, or not finite.
+    /// A depth that differs in shape from the heights, or is not finite.
     pub fn worn(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let [least, most] = depth
             .iter()
@@ -236,9 +234,8 @@ impl Contact {
         Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.indented(depth)? })
     }
 
-    /// This contact on a body below springs that act point by point, of this `compliance` in length/stress: G(q) is
-    /// larger by it for every wave and for the uniform mode. The displacement of a solution is that of body and
-    /// springs.
+    /// Returns this contact on a body below springs that act point by point, with a `compliance` in length/stress: G(q)
+    /// is larger by it for every wave and for the uniform mode. The displacement of a solution includes the springs.
     #[must_use]
     pub fn softened(&self, compliance: f64) -> Self {
         let compliance = compliance * self.units.stiffness();
@@ -246,14 +243,14 @@ impl Contact {
         Self { response: self.response.softened(compliance).into(), free, is_softened: true, ..self.clone() }
     }
 
-    /// This contact on a body whose waves have stiffnesses that are larger by these `factors`, laid out as the
+    /// Returns this contact on a body with waves that are stiffer by `factors`, laid out as the
     /// [modes](gfmd_field::Grid::modes) of the grid, the uniform one first. The boundary is periodic, of one process.
     #[must_use]
     pub fn stiffened(&self, factors: &[f64]) -> Self {
         Self { response: self.response.stiffened(factors).into(), ..self.clone() }
     }
 
-    /// The hardness, in stress.
+    /// Returns the hardness, in stress.
     pub fn hardness(&self) -> Option<Hardness> {
         let hardness = self.hardness.as_ref()?.times(self.units.stress());
         Some(match hardness {
@@ -262,7 +259,7 @@ impl Contact {
         })
     }
 
-    /// The upper bounds of the pressure, in [`units`](Self::units); infinite without a hardness.
+    /// Returns the upper bounds of the pressure, in [`units`](Self::units); infinite without a hardness.
     pub(crate) fn upper(&self) -> Upper {
         self.hardness.clone().unwrap_or(Upper::All(f64::INFINITY))
     }
@@ -272,38 +269,38 @@ impl Contact {
         if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }
 
-    /// The rigid surface.
+    /// Returns the rigid surface.
     #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
         &self.surface
     }
 
-    /// The units in which the contact is solved.
+    /// Returns the units in which the contact is solved.
     pub fn units(&self) -> &Units {
         &self.units
     }
 
-    /// The boundary of the surface.
+    /// Returns the boundary of the surface.
     pub fn boundary(&self) -> Boundary {
         if self.free.is_some() { Boundary::Free } else { Boundary::Periodic }
     }
 
-    /// Smallest and largest stiffness of the waves of the surface, in stress/length, in [`units`](Self::units). With
-    /// free boundaries they are those of the periodic cell of the same size, about.
+    /// Returns the smallest and largest stiffness of the surface waves, in stress/length, in [`units`](Self::units).
+    /// With free boundaries these are approximately the values of the periodic cell of this size.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.response.stiffness_range()
     }
 
-    /// E* times the rms gradient of the surface, in stress: the unit of the reduced pressure p*
-    /// (theory.md, section 10).
+    /// Returns E* times the rms gradient of the surface, in stress: the unit of the reduced pressure p* (theory.md,
+    /// section 10).
     pub fn reduced_pressure_unit(&self) -> f64 {
         self.contact_modulus * self.surface.rms_gradient()
     }
 
-    /// The state of `pressure` under `load` with its residuals, from fresh transforms.
+    /// Computes the state of `pressure` under `load` with its residuals, from fresh transforms.
     ///
     /// # Errors
-    /// A pressure of another shape than the grid.
+    /// A pressure that differs in shape from the grid.
     pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<Solution, Refusal> {
         self.check_size(pressure.view())?;
         let stress = self.units.stress();
@@ -319,13 +316,13 @@ impl Contact {
         solution.out_of(&self.units, &self.surface, self.contact_modulus)
     }
 
-    /// As [`certify`](Self::certify), for a pressure with the rows of this process, all in [`units`](Self::units).
+    /// Computes the state as [`certify`](Self::certify), from the rows of this process, in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
         self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load)
     }
 
-    /// As [`certified`](Self::certified), by the transforms of a solver, which continue their count. The displacement
-    /// takes the place of what is in the second vector.
+    /// Computes the state as [`certified`](Self::certified), by the transforms of a solver, which continue their count.
+    /// The displacement overwrites the second vector.
     pub(crate) fn certified_by(
         &self,
         compliance: &mut Compliance,
@@ -357,15 +354,15 @@ impl Contact {
         solution
     }
 
-    /// The scale of lengths in the residuals, before the displacement is known, in [`units`](Self::units). Worn
-    /// surfaces may touch with a very small approach, beside the depth that they have lost.
+    /// Returns the length scale of the residuals before the displacement is known, in [`units`](Self::units). Worn
+    /// surfaces may touch at an approach that is very small beside the depth lost.
     pub(crate) fn length_scale(&self, load: Load) -> f64 {
         let scale = self.scaled.length_scale(load);
         if self.worn > 0.0 { scale.max(RigidSurface::finer_scale(self.scaled.rms_height(), self.worn)) } else { scale }
     }
 
-    /// Compliance of the uniform mode, and its stiffness in preconditioners, if it takes part in the search: if the
-    /// approach of a periodic surface is prescribed.
+    /// Returns the compliance of the uniform mode and its stiffness in preconditioners, if the mode takes part in the
+    /// search: if the approach of a periodic surface is prescribed.
     pub(crate) fn level_under(&self, load: Load) -> Option<[f64; 2]> {
         let takes_part = self.free.is_none() && matches!(load, Load::Approach(_));
         takes_part.then(|| {
@@ -381,14 +378,14 @@ impl Contact {
         })
     }
 
-    /// The stiffness of a wave by its number of periods along the longer side.
+    /// Returns the stiffness of a wave as a function of its number of periods along the longer side.
     pub(crate) fn stiffness_of_waves(&self) -> impl Fn(usize) -> f64 {
         let points = self.response.grid().points();
         let stride = if points[0] >= points[1] { 1 } else { points[0] };
         move |periods| 1.0 / self.response.compliance_at(periods * stride)
     }
 
-    /// G of the periodic modes of this process, with that of the `uniform` mode if there is one.
+    /// Returns G of the periodic modes of this process, with the compliance of the `uniform` mode if it is given.
     pub(crate) fn table(&self, uniform: Option<f64>) -> Cow<'_, [f64]> {
         let mut table = Cow::from(self.response.compliance());
         if let (Some(uniform), true) = (uniform, self.response.has_uniform()) {
@@ -397,12 +394,12 @@ impl Contact {
         table
     }
 
-    /// The compliance of the uniform mode that [`Compliance`] does not contain.
+    /// Returns the compliance of the uniform mode that [`Compliance`] does not contain.
     pub(crate) fn uniform_compliance(&self) -> f64 {
         if self.free.is_some() { 0.0 } else { self.response.uniform_compliance() }
     }
 
-    /// False if the displacement is known up to a constant.
+    /// Returns false if the displacement is known up to a constant.
     pub(crate) fn has_level(&self) -> bool {
         self.free.as_ref().is_none_or(|free| free.has_level())
     }
@@ -415,7 +412,7 @@ impl Contact {
                 if !self.has_level() {
                     return Err(Refusal::LineApproach);
                 }
-                // With a hardness points give way, and any approach has a state.
+                // With a hardness points yield, and any approach has a state.
                 let is_fixed =
                     self.free.is_none() && self.hardness.is_none() && self.response.uniform_compliance() == 0.0;
                 let limit = is_fixed.then_some(self.surface.mean_clearance());
@@ -433,7 +430,7 @@ impl Contact {
         }
     }
 
-    /// The start pressure in [`units`](Self::units), if it is valid.
+    /// Returns the start pressure in [`units`](Self::units), if it is valid.
     pub(crate) fn check_start(&self, start: ArrayView2<f64>) -> Result<Vec<f64>, Refusal> {
         self.check_size(start)?;
         let wrong = start.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0));

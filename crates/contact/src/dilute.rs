@@ -1,6 +1,6 @@
-//! The contact of few points: the pressure is sought on blocks of points where contact is possible, with compliance and
-//! stiffness between these points only (`gfmd_response::Scattered`); all others are checked by transforms of the whole
-//! surface (theory.md, section 7.5).
+//! Contact of few points: the pressure is sought on blocks of points where contact is possible, with compliance and
+//! stiffness between these points only (`gfmd_response::Scattered`). All other points are checked by transforms of the
+//! whole surface (theory.md, section 7.5).
 
 mod candidates;
 mod constants;
@@ -21,7 +21,7 @@ use crate::Load;
 use crate::attempt::MARGIN;
 use crate::attempt::{Attempt, Ended};
 
-/// Watches for all processes, which search for themselves: they stop together.
+/// Watcher of processes that search separately and stop together.
 struct Unison<'a, W> {
     share: &'a Share,
     watch: W,
@@ -42,18 +42,18 @@ impl<W: Watch> Watch for Unison<'_, W> {
     }
 }
 
-/// The checkpoint of a search on blocks, before that of the search for their pressure.
+/// Checkpoint of a search on blocks; the checkpoint of the search for their pressure follows it.
 #[derive(Default)]
 struct Checkpoint {
     tolerance: f64,
     approach: f64,
-    /// True if a certificate has found points beside the blocks that penetrate.
+    /// True if a certificate has found penetration outside the blocks.
     failed: bool,
     places: Vec<usize>,
 }
 
 impl Checkpoint {
-    /// Visits it; there are so many places at most.
+    /// Visits the checkpoint, which has at most `most` places.
     fn visit(&mut self, visitor: &mut dyn Visit, most: usize) {
         visitor.numbers(&mut [&mut self.tolerance, &mut self.approach]);
         visitor.flag(&mut self.failed);
@@ -68,8 +68,8 @@ impl Checkpoint {
     }
 }
 
-/// Finds the pressure if little touches. Without success the start of `attempt` is the pressure reached. `outer` visits
-/// what the caller changes during the search; `continued` if a checkpoint of this search is to be recalled.
+/// Finds the pressure if few points touch. Without success, the pressure reached becomes the start of `attempt`.
+/// `outer` visits the variables of the caller; `continued` is true if a checkpoint of this search is to be recalled.
 pub(crate) fn solve(
     attempt: &mut Attempt,
     mut outer: impl FnMut(&mut dyn Visit),

@@ -17,7 +17,7 @@ use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Contact, Load};
 
-/// The methods of conjugate gradients by name.
+/// Methods of conjugate gradients.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Gradients {
     /// Preconditioned, then projected if that takes too long.
@@ -27,23 +27,23 @@ pub(crate) enum Gradients {
     Preconditioned,
 }
 
-/// The quadratic function whose minimum is the pressure.
+/// Quadratic function minimised by the pressure.
 pub(crate) struct Dual<'a> {
-    /// The stiffness of the periodic modes; it has no use with free boundaries.
+    /// Compliance of the periodic modes; unused with free boundaries.
     compliance: Cow<'a, [f64]>,
     linear: Cow<'a, [f64]>,
     /// True if the approach is free, because the mean pressure is prescribed.
     floating: bool,
-    /// The hardness, infinite without one.
+    /// Hardness, infinite without one.
     upper: Upper,
-    /// The number of points in a row.
+    /// Number of points in a row.
     row: usize,
     share: Share,
-    /// In double precision. Only one of the two holds memory at a time.
+    /// Transforms in double precision. Either these or `rounded` hold memory, not both.
     transforms: Compliance,
     rounded: Rounded,
     extension: PullPush,
-    /// True as long as x is a start without displacement.
+    /// True while x is a start without displacement.
     is_flat: bool,
 }
 
@@ -56,7 +56,7 @@ const PATIENCE: u64 = 100;
 /// thousand times longer than wide the method without it may not converge at all.
 const LONGER_PATIENCE: u64 = 5000;
 
-/// The number that a checkpoint has in place of that of a part, of a search on few points.
+/// Number of the search on few points in a checkpoint, in place of the number of a part.
 const FEW: u32 = 3;
 
 impl<'a> Dual<'a> {
@@ -79,8 +79,8 @@ impl<'a> Dual<'a> {
         Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension, is_flat: false }
     }
 
-    /// Computes G p of the pressure p whose rows `source` makes from those of `input`; `sink` gets the rows of the
-    /// displacement with those of `output`, and its results are put into `sums`.
+    /// Computes G p of the pressure p with rows that `source` makes from the rows of `input`. `sink` receives the rows
+    /// of the displacement and of `output`, and its results are put into `sums`.
     pub(crate) fn displace<I: Split, O: Split, R: Send>(
         &mut self,
         (input, source): (I, impl Fn(I, &mut [f64]) + Sync),
@@ -94,8 +94,8 @@ impl<'a> Dual<'a> {
         transforms.apply_rows(compliance, input, ((Rows(output, *row), sums), sink));
     }
 
-    /// `out` ← Eᵀ K E with E the extension of the known values: about G⁻¹ of a displacement on the contact, times
-    /// [`unit`](Preconditioned::unit), zero elsewhere.
+    /// Computes `out` = Eᵀ K E of the known values, with their extension E: about G⁻¹ of a displacement on the contact,
+    /// times [`unit`](Preconditioned::unit), zero elsewhere.
     pub(crate) fn press(&mut self, known: Known, out: &mut [f32]) {
         let Self { floating, rounded, extension, transforms, .. } = self;
         transforms.release();
@@ -104,12 +104,12 @@ impl<'a> Dual<'a> {
         extension.transpose(known, out);
     }
 
-    /// True if [`press`](Self::press) does not see constants, and its pressures have no sum.
+    /// Returns true if [`press`](Self::press) maps constants to zero, and its pressures have no sum.
     pub(crate) fn keeps_constants(&self) -> bool {
         self.extension.keeps_constants()
     }
 
-    /// Transforms so far, in pairs.
+    /// Returns the number of transforms so far, in pairs.
     pub(crate) fn pairs(&self) -> f64 {
         self.transforms.pairs() + self.rounded.pairs()
     }
@@ -217,10 +217,10 @@ impl Preconditioned for Dual<'_> {
 
 pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
     let contact = attempt.contact;
-    // The parts of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned
-    // again; before them that on few points.
+    // Part of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned again.
+    // The search on few points comes before them.
     let mut part = 0;
-    // Only one method heeds the hardness.
+    // Only one method supports a hardness.
     let in_parts = matches!(gradients, Gradients::Auto) && contact.hardness.is_none();
     if in_parts {
         let mut few = FEW;
@@ -239,7 +239,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     let mut dual = Dual::new(contact, attempt.load);
     let mean = attempt.load.mean_pressure();
     let own = contact.share.own().len();
-    // The uniform mode of a periodic cell has no displacement, or the approach is prescribed and the pressure begins at
+    // A uniform pressure on a periodic cell has no displacement; under a prescribed approach the pressure starts at
     // zero.
     let is_uniform = contact.free.is_none() && matches!(dual.upper, Upper::All(_));
     dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
@@ -293,8 +293,8 @@ mod tests {
 
     use super::*;
 
-    /// The quotients ⟨r, M r⟩ / ⟨r, G⁻¹ r⟩ on the fraction `share` of the highest points of a rough surface, for
-    /// pressures p = G⁻¹ r from noise to smooth.
+    /// Returns the quotients ⟨r, M r⟩ / ⟨r, G⁻¹ r⟩ on the fraction `share` of the highest points of a rough surface,
+    /// for pressures p = G⁻¹ r from noise to smooth.
     fn quotients(body: &Body, share: f64) -> Vec<f64> {
         let grid = Grid::square(64, 1.0).unwrap();
         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 8.0, eps_c_inv: 4.0 };

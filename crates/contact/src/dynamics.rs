@@ -4,7 +4,7 @@
 //! Under a prescribed mean pressure p̄ the rigid surface is fixed at first touch and the body is pushed against it: the
 //! uniform mode has no stiffness and is driven by the force p̄, so that at rest the wall carries exactly p̄. Under a
 //! prescribed approach the wall is fixed and the uniform mode has the stiffness of the slab. If this is zero or
-//! infinite (half-space, incompressible slab), the load that gives the prescribed approach is searched for.
+//! infinite (half-space, incompressible slab), a search finds the load that gives the prescribed approach.
 //!
 //! With the augmented Lagrangian the wall acts by a force instead of clipping, so that the inertia may be close to the
 //! stiffness (theory.md, section 6.3).
@@ -26,9 +26,9 @@ const SOURCE_TIME_STEP: f64 = 0.25;
 /// Time step and damping of the damped dynamics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {
-    /// Time step over its stability limit without damping, 2/√k_max, between 0 and 1. By default a quarter with
-    /// [`Solver::VerletCritical`](crate::Solver::VerletCritical), and the best one for the range of stiffnesses with
-    /// [`Solver::VerletModes`](crate::Solver::VerletModes).
+    /// Time step relative to its stability limit without damping, 2/√k_max, between 0 and 1. The default is a quarter
+    /// with [`Solver::VerletCritical`](crate::Solver::VerletCritical), and the best one for the range of stiffnesses
+    /// with [`Solver::VerletModes`](crate::Solver::VerletModes).
     pub time_step: Option<f64>,
     /// Damping of [`Solver::VerletCritical`](crate::Solver::VerletCritical).
     pub damping: Factors,
@@ -41,12 +41,12 @@ impl Default for Dynamics {
 }
 
 impl Dynamics {
-    /// The time step for a damping by numbers.
+    /// Returns the time step for damping by scalar factors.
     pub(crate) fn step(&self, stiffest: f64) -> Result<f64, RelaxError> {
         Damping::time_step(self.time_step.unwrap_or(SOURCE_TIME_STEP), stiffest)
     }
 
-    /// The time step for a damping of every mode.
+    /// Returns the time step for damping of every mode.
     pub(crate) fn step_of_modes(&self, [softest, stiffest]: [f64; 2]) -> Result<f64, RelaxError> {
         match self.time_step {
             Some(time_step) => Damping::time_step(time_step, stiffest),
@@ -58,7 +58,7 @@ impl Dynamics {
 /// Step length of the augmented Lagrangian; the stability limit is 2.
 const RELAXATION: f64 = 1.2;
 
-/// The dynamics by name.
+/// Methods of the dynamics.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Motion {
     Verlet,
@@ -126,7 +126,7 @@ fn equilibrate(
     }
 }
 
-/// Runs until the residuals of the pressure on the wall, not only those of the layer, are at most the tolerance.
+/// Relaxes until the residuals of both the layer and the pressure on the wall are at most the tolerance.
 fn run<'a, M: Method>(
     attempt: &mut Attempt,
     load: Load,

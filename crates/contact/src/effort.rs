@@ -2,13 +2,13 @@ use std::fmt;
 
 use gfmd_relax::{Variables, Visit};
 
-/// The effort of a solve, independent of the machine.
+/// Effort of a solve, independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
     /// Number of iterations or time steps.
     pub iterations: u64,
-    /// Number of pairs of a forward and an inverse real transform of one component on the full grid, including those of
-    /// the certificate. A single transform is half a pair.
+    /// Number of pairs of a forward and an inverse real transform of one component on the full grid, including the
+    /// transforms of the certificate. A single transform is half a pair.
     pub transform_pairs: f64,
 }
 

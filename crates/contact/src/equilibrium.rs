@@ -2,12 +2,12 @@ use gfmd_relax::{Budget, Watch};
 
 use crate::{Drive, Fields, Refusal, SolveError, Solver};
 
-/// A contact that can be brought to rest under a load: with a hard wall, an adhesive or cohesive law, or friction.
+/// Contact that can be brought to rest under a load: with a hard wall, an adhesive or cohesive law, or friction.
 pub trait Equilibrium {
-    /// The state at rest.
+    /// State at rest.
     type State: Fields;
 
-    /// The solvers for this kind of contact.
+    /// Returns the solvers for this kind of contact.
     fn solvers(&self) -> &'static [Solver];
 
     /// Checks that a drive is valid.
@@ -23,11 +23,11 @@ pub trait Equilibrium {
     /// A load or an approach that is too small or too large.
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal>;
 
-    /// Brings the contact to rest. `start` is the state to start from, such as that of a smaller load.
+    /// Brings the contact to rest. `start` is the state to start from, such as the state of a smaller load.
     /// [`press`](Self::press) calls this method, with defaults for most arguments.
     ///
     /// # Errors
-    /// [`SolveError::Refused`] for invalid input; else an error that contains the state reached.
+    /// [`SolveError::Refused`] for invalid input; otherwise an error that contains the state reached.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -37,7 +37,7 @@ pub trait Equilibrium {
         watch: &mut dyn Watch,
     ) -> Result<Self::State, SolveError<Self::State>>;
 
-    /// A solve under `drive`, to be configured and [run](Press::solve).
+    /// Prepares a solve under `drive`, to be configured and [run](Press::solve).
     fn press(&self, drive: impl Into<Drive>) -> Press<'_, Self>
     where
         Self: Sized,
@@ -46,7 +46,7 @@ pub trait Equilibrium {
     }
 }
 
-/// A solve of one [`Equilibrium`], made by [`Equilibrium::press`]. The defaults are [`Solver::Auto`], a tolerance of
+/// Solve of one [`Equilibrium`], made by [`Equilibrium::press`]. The defaults are [`Solver::Auto`], a tolerance of
 /// 1e-8, no start and no watcher.
 #[must_use = "nothing is solved before `solve`"]
 pub struct Press<'a, E: Equilibrium> {
@@ -87,7 +87,7 @@ impl<'a, E: Equilibrium> Press<'a, E> {
         self
     }
 
-    /// Sets the state to start from, such as that of a smaller load.
+    /// Sets the state to start from, such as the state of a smaller load.
     pub fn starting_from(mut self, start: Option<&'a E::State>) -> Self {
         self.start = start;
         self
@@ -99,10 +99,10 @@ impl<'a, E: Equilibrium> Press<'a, E> {
         self
     }
 
-    /// Brings the contact to rest, a tenth faster from inside of `rayon::scope` on grids of 64² to 1024² points.
+    /// Brings the contact to rest. Calls inside `rayon::scope` are a tenth faster on grids of 64² to 1024² points.
     ///
     /// # Errors
-    /// [`SolveError::Refused`] for invalid input; else an error that contains the state reached.
+    /// [`SolveError::Refused`] for invalid input; otherwise an error that contains the state reached.
     pub fn solve(self) -> Result<E::State, SolveError<E::State>> {
         let Self { contact, drive, solver, budget, start, watch } = self;
         contact.equilibrate(drive, solver, &budget, start, watch.unwrap_or(&mut ()))

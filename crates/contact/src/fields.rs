@@ -3,72 +3,72 @@ use ndarray::{ArrayView2, CowArray, Ix2};
 
 use crate::Effort;
 
-/// The state of a contact at rest, or of an unfinished search. Fields are `[x, y]`.
+/// State of a contact at rest, or of an unfinished search. Fields are `[x, y]`.
 pub trait Fields {
-    /// Normal pressure on the elastic surface, in stress; attraction is negative.
+    /// Returns the normal pressure on the elastic surface, in stress; attraction is negative.
     fn pressure(&self) -> CowArray<'_, f64, Ix2>;
 
-    /// The repulsive part of the pressure, in stress ≥ 0; its points are those in contact.
+    /// Returns the repulsive part of the pressure, in stress; it is ≥ 0, and positive at the points in contact.
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
         let pressure = self.pressure();
         let is_repulsion = pressure.iter().all(|p| *p >= 0.0);
         if is_repulsion { pressure } else { pressure.mapv(|p| p.max(0.0)).into() }
     }
 
-    /// Normal displacement u_z of the elastic surface, in length; negative downwards.
+    /// Returns the normal displacement u_z of the elastic surface, in length; negative downwards.
     fn displacement_z(&self) -> ArrayView2<'_, f64>;
 
-    /// Distance between the surfaces, in length.
+    /// Returns the distance between the surfaces, in length.
     fn gap(&self) -> ArrayView2<'_, f64>;
 
-    /// Mean pressure over the whole surface, in stress.
+    /// Returns the mean pressure over the whole surface, in stress.
     fn mean_pressure(&self) -> f64;
 
-    /// Rigid approach beyond first touch of the undeformed surfaces, in length.
+    /// Returns the rigid approach beyond first touch of the undeformed surfaces, in length.
     fn approach(&self) -> f64;
 
-    /// The effort of the solve.
+    /// Returns the effort of the solve.
     fn effort(&self) -> Effort;
 
-    /// The residuals with their names, computed from the fields; zero for the exact state.
+    /// Returns the residuals with their names, computed from the fields; zero for the exact state.
     fn residuals(&self) -> Vec<(&'static str, f64)>;
 
-    /// The largest of the residuals; NaN if any is NaN.
+    /// Returns the largest residual; NaN if any residual is NaN.
     fn worst(&self) -> f64 {
         gfmd_relax::worst(self.residuals().into_iter().map(|(_, residual)| residual))
     }
 
-    /// The scales of reduced quantities. The rms gradient is the spectral one of the rigid surface.
+    /// Returns the scales of reduced quantities, with the [rms gradient](crate::RigidSurface::rms_gradient).
     fn scales(&self) -> Scales;
 
-    /// The numbers that describe the contact, with reduced quantities in units of `scales`.
+    /// Returns the numbers that describe the contact, with reduced quantities in units of `scales`.
     fn summary_in(&self, scales: &Scales) -> Summary;
 
-    /// The numbers that describe the contact: area, kappa, pressure statistics, energy.
+    /// Returns the numbers that describe the contact: area, kappa, pressure statistics, energy.
     fn summary(&self) -> Summary {
         self.summary_in(&self.scales())
     }
 }
 
-/// A state whose fields are those of another one that it contains, such as a [`Solution`](crate::Solution).
+/// State that contains another one, such as a [`Solution`](crate::Solution), and shares its fields.
 pub trait Solved {
-    /// The state that it contains.
+    /// State contained.
     type Inner: Fields;
 
-    /// Fields, loads, residuals and effort.
+    /// Returns the state contained, with fields, loads, residuals and effort.
     fn solution(&self) -> &Self::Inner;
 
-    /// The residual beside those of the solution, with its name.
+    /// Returns the additional residual with its name, if there is one.
     fn further_residual(&self) -> Option<(&'static str, f64)> {
         None
     }
 
-    /// Elastic energy per area, in stress × length, where it is not that of pressure and displacement.
+    /// Returns the elastic energy per area, in stress × length, if it does not follow from pressure and displacement.
     fn stored_energy(&self) -> Option<f64> {
         None
     }
 
-    /// The scales of reduced quantities, where they are not those of the solution.
+    /// Returns the scales of reduced quantities, if they differ from the scales of the state contained.
     fn reduced_by(&self) -> Option<Scales> {
         None
     }

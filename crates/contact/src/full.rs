@@ -1,4 +1,4 @@
-//! Contact with all components of the surface displacement, as in the thesis (theory.md, section 0): the lateral
+//! Contact with all components of the surface displacement, as in the thesis (theory.md, section 0). The lateral
 //! traction is zero, and u_x and u_y are unknown (theory.md, section 3, frictionless).
 
 use std::sync::Arc;
@@ -20,9 +20,9 @@ use crate::{
     Solved, Solver, judge,
 };
 
-/// A rigid rough surface above an elastic one with all components of the displacement, without friction or adhesion
-/// (hard wall), under a prescribed mean pressure. Its u_z is that of [`Contact`](crate::Contact), except in the Nyquist
-/// modes of an even grid (theory.md, sections 3 and 0), at three times the cost.
+/// Rigid rough surface above an elastic one with all components of the displacement, without friction or adhesion (hard
+/// wall), under a prescribed mean pressure. Its u_z equals u_z of [`Contact`](crate::Contact), except in the Nyquist
+/// modes of an even grid (theory.md, sections 3 and 0). The cost is three times as high.
 #[derive(Clone, Debug)]
 pub struct FullContact {
     response: Arc<FullResponse>,
@@ -30,7 +30,7 @@ pub struct FullContact {
     dynamics: Dynamics,
 }
 
-/// An equilibrated contact with all components of the displacement.
+/// Equilibrated contact with all components of the displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FullSolution {
     /// Pressure, gap, u_z, residuals and effort.
@@ -42,19 +42,19 @@ pub struct FullSolution {
 }
 
 impl FullContact {
-    /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
+    /// Makes the contact of `body` with a rigid profile `heights` on `grid`, in length, with peaks towards the body. A
     /// constant in the heights has no effect.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal.
+    /// Heights that differ in shape from the grid, are not finite, or are all equal.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         Self::on(FullResponse::new(*grid, body), heights)
     }
 
-    /// As [`new`](Self::new), with an existing response.
+    /// Makes the contact as [`new`](Self::new), with an existing response.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal.
+    /// Heights that differ in shape from the grid, are not finite, or are all equal.
     pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
         let surface = RigidSurface::new(response.grid(), heights)?;
@@ -64,18 +64,17 @@ impl FullContact {
         Ok(Self { response, surface: surface.into(), dynamics: Dynamics::default() })
     }
 
-    /// This contact with another time step and damping of its damped dynamics. Values out of their range are refused at
-    /// the start of a solve.
+    /// Sets time step and damping of the damped dynamics. Values out of range are refused at the start of a solve.
     #[must_use]
     pub fn with_dynamics(self, dynamics: Dynamics) -> Self {
         Self { dynamics, ..self }
     }
 
-    /// The state of `pressure` under a mean pressure `load`, from fresh transforms. The lateral traction of the
-    /// dynamics, which the pressure does not tell, is zero.
+    /// Computes the state of `pressure` under a mean pressure `load`, from fresh transforms. The lateral traction of
+    /// the dynamics does not follow from the pressure and is set to zero.
     ///
     /// # Errors
-    /// A pressure of another shape than the grid; a load other than a mean pressure.
+    /// A pressure that differs in shape from the grid; a load other than a mean pressure.
     pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<FullSolution, Refusal> {
         let Load::MeanPressure(push) = load else { return Err(Refusal::NoApproach) };
         let [found, expected] = [pressure.dim().into(), self.response.grid().points()];
@@ -85,12 +84,12 @@ impl FullContact {
         Ok(self.of_pressure(pressure.iter().copied().collect(), push, 0.0))
     }
 
-    /// The rigid surface.
+    /// Returns the rigid surface.
     pub fn surface(&self) -> &RigidSurface {
         &self.surface
     }
 
-    /// The state of the pressure on the wall, from fresh transforms.
+    /// Computes the state of the pressure on the wall, from fresh transforms.
     fn certified<Memory>(&self, layer: &Layer, state: &State<Memory>) -> FullSolution {
         let points = self.surface.clearance().len();
         let lateral = state.u.len() - points;
@@ -108,7 +107,7 @@ impl FullContact {
         solution
     }
 
-    /// The state of a pressure, where the dynamics leaves a lateral traction of up to `left`.
+    /// Computes the state of a pressure; the dynamics leave a lateral traction of up to `left`.
     fn of_pressure(&self, pressure: Vec<f64>, push: f64, left: f64) -> FullSolution {
         let points = pressure.len();
         let lateral = (self.response.components().len() - 1) * points;
@@ -129,7 +128,7 @@ impl FullContact {
         FullSolution { normal, lateral, lateral_traction: left / peak }
     }
 
-    /// The start coordinates: the displacement of `start` in the frame of the rigid surface.
+    /// Returns the start coordinates: the displacement of `start` in the frame of the rigid surface.
     fn starting_position(&self, start: Option<&FullSolution>) -> Result<Vec<f64>, Refusal> {
         let expected = self.response.components().len() * self.response.grid().len();
         let Some(FullSolution { normal, lateral, .. }) = start else { return Ok(vec![0.0; expected]) };
@@ -160,7 +159,7 @@ impl Equilibrium for FullContact {
         self.surface.check_resolution(drive.load, softest, tolerance)
     }
 
-    /// Damped dynamics of all components, by default with optimal scalar damping.
+    /// Relaxes all components by damped dynamics, by default with optimal scalar damping.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -224,7 +223,7 @@ struct Run<'a> {
     budget: &'a Budget,
     start: Option<&'a FullSolution>,
     watch: &'a mut dyn Watch,
-    /// Pairs of transforms that the damping of a step takes.
+    /// Number of transform pairs for the damping of one step.
     pairs_of_damping: f64,
 }
 
@@ -246,7 +245,7 @@ impl Run<'_> {
     }
 }
 
-/// The state follows from its pressure, but for the lateral traction that the dynamics left.
+/// The state follows from its pressure, except for the lateral traction left by the dynamics.
 impl Resumable for FullContact {
     fn keep(&self, state: &mut FullSolution, visitor: &mut dyn Visit) {
         with_contiguous(&mut state.normal.pressure, |pressure| visitor.field(pressure));
@@ -278,16 +277,16 @@ impl Solved for FullSolution {
     }
 }
 
-/// The elastic surface layer below a rigid wall, which bounds u_z only.
+/// Elastic surface layer below a rigid wall, which bounds u_z only.
 struct Layer<'a> {
     contact: &'a FullContact,
     wall: Vec<f64>,
     /// Uniform force per area that pushes the body up.
     push: f64,
-    /// K_zz(0), which is taken out of the elastic force: the push acts on the base of the body, too.
+    /// K_zz(0), which is subtracted from the elastic force, since the push also acts on the base of the body.
     uniform: f64,
     transforms: FullTransforms,
-    /// Number of pairs of transforms that certified states.
+    /// Number of transform pairs for certificates.
     certified: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The derivative of a number of a contact with respect to heights, load and modulus, by one linear problem on the
+//! Derivatives of a number of a contact with respect to heights, load and modulus, from one linear problem on the
 //! points in contact (theory.md, section 7.9).
 
 use gfmd_response::NormalTransforms;
@@ -8,34 +8,34 @@ use ndarray::{Array2, ArrayRef2};
 use crate::compliance::Compliance;
 use crate::{Contact, Effort, Load, Solution};
 
-/// The derivatives of a number L with respect to the fields and numbers of a contact: ∂L/∂p and ∂L/∂g of each point
-/// `[x, y]`, and those with respect to the numbers. Fields that are left out have none.
+/// Derivatives of a number L with respect to the fields of a contact, ∂L/∂p and ∂L/∂g at each point `[x, y]`, and with
+/// respect to its numbers. Omitted fields have zero derivatives.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cotangents {
-    /// With respect to the pressure of each point.
+    /// Derivative with respect to the pressure at each point.
     pub pressure: Option<Array2<f64>>,
-    /// With respect to the gap of each point.
+    /// Derivative with respect to the gap at each point.
     pub gap: Option<Array2<f64>>,
-    /// With respect to the approach.
+    /// Derivative with respect to the approach.
     pub approach: f64,
-    /// With respect to the mean pressure.
+    /// Derivative with respect to the mean pressure.
     pub mean_pressure: f64,
-    /// With respect to the mean gap.
+    /// Derivative with respect to the mean gap.
     pub mean_gap: f64,
-    /// With respect to the elastic energy per area.
+    /// Derivative with respect to the elastic energy per area.
     pub elastic_energy: f64,
 }
 
-/// The derivatives of a number L with respect to the input of a contact, with the points in contact kept.
+/// Derivatives of a number L with respect to the input of a contact, at fixed points in contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradient {
-    /// With respect to the height of each point, peaks towards the body.
+    /// Derivative with respect to the height of each point, peaks towards the body.
     pub heights: Array2<f64>,
-    /// With respect to the prescribed mean pressure, or the prescribed approach.
+    /// Derivative with respect to the prescribed mean pressure or approach.
     pub load: f64,
-    /// With respect to E*, with all moduli of the body in proportion, at the same mean pressure or approach.
+    /// Derivative with respect to E*, with all moduli of the body in proportion, at the same mean pressure or approach.
     pub modulus: f64,
-    /// The relative error of the linear problem, from its residual with fresh transforms.
+    /// Relative error of the linear problem, from its residual with fresh transforms.
     pub error: f64,
     /// Effort of the linear problem.
     pub effort: Effort,
@@ -45,89 +45,89 @@ pub struct Gradient {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GradientError {
-    /// A largest pressure.
+    /// The contact has a hardness.
     #[error(
         "the contact has a hardness; it must have none, since the derivative of a plastic contact is not implemented"
     )]
     Hardness,
-    /// Several processes.
+    /// Several processes share the contact.
     #[error("several processes share the contact; it must be that of one")]
     Shared,
-    /// A field of another shape.
+    /// A field differs in shape from the contact.
     #[error("the shape of the derivative by the {name} is {found:?}; it must be {expected:?} as that of the contact")]
     Shape {
-        /// The field.
+        /// Name of the field.
         name: &'static str,
-        /// Its shape.
+        /// Shape of the field.
         found: [usize; 2],
-        /// The shape of the contact.
+        /// Shape of the contact.
         expected: [usize; 2],
     },
-    /// A derivative that is not finite.
+    /// A derivative is not finite.
     #[error("the derivative by the {name} has {found}; it must be finite")]
     Number {
-        /// The field or number.
+        /// Name of the field or number.
         name: &'static str,
-        /// The value.
+        /// Value of the derivative.
         found: f64,
     },
-    /// An approach that is known up to a constant.
+    /// The derivative with respect to an approach known up to a constant is not zero.
     #[error(
         "the derivative by the approach is {found}; it must be 0 for a profile whose approach is known up to a constant"
     )]
     NoLevel {
-        /// The derivative.
+        /// Value of the derivative.
         found: f64,
     },
-    /// An interface with lateral displacements.
+    /// The interface has lateral displacements.
     #[error(
         "all components of displacement are unknown; u_z alone must be, since other derivatives are not implemented"
     )]
     Components,
-    /// A state of an interface that is no minimum of the energy.
+    /// The state of the interface is not a minimum of the energy.
     #[error(
         "the state is at the edge of stability or beyond (curvature {lowest:.1e}); it must be stable, since a small \
          change makes it jump"
     )]
     Unstable {
-        /// The lowest curvature that was met, over that of the preconditioner.
+        /// Lowest curvature found, divided by the curvature of the preconditioner.
         lowest: f64,
     },
-    /// A load that does not determine the pressure.
+    /// The load does not determine the pressure.
     #[error("{0}")]
     Undetermined(&'static str),
-    /// A linear problem that was not solved.
+    /// The linear problem was not solved.
     #[error(
         "the relative error of the derivative is {error:.1e} after {iterations} iterations; it must be at most 1e-8"
     )]
     Inexact {
-        /// The error.
+        /// Relative error reached.
         error: f64,
-        /// The number of iterations.
+        /// Number of iterations.
         iterations: u64,
     },
 }
 
-/// The residual at which the iterations end, relative to that at the start.
+/// Residual at which the iterations end, relative to the residual at the start.
 const TOLERANCE: f64 = 1e-11;
 
-/// The largest error of a result.
+/// Largest error of a result.
 const ERROR: f64 = 1e-8;
 
-/// Largest number of iterations. Some 20 to 40 are usual.
+/// Largest number of iterations; 20 to 40 are usual.
 const ITERATIONS: u64 = 2000;
 
-/// The part of the largest stiffness, per point in contact, below which that of a uniform displacement is a rounding
-/// error.
+/// Stiffness of a uniform displacement per point in contact, relative to the largest stiffness, below which it is a
+/// rounding error.
 const ROUNDING: f64 = 1e-8;
 
 impl Contact {
-    /// The derivatives of a number, whose own derivatives are `of`, in the state `solution` under a `load`, whose kind
-    /// is that which is prescribed. The points in contact are kept, which they are for almost all heights and loads.
+    /// Computes the derivatives of a number in the state `solution` under a `load` of the prescribed kind, from the
+    /// derivatives `of` the number. The points in contact are kept, as they are for almost all heights and loads.
     ///
     /// # Errors
     /// A contact with a hardness, of several processes, without contact under a mean pressure, or in full contact under
-    /// an approach that does not determine its pressure; derivatives of another shape, or that are not finite; a linear
+    /// an approach that does not determine its pressure; derivatives that differ in shape or are not finite; a linear
     /// problem that was not solved.
     pub fn gradient(&self, solution: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
         let grid = *self.response.grid();
@@ -139,7 +139,7 @@ impl Contact {
             return Err(GradientError::Shared);
         }
         of.check(shape, self.has_level())?;
-        // All in the units of the solve.
+        // All values below are in the units of the solve.
         let units = self.units();
         let (stress, length, energy) = (units.stress(), units.length(), units.energy());
         let in_units = |field: &ArrayRef2<f64>, unit: f64| -> Vec<f64> { field.iter().map(|x| x / unit).collect() };
@@ -159,7 +159,7 @@ impl Contact {
                           determine the pressure";
             return Err(GradientError::Undetermined(reason));
         }
-        // ∂L/∂g out of contact, where gaps change.
+        // ∂L/∂g out of contact, where the gaps change.
         let open = |(i, inside): (usize, &f64)| {
             let of_gap = of.gap.as_ref().map_or(0.0, |gap| gap[[i / shape[1], i % shape[1]]]);
             (1.0 - inside) * length * (of_gap + of.mean_gap / n as f64)
@@ -167,7 +167,7 @@ impl Contact {
         let gap: Vec<f64> = inside.iter().enumerate().map(open).collect();
         let opened = total(&gap);
         let mut problem = Problem::new(self, &inside, is_driven);
-        // ∂L/∂p in contact, with all that follows from the pressure.
+        // ∂L/∂p in contact, with the effect of the pressure on all other numbers.
         let mut source = vec![0.0; n];
         problem.displace(&gap, &mut source);
         for (i, source) in source.iter_mut().enumerate() {
@@ -184,7 +184,7 @@ impl Contact {
         }
         let mut heights: Vec<f64> = adjoint.iter().zip(&gap).map(|(adjoint, gap)| adjoint - gap).collect();
         let by_approach = total(&adjoint) - opened;
-        // The approach counts from the highest point.
+        // The approach is measured from the highest point.
         let clearance = self.scaled.clearance();
         let lowest = clearance.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
         heights[lowest] += if is_driven { -by_approach } else { approach };
@@ -203,11 +203,11 @@ impl Contact {
 }
 
 impl Cotangents {
-    /// Checks that the fields have the shape of the contact, and that all is finite; a contact whose displacement is
-    /// known up to a constant `has_level` false.
+    /// Checks that the fields have the shape of the contact and that all values are finite. `has_level` is false for a
+    /// contact with a displacement known up to a constant.
     ///
     /// # Errors
-    /// A field of another shape, a number that is not finite, a derivative by an approach without a level.
+    /// A field that differs in shape, a number that is not finite, a derivative by an approach without a level.
     pub fn check(&self, expected: [usize; 2], has_level: bool) -> Result<(), GradientError> {
         for (name, field) in [("pressure", &self.pressure), ("gap", &self.gap)] {
             let Some(field) = field else { continue };
@@ -236,25 +236,24 @@ impl Cotangents {
     }
 }
 
-/// The solution of G y + μ = a on the contact.
+/// Solution of G y + μ = a on the contact.
 struct Adjoint {
     pressure: Vec<f64>,
     level: f64,
     error: f64,
 }
 
-/// The linear problem of the points in contact, in double precision, preconditioned by the stiffness of the whole
-/// surface.
+/// Linear problem of the points in contact, in double precision, preconditioned by the stiffness of the whole surface.
 struct Problem<'a> {
     contact: &'a Contact,
     compliance: Compliance,
     stiffness: NormalTransforms,
-    /// 1 for the points in contact.
+    /// 1 for the points in contact, else 0.
     inside: &'a [f64],
     count: f64,
     /// Compliance and stiffness of the uniform mode.
     uniform: [f64; 2],
-    /// M 1 and its sum, if this is more than rounding errors.
+    /// M 1 and its sum, unless the sum is a rounding error.
     constant: Option<(Vec<f64>, f64)>,
     iterations: u64,
 }
@@ -289,14 +288,14 @@ impl<'a> Problem<'a> {
         self.compliance.pairs() + self.stiffness.pairs()
     }
 
-    /// `out` ← G `pressure`.
+    /// Computes `out` = G `pressure`.
     fn displace(&mut self, pressure: &[f64], out: &mut [f64]) {
         self.compliance.apply(self.contact.response.compliance(), pressure, out);
         let sunk = self.uniform[0] * total(pressure) / pressure.len() as f64;
         for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += sunk));
     }
 
-    /// `out` ← a − G `pressure` in contact, 0 elsewhere.
+    /// Computes `out` = a − G `pressure` in contact, 0 elsewhere.
     fn residual(&mut self, source: &[f64], pressure: &[f64], out: &mut [f64]) {
         self.displace(pressure, out);
         for_each((out, source, self.inside), &|_, (out, source, inside): (&mut [f64], &[f64], &[f64])| {
@@ -306,7 +305,7 @@ impl<'a> Problem<'a> {
         });
     }
 
-    /// `out` ← K of the residual in contact, 0 elsewhere.
+    /// Computes `out` = K `residual` in contact, 0 elsewhere.
     fn press(&mut self, residual: &[f64], out: &mut [f64]) {
         self.stiffness.convolve(self.contact.response.stiffness(), residual, out);
         let level = self.uniform[1] * total(residual) / residual.len() as f64;
@@ -315,7 +314,7 @@ impl<'a> Problem<'a> {
         });
     }
 
-    /// `out` ← M of the residual; without a sum if that of the pressure is prescribed.
+    /// Computes `out` = M `residual`; `out` has no sum if the sum of the pressure is prescribed (`keeps_sum`).
     fn precondition(&mut self, residual: &[f64], keeps_sum: bool, out: &mut [f64]) {
         self.press(residual, out);
         if !keeps_sum {
@@ -329,7 +328,7 @@ impl<'a> Problem<'a> {
         out.iter_mut().zip(self.inside).for_each(|(out, inside)| *out -= mean * inside);
     }
 
-    /// Solves G y + μ = a on the contact, with this sum of y, or with any and without μ.
+    /// Solves G y + μ = a on the contact for the given `sum` of y; without a `sum`, solves G y = a.
     fn solve(&mut self, source: &[f64], sum: Option<f64>) -> Adjoint {
         let n = source.len();
         let start = sum.map_or(0.0, |sum| sum / self.count);

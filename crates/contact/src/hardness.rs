@@ -5,17 +5,17 @@ use ndarray::Array2;
 
 use crate::{Refusal, RigidSurface, Units};
 
-/// The largest pressure that the surfaces can carry, in stress, positive.
+/// Largest pressure that the surfaces can carry, in stress, positive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hardness {
-    /// One for the whole surface.
+    /// One value for the whole surface.
     Uniform(f64),
-    /// One for each point `[x, y]`, as of grains or coatings.
+    /// One value for each point `[x, y]`, for example of grains or coatings.
     Field(Array2<f64>),
 }
 
 impl Hardness {
-    /// The mean over the surface, which the mean pressure cannot reach.
+    /// Returns the mean over the surface, which the mean pressure cannot reach.
     pub fn mean(&self) -> f64 {
         match self {
             Self::Uniform(hardness) => *hardness,
@@ -23,7 +23,7 @@ impl Hardness {
         }
     }
 
-    /// The bounds of the pressure on a surface, in `units`; of several processes each gives its rows.
+    /// Returns the bounds of the pressure on a surface, in `units`; each of several processes gives its rows.
     pub(crate) fn in_units(&self, surface: &RigidSurface, units: &Units) -> Result<Upper, Refusal> {
         let (stress, share) = (units.stress(), surface.share());
         match self {
@@ -44,7 +44,7 @@ impl Hardness {
     }
 }
 
-/// Checks that a hardness is positive and finite, and has all its digits.
+/// Checks that a hardness is positive, finite and in the range of full precision.
 fn check(found: f64) -> Result<(), Refusal> {
     if !(found > 0.0 && found.is_finite()) {
         return Err(Refusal::Hardness { found });

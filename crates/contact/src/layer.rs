@@ -1,4 +1,4 @@
-//! The elastic surface layer below a rigid wall, as a landscape for the dynamics.
+//! Elastic surface layer below a rigid wall, as a landscape for the dynamics.
 
 use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
@@ -9,12 +9,12 @@ use gfmd_vector::{add, for_each, pass};
 
 use crate::{Contact, Load};
 
-/// Length in the stiffness of a rough contact, in rms heights: the stiffness is about the mean pressure over this
+/// Length in the stiffness of a rough contact, in rms heights: the stiffness is about the mean pressure divided by this
 /// length (Akarapu, Sharp and Robbins 2011; Campañá, Persson and Müser 2011 find 0.4 to 0.5). It only sets the damping
 /// of the rigid motion, and thus the speed of convergence.
 pub(crate) const STIFFNESS_LENGTH: f64 = 0.45;
 
-/// The elastic surface layer below a rigid wall.
+/// Elastic surface layer below a rigid wall.
 pub(crate) struct Layer<'a> {
     contact: &'a Contact,
     stiffness: Cow<'a, [f64]>,
@@ -22,10 +22,10 @@ pub(crate) struct Layer<'a> {
     /// Uniform force per area that pushes the body up.
     push: f64,
     force_scale: f64,
-    /// The scale of lengths in the residual.
+    /// Length scale of the residual.
     length_scale: f64,
     transforms: NormalTransforms,
-    /// Number of pairs of transforms that certified states.
+    /// Number of transform pairs for certificates.
     certified: f64,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Layer<'a> {
         Self { contact, stiffness, wall, push, force_scale, length_scale, transforms, certified: 0.0 }
     }
 
-    /// The stiffness that resists a uniform displacement: that of the contact, or of the slab.
+    /// Returns the stiffness against a uniform displacement: of the contact, or of the slab.
     fn rigid(&self) -> f64 {
         if self.push > 0.0 {
             self.push / (STIFFNESS_LENGTH * self.contact.scaled.rms_height())
@@ -90,15 +90,15 @@ impl<'a> Layer<'a> {
         }
     }
 
-    /// The stiffnesses of the softest and of the stiffest mode.
+    /// Returns the stiffness of the softest and of the stiffest mode.
     pub(crate) fn band(&self) -> [f64; 2] {
         let [softest, stiffest] = self.contact.response.stiffness_range();
         let rigid = self.rigid();
         [softest.min(rigid), stiffest.max(rigid)]
     }
 
-    /// The function d ← B d of a motion, with every mode critically damped at the time step `dt`. A call takes a pair
-    /// of transforms.
+    /// Returns the function d ← B d on a motion, with every mode critically damped at the time step `dt`. A call takes
+    /// one transform pair.
     pub(crate) fn critically_damped(&self, dt: f64) -> impl Fn(&mut [f64]) + use<> {
         let mut retained: Vec<f64> = self.stiffness.iter().map(|k| Damping::critical(*k, dt).beta).collect();
         retained[0] = Damping::critical(self.rigid(), dt).beta;
@@ -110,17 +110,17 @@ impl<'a> Layer<'a> {
         }
     }
 
-    /// Number of pairs of transforms so far.
+    /// Returns the number of transform pairs so far.
     pub(crate) fn pairs(&self) -> f64 {
         self.certified + self.transforms.pairs()
     }
 
-    /// Counts the pairs of transforms that certified a state.
+    /// Counts the transform pairs of a certificate.
     pub(crate) fn count_certificate(&mut self, pairs: f64) {
         self.certified += pairs;
     }
 
-    /// The displacement of the surface under `pressure`.
+    /// Computes the displacement of the surface under `pressure`.
     pub(crate) fn displacement(&mut self, pressure: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; pressure.len()];
         let Contact { response, scaled: surface, .. } = self.contact;
@@ -153,17 +153,17 @@ impl<'a> Layer<'a> {
     }
 }
 
-/// A layer pressed against the wall, with the wall as a bound or as a force.
+/// Layer pressed against the wall, which acts as a bound or by a force.
 pub(crate) trait Pressed<'a>: Landscape {
     fn layer(&mut self) -> &mut Layer<'a>;
 
-    /// The start coordinates for the displacement `u` and the pressure `pressure`.
+    /// Returns the start coordinates for the displacement `u` and the `pressure`.
     fn begin(&self, u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64>;
 
-    /// True if the coordinates are not the displacement.
+    /// Returns true if the coordinates are not the displacement.
     fn is_shifted(&self) -> bool;
 
-    /// The pressure on the wall; remaining forces on free points are ignored.
+    /// Returns the pressure on the wall; remaining forces on free points are ignored.
     fn pressure(&self, u: &[f64], force: &[f64]) -> Vec<f64>;
 }
 
@@ -186,8 +186,8 @@ impl<'a> Pressed<'a> for Layer<'a> {
     }
 }
 
-/// The layer with springs of stiffness ϱ at every point. ϱ is the geometric mean of the softest and the stiffest mode,
-/// which converge equally fast: (k + ϱ)/k of one equals (k + ϱ)/ϱ of the other.
+/// Layer with springs of stiffness ϱ at every point. ϱ is the geometric mean of the softest and the stiffest mode, so
+/// that both converge equally fast: (k + ϱ)/k of the one equals (k + ϱ)/ϱ of the other.
 pub(crate) struct Sprung<'a> {
     layer: Layer<'a>,
     penalty: f64,
@@ -245,7 +245,7 @@ impl<'a> Pressed<'a> for AugmentedLagrangian<Sprung<'a>> {
         &mut self.problem_mut().layer
     }
 
-    /// The coordinate is the displacement plus λ/ϱ, with the reaction λ.
+    /// Returns the displacement plus λ/ϱ, with the reaction λ.
     fn begin(&self, mut u: Vec<f64>, pressure: Option<&[f64]>) -> Vec<f64> {
         let Sprung { layer, penalty, .. } = self.problem();
         match pressure {

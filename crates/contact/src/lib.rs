@@ -31,12 +31,12 @@
 //! # }
 //! ```
 //!
-//! Start at [`Contact`]; a surface that does not repeat has a free [`Boundary`]. The types common to all contacts are
+//! Start at [`Contact`]; use a free [`Boundary`] for a surface that does not repeat. Types common to all contacts are
 //! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
-//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. [`Resumable`] contacts keep their states outside of the
-//! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] holds it;
-//! [`Dynamics`] are time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
-//! does not take slopes as small; [`Conductors`] touch at the points of any contact. Other crates generate heights
+//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
+//! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] excludes it;
+//! [`Dynamics`] sets time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
+//! allows finite slopes, and [`Conductors`] touch at the contact points of any contact. Other crates generate heights
 //! (`gfmd-surface`), have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod effort;

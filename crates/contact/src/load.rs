@@ -1,6 +1,6 @@
 use crate::Refusal;
 
-/// The load that presses two surfaces together, or pulls them apart.
+/// Load that presses two surfaces together or pulls them apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
     /// Mean pressure over the whole surface, in stress; tension is negative.
@@ -11,7 +11,7 @@ pub enum Load {
 }
 
 impl Load {
-    /// The name of what is prescribed, with its value.
+    /// Returns the name and the value of the prescribed quantity.
     pub(crate) fn named(self) -> (&'static str, f64) {
         match self {
             Self::MeanPressure(mean) => ("mean pressure", mean),
@@ -19,7 +19,7 @@ impl Load {
         }
     }
 
-    /// The mean pressure, if it is prescribed.
+    /// Returns the mean pressure, if it is prescribed.
     pub(crate) fn mean_pressure(self) -> Option<f64> {
         match self {
             Self::MeanPressure(mean) => Some(mean),
@@ -28,37 +28,37 @@ impl Load {
     }
 }
 
-/// The prescribed motion of the rigid surface: its load, and its lateral displacement.
+/// Prescribed motion of the rigid surface: its load and its lateral displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Load towards the body.
     pub load: Load,
-    /// Displacement of the rigid surface along x and y, in length. It has an effect only in problems with lateral
-    /// components. On a half-space it is measured against the mean of the elastic surface, on a slab against its base.
+    /// Displacement of the rigid surface along x and y, in length. It affects only problems with lateral components. On
+    /// a half-space it is measured against the mean of the elastic surface, on a slab against its base.
     pub lateral: [f64; 2],
-    /// Time at which load and displacement are reached, since the first touch of the undeformed surfaces. It has an
-    /// effect only on viscoelastic bodies.
+    /// Time at which load and displacement are reached, measured from first touch of the undeformed surfaces. It
+    /// affects only viscoelastic bodies.
     pub time: f64,
-    /// Sliding distance at which they are reached, since the first touch of the undeformed surfaces, in length. It has
-    /// an effect only on surfaces that wear.
+    /// Sliding distance at which they are reached, in length, measured from first touch of the undeformed surfaces. It
+    /// affects only surfaces that wear.
     pub distance: f64,
 }
 
 impl From<Load> for Drive {
-    /// A drive without lateral displacement, in no time and over no distance.
+    /// Makes a drive without lateral displacement, at time 0 and distance 0.
     fn from(load: Load) -> Self {
         Self { load, lateral: [0.0; 2], time: 0.0, distance: 0.0 }
     }
 }
 
 impl Drive {
-    /// The drive reached at this `time`.
+    /// Sets the time at which the drive is reached.
     #[must_use]
     pub fn at(self, time: f64) -> Self {
         Self { time, ..self }
     }
 
-    /// The drive reached after this sliding `distance`.
+    /// Sets the sliding distance at which the drive is reached.
     #[must_use]
     pub fn after(self, distance: f64) -> Self {
         Self { distance, ..self }

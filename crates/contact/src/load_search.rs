@@ -6,7 +6,7 @@ use gfmd_relax::{Variables, Visit};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoadSearch {
     load: f64,
-    /// A load that is too small and one that is too large, with their excess.
+    /// Load that is too small and load that is too large, with their excess.
     bracket: [Option<(f64, f64)>; 2],
     /// Index in `bracket` of the last load tried.
     last: Option<usize>,
@@ -35,13 +35,13 @@ impl LoadSearch {
         Self { load, bracket: [None; 2], last: None }
     }
 
-    /// The load to try.
+    /// Returns the load to try.
     pub(crate) fn load(&self) -> f64 {
         self.load
     }
 
-    /// Chooses the next load, given the excess at the last. Returns false if there is none: the excess is NaN, or there
-    /// is no number between the two known loads.
+    /// Chooses the next load from the excess at the last one. Returns false if there is none: the excess is NaN, or
+    /// there is no number between the two known loads.
     pub(crate) fn learn(&mut self, excess: f64) -> bool {
         let side = usize::from(excess > 0.0);
         let again = self.last.replace(side) == Some(side);
@@ -67,7 +67,7 @@ impl LoadSearch {
 mod tests {
     use super::LoadSearch;
 
-    /// Searches until the excess is small; returns the load and the number of tries.
+    /// Searches until the excess is small. Returns the load and the number of tries.
     fn search(start: f64, excess: impl Fn(f64) -> f64) -> (f64, usize) {
         let mut search = LoadSearch::from(start);
         for tries in 1..100 {

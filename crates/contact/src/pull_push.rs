@@ -21,24 +21,24 @@ use gfmd_relax::{BLOCK, Ceiling};
 use gfmd_vector::Share;
 use level::{Level, held_row, row_of};
 
-/// The linear map E from values on part of a periodic grid to values on all of it; the identity on the known part.
+/// Linear map E from values on part of a periodic grid to all of it; the identity on the known part.
 pub(crate) struct PullPush {
     /// Number of points of this process; a profile is one row.
     points: [usize; 2],
-    /// The rows of this process among those of all.
+    /// Rows of this process among all rows.
     share: Share,
-    /// The number of levels of which this process holds its own rows, and of the first one that all hold.
+    /// Number of levels computed in shares of rows. Every process holds all of the last one and of the levels above.
     shared: usize,
     edges: Edges,
     /// Cells of 2×2 points, then of 2×2 cells, up to one cell.
     levels: Vec<Level>,
     /// One bit per point, row by row in whole words; set if the point keeps its own value.
     kept: Vec<AtomicU64>,
-    /// For each of these words whether a point of it is not zero.
+    /// For each of these words, true if one of its points is not zero.
     above: Vec<AtomicBool>,
 }
 
-/// The known values: `gradient − level` where 0 < `x` < `upper`. A point with x = 0 also keeps its own value if it is
+/// Known values: `gradient − level` where 0 < `x` < `upper`. A point with x = 0 also keeps its own value if it is
 /// negative and lower than the extended one, because the point is about to enter the contact; but this value is not
 /// extended to its neighbours.
 #[derive(Clone, Copy)]
@@ -46,24 +46,24 @@ pub(crate) struct Known<'a> {
     pub(crate) x: &'a [f64],
     pub(crate) gradient: &'a [f32],
     pub(crate) level: f32,
-    /// Points with this x, the largest, are as those with x = 0: their values are not known, and they keep theirs if it
-    /// is positive and higher than the extended one.
+    /// Largest x. Points with this x are treated like points with x = 0: their values are not known, and they keep
+    /// their own if it is positive and higher than the extended one.
     pub(crate) upper: Ceiling<'a>,
 }
 
 impl<'a> Known<'a> {
-    /// The points of row i.
+    /// Returns the points of row i.
     fn row(&self, i: usize, columns: usize) -> rows::Points<'a> {
         (row_of(self.x, i, columns), row_of(self.gradient, i, columns), self.bounds(i, columns))
     }
 
-    /// The upper bounds of row i.
+    /// Returns the upper bounds of row i.
     fn bounds(&self, i: usize, columns: usize) -> Ceiling<'a> {
         self.upper.part(i * columns..(i + 1) * columns)
     }
 }
 
-/// The surroundings of the grid.
+/// Surroundings of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Edges {
     /// The opposite edge.
@@ -73,7 +73,7 @@ pub(crate) enum Edges {
 }
 
 impl Edges {
-    /// The cell before `cell`, of `cells`.
+    /// Returns the cell before `cell`, out of `cells`.
     fn before(self, cell: usize, cells: usize) -> usize {
         match self {
             Self::Joined => (cell + cells - 1) % cells,
@@ -81,7 +81,7 @@ impl Edges {
         }
     }
 
-    /// The cell behind `cell`, of `cells`.
+    /// Returns the cell after `cell`, out of `cells`.
     fn after(self, cell: usize, cells: usize) -> usize {
         match self {
             Self::Joined => (cell + 1) % cells,
@@ -89,27 +89,27 @@ impl Edges {
         }
     }
 
-    /// The children to which `cell` contributes, with their parts: its own, and the nearest of its neighbours.
+    /// Returns the children to which `cell` contributes, with the weights: its own, and the nearest of its neighbours.
     fn children(self, cell: usize, cells: usize) -> [(usize, f32); 4] {
         let (before, after) = match self {
             Self::Mirrored if cell == 0 => (0, self.after(cell, cells)),
             _ => (2 * self.before(cell, cells) + 1, self.after(cell, cells)),
         };
-        // The mirror image of the last cell is its own child.
+        // The mirror image of the last cell contributes to its own last child.
         let after = if self == Self::Mirrored && cell + 1 == cells { 2 * cell + 1 } else { 2 * after };
         [(before, 0.25), (2 * cell, 0.75), (2 * cell + 1, 0.75), (after, 0.25)]
     }
 }
 
-/// `full` of cells with two and with four children. It is less than their number, so that a cell has full weight if
-/// most of it is known. It is above one, so that a single point loses weight from level to level: otherwise its value
-/// would extend to a large neighbourhood, at a cost in energy that increases with the size of the neighbourhood.
+/// `full` of cells with two and with four children. It is below the number of children, so that a cell has full weight
+/// if most of it is known. It is above one, so that a single point loses weight from level to level: otherwise its
+/// value would extend to a large neighbourhood, at an energy cost that increases with the size of the neighbourhood.
 const FULL: [f32; 2] = [1.5, 3.0];
 
-/// `full` of cells of 4×4 points whose weight is the number of those that are known.
+/// `full` of cells of 4×4 points, weighted by their number of known points.
 const FULL_OF_POINTS: f32 = 5.0;
 
-/// The largest number of cells of a level that all of several processes hold.
+/// Largest number of cells of a level that every one of several processes holds.
 const GATHERED: usize = 1 << 18;
 
 /// Number of points in a word of [`PullPush::kept`], and in a block of the search.
@@ -122,7 +122,7 @@ impl PullPush {
     /// are taken from distant points. If it does not, as for waves longer than the thickness of a layer, points move
     /// independently, and zero is the better value.
     ///
-    /// If `floating`, constants are extended as constants; else values decay to zero away from the known points.
+    /// If `floating`, constants are extended as constants; otherwise values decay to zero away from the known points.
     pub(crate) fn new([nx, ny]: [usize; 2], floating: bool, edges: Edges, stiffness: impl Fn(usize) -> f64) -> Self {
         let points = if nx.min(ny) == 1 { [1, nx.max(ny)] } else { [nx, ny] };
         let mut levels = Vec::new();
@@ -142,22 +142,22 @@ impl PullPush {
         Self { points, share, shared: 0, edges, levels, kept: words_of(points), above: words_of(points) }
     }
 
-    /// The map from values of [`cells`](Self::cells) of 4×4 points, of which the known weight is the number of known
-    /// points, to all of these cells.
+    /// Plans the map from known values on [`cells`](Self::cells) of 4×4 points to all of these cells. The known weight
+    /// of a cell is its number of known points.
     pub(crate) fn on_cells(cells: [usize; 2], floating: bool, stiffness: impl Fn(usize) -> f64) -> Self {
         let mut all = Self::new(cells.map(|n| 2 * n), floating, Edges::Joined, stiffness);
         all.levels[0].full = FULL_OF_POINTS;
         all
     }
 
-    /// The number of levels of which a process holds its own rows only, or computes them: all levels with many cells.
+    /// Returns the number of levels computed in shares of rows: all above [`GATHERED`] cells, and the next one.
     pub(crate) fn shared_levels(points: [usize; 2]) -> u32 {
         let cells = |level: u32| points.iter().map(|n| n.div_ceil(1 << level)).product::<usize>();
         (1..).find(|level| cells(*level) <= GATHERED).unwrap_or(1)
     }
 
-    /// The map for the points of one of several processes, which make the same calls. Its levels are shared down to
-    /// [`shared_levels`](Self::shared_levels). Edges are joined.
+    /// Restricts the map to the points of one of several processes, which make the same calls. The rows of its first
+    /// [`shared_levels`](Self::shared_levels) levels are shared. Edges are joined.
     pub(crate) fn over(mut self, share: &Share) -> Self {
         if share.is_whole() {
             return self;
@@ -172,14 +172,14 @@ impl PullPush {
         self
     }
 
-    /// The map for displacements that resist bending: a value extends to a neighbourhood as large as there is room,
-    /// since that costs the less energy the larger it is.
+    /// Adapts the map to displacements that resist bending: a value extends to as large a neighbourhood as there is
+    /// room for, since the energy cost falls with its size.
     pub(crate) fn bending(mut self) -> Self {
         self.levels.iter_mut().for_each(|level| level.full = level.full.min(1.0));
         self
     }
 
-    /// True if constants are extended as constants.
+    /// Returns true if constants are extended as constants.
     pub(crate) fn keeps_constants(&self) -> bool {
         self.levels.iter().all(|level| level.trust == 1.0) && self.levels.last().is_none_or(|top| top.full == 0.0)
     }
@@ -223,8 +223,8 @@ impl PullPush {
         });
     }
 
-    /// Marks the words in which a point was not zero or kept its own value; false, and marks none, if rows end within
-    /// words.
+    /// Marks the words in which a point was not zero or kept its own value. Returns false, and marks none, if rows end
+    /// within words.
     pub(crate) fn mark(&self, words: &mut [bool]) -> bool {
         let are_whole = self.points[1].is_multiple_of(BITS);
         if are_whole {
@@ -246,7 +246,7 @@ impl PullPush {
         rows::keep(known.row(i, columns), known.level, above, kept, out);
     }
 
-    /// `t` ← Eᵀ t, with the map E of the last rows.
+    /// Replaces `t` by Eᵀ t, with the map E of the last rows.
     pub(crate) fn transpose(&mut self, known: Known, t: &mut [f32]) {
         let (edges, share, shared) = (self.edges, &self.share, self.shared);
         let ([rows, columns], own) = (self.points, share.rows());
@@ -283,7 +283,7 @@ impl PullPush {
         });
     }
 
-    /// The transpose of [`fill`](Self::fill).
+    /// Applies the transpose of [`fill`](Self::fill).
     pub(crate) fn fill_transposed(&mut self) {
         let (edges, share, shared) = (self.edges, &self.share, self.shared);
         upwards(&mut self.levels, |number, above, below| {
@@ -307,14 +307,14 @@ impl PullPush {
         });
     }
 
-    /// The known weights and the values of the cells of the first level.
+    /// Returns the known weights and the values of the cells of the first level.
     pub(crate) fn cells(&mut self) -> (&mut [f32], &mut [f32]) {
         let first = &mut self.levels[0];
         (&mut first.known, &mut first.value)
     }
 }
 
-/// Visits every level, by its number, with the one below it, upwards.
+/// Visits every level, by its number, together with the level below it, upwards.
 fn upwards(levels: &mut [Level], mut step: impl FnMut(usize, &mut Level, &Level)) {
     for k in 1..levels.len() {
         let (below, above) = levels.split_at_mut(k);
@@ -322,7 +322,7 @@ fn upwards(levels: &mut [Level], mut step: impl FnMut(usize, &mut Level, &Level)
     }
 }
 
-/// Learns what other processes have computed of a level by its number, if the first levels, so many, are shared.
+/// Receives the values of a level computed by other processes, if its number is below `shared`.
 fn learn(share: &Share, shared: usize, number: usize, level: &mut Level) {
     if number < shared {
         level.learn_known(share);
@@ -339,7 +339,7 @@ fn weigh_top(levels: &mut [Level]) {
     }
 }
 
-/// Visits every level, by its number, with the one above it, downwards.
+/// Visits every level, by its number, together with the level above it, downwards.
 fn downwards(levels: &mut [Level], mut step: impl FnMut(usize, &Level, &mut Level)) {
     for k in (1..levels.len()).rev() {
         let (below, above) = levels.split_at_mut(k);
@@ -347,12 +347,12 @@ fn downwards(levels: &mut [Level], mut step: impl FnMut(usize, &Level, &mut Leve
     }
 }
 
-/// Something for each word of bits of so many points.
+/// Returns a default value for each word of bits of `rows` × `columns` points.
 fn words_of<T: Default>([rows, columns]: [usize; 2]) -> Vec<T> {
     (0..rows * columns.div_ceil(BITS)).map(|_| T::default()).collect()
 }
 
-/// The parts that belong to the words of row i.
+/// Returns the entries that belong to the words of row i.
 fn words<T>(of_all: &[T], i: usize, columns: usize) -> &[T] {
     let words = columns.div_ceil(BITS);
     &of_all[i * words..][..words]
@@ -364,26 +364,26 @@ mod tests {
 
     const SHAPES: [[usize; 2]; 9] = [[16, 16], [7, 12], [12, 7], [1, 9], [9, 1], [33, 2], [3, 3], [2, 2], [1, 2]];
 
-    /// The extension for a half-space, whose stiffness is proportional to the wavenumber.
+    /// Plans the extension for a half-space, with a stiffness proportional to the wavenumber.
     fn extension(points: [usize; 2], floating: bool, edges: Edges) -> PullPush {
         PullPush::new(points, floating, edges, |periods| periods as f64)
     }
 
     const BOTH: [Edges; 2] = [Edges::Joined, Edges::Mirrored];
 
-    /// All rows of E r.
+    /// Computes all rows of E r.
     fn extend(extension: &mut PullPush, known: Known, out: &mut [f32]) {
         extension.prepare(known);
         let columns = extension.points[1];
         out.chunks_mut(columns).enumerate().for_each(|(i, row)| extension.row(known, i, row));
     }
 
-    /// Reproducible, scattered numbers in −1 to 1.
+    /// Returns reproducible, scattered numbers between −1 and 1.
     fn noise(n: usize, seed: f64) -> Vec<f32> {
         (0..n).map(|i| (2.0 * ((i as f64 + 1.0) * 0.618_034 + seed * 0.754_878).fract() - 1.0) as f32).collect()
     }
 
-    /// A third of the points in contact, scattered, with residuals of both signs.
+    /// Returns a field with a third of the points in contact, scattered, and residuals of both signs.
     fn field([nx, ny]: [usize; 2]) -> (Vec<f64>, Vec<f32>) {
         let x = noise(nx * ny, 0.3).iter().map(|v| f64::from(v - 0.3).max(0.0)).collect();
         (x, noise(nx * ny, 7.1))

@@ -1,22 +1,22 @@
-//! Contacts whose displacement is very small beside their roughness: they are solved again on a finer scale of lengths.
+//! Contacts with a displacement that is very small beside the roughness: they are solved again on a finer length scale.
 
 use gfmd_relax::{Budget, Ending, InnerWatch, Variables, Visit, Watch, Why};
 
 use crate::{Effort, Fields, Load, Refusal};
 
-/// A state whose residuals are over a scale of lengths that follows from its displacement.
+/// State with residuals relative to a length scale that follows from its displacement.
 pub(crate) trait Refined: Fields {
-    /// The scale of lengths in the residuals, in the units of the solve.
+    /// Returns the length scale of the residuals, in the units of the solve.
     fn length_scale(&self) -> f64;
 
-    /// The pressure from which a solve on a finer scale starts, in the units of the solve.
+    /// Returns the pressure to start from on a finer scale, in the units of the solve.
     fn start(&self) -> Vec<f64>;
 
-    /// The effort of the solve.
+    /// Returns the effort of the solve.
     fn effort_mut(&mut self) -> &mut Effort;
 }
 
-/// The scale of lengths of a search, and the effort of those before.
+/// Length scale of a search, and the effort of the searches before.
 #[derive(Clone, Copy)]
 struct Stage {
     length_scale: f64,
@@ -30,11 +30,11 @@ impl Variables for Stage {
     }
 }
 
-/// The largest part of a prescribed approach that is within the tolerance on the coarsest scale.
+/// Largest part of a prescribed approach that is within the tolerance on the coarsest scale.
 const OF_THE_APPROACH: f64 = 0.1;
 
-/// Returns the coarsest scale of lengths of a search under `load`, at most `scale`: without pressure, a surface that a
-/// prescribed approach has moved must not be within the tolerance.
+/// Returns the coarsest length scale of a search under `load`, at most `scale`: without pressure, a surface moved by a
+/// prescribed approach must not be within the tolerance.
 pub(crate) fn coarsest(scale: f64, load: Load, tolerance: f64) -> f64 {
     match load {
         Load::Approach(approach) if approach > 0.0 => scale.min(OF_THE_APPROACH * approach / tolerance),
@@ -42,8 +42,8 @@ pub(crate) fn coarsest(scale: f64, load: Load, tolerance: f64) -> f64 {
     }
 }
 
-/// Calls `search(scale, budget, start, watch)` with the `coarsest` scale of lengths, and again with that of the state
-/// found as long as this is finer and its residuals over it exceed the tolerance. The displacement is not known before.
+/// Calls `search(scale, budget, start, watch)` with the `coarsest` length scale, and again with the scale of the state
+/// found while this is finer and its residuals exceed the tolerance. The displacement is not known in advance.
 pub(crate) fn refine<S: Refined>(
     coarsest: f64,
     budget: &Budget,

@@ -10,7 +10,7 @@ use crate::Solver;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// The heights have another shape than the elastic surface.
+    /// The heights differ in shape from the elastic surface.
     #[error("the shape of the heights is {found:?}; it must be {expected:?} as that of the elastic surface")]
     Shape {
         /// Shape of the heights.
@@ -21,7 +21,7 @@ pub enum Refusal {
     /// A field cannot be continued between its points.
     #[error(transparent)]
     Field(#[from] ShapeError),
-    /// The fields of a state are not those from which it can be made.
+    /// The number of fields is not the number that determines a state.
     #[error("the state is made of {expected} fields; {found} are given")]
     Basis {
         /// Number of fields given.
@@ -29,10 +29,10 @@ pub enum Refusal {
         /// Number of fields that determine a state.
         expected: usize,
     },
-    /// The state to start from is one of another kind of contact.
+    /// The state to start from belongs to another kind of contact.
     #[error("the start is a state of another kind of contact; it must be one of the same problem")]
     OtherKind,
-    /// A part of a problem, which its facts have, is not given, or the other way round.
+    /// A part of a problem is given but not among its facts, or the other way round.
     #[error("the {part} of the problem is given, or among its facts; it must be both or neither")]
     Part {
         /// Name of the part.
@@ -43,13 +43,13 @@ pub enum Refusal {
     Height {
         /// Indices `[i, j]` of the height.
         index: [usize; 2],
-        /// The height.
+        /// Height.
         value: f64,
     },
     /// The heights differ by more than the largest number.
     #[error("the rms height is {found}; it must be finite")]
     RmsHeight {
-        /// The rms height.
+        /// Rms height.
         found: f64,
     },
     /// The heights are constant: any pressure closes the gap, and the residuals have no scale.
@@ -58,7 +58,7 @@ pub enum Refusal {
          it sinks"
     )]
     Flat,
-    /// The unit of stress, E* h_rms over the cell length, has not all digits of a number.
+    /// The unit of stress, E* h_rms divided by the cell length, is out of the range of full precision.
     #[error(
         "E* times the rms height over the cell length is {found:e}; it must be between 1e-290 and 1e290, \
          which other units of stress or length make it"
@@ -67,12 +67,12 @@ pub enum Refusal {
         /// E* h_rms / L.
         found: f64,
     },
-    /// A result is so small that it has not all digits of a number, or infinite.
+    /// A result is infinite, or too small for full precision.
     #[error("the {what} is {found:e}; it must be between 1e-290 and 1e290 in magnitude, which other units make it")]
     Digits {
         /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
     },
     /// The load or approach is so small that its square is zero.
@@ -82,13 +82,13 @@ pub enum Refusal {
     Slight {
         /// Mean pressure or approach.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
-        /// The smallest possible value.
+        /// Smallest possible value.
         least: f64,
     },
-    /// The load or approach is so small that the displacement is below the rounding errors of the heights, where
-    /// several points are as high as the highest but for these.
+    /// The load or approach is so small that the displacement is below the rounding errors of the heights, and several
+    /// points are as high as the highest within these errors.
     #[error(
         "the {what} is {found:e}; it must be at least {least:e} on this surface, since rounding errors of the heights \
          decide where smaller ones make contact"
@@ -96,12 +96,12 @@ pub enum Refusal {
     Shallow {
         /// Mean pressure or approach.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
-        /// The smallest possible value, about.
+        /// Smallest possible value, approximately.
         least: f64,
     },
-    /// The load or approach is so small that the tolerance, over h_rms, does not resolve it.
+    /// The load or approach is so small that the tolerance, relative to h_rms, does not resolve it.
     #[error(
         "the {what} is {found:e}; it must be at least {least:e} on this surface, or the tolerance less than \
          {tolerance:e}, which does not resolve smaller ones"
@@ -109,27 +109,27 @@ pub enum Refusal {
     Unresolved {
         /// Mean pressure or approach.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
-        /// The smallest possible value.
+        /// Smallest possible value.
         least: f64,
-        /// The tolerance.
+        /// Tolerance.
         tolerance: f64,
     },
-    /// The tractions of a law are so large that a mean pressure of this size makes no difference at the tolerance.
+    /// The tractions of a law are so large that a mean pressure of this size has no effect within the tolerance.
     #[error(
         "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to \
          {traction:e} hide smaller ones at this tolerance"
     )]
     Hidden {
-        /// The mean pressure.
+        /// Mean pressure.
         found: f64,
-        /// The smallest possible magnitude.
+        /// Smallest possible magnitude.
         least: f64,
-        /// The largest traction.
+        /// Largest traction.
         traction: f64,
     },
-    /// A load, approach, or the traction that it causes, is so large that its rounding errors exceed the tolerance.
+    /// A load or approach, or the traction that it causes, is so large that its rounding errors exceed the tolerance.
     #[error(
         "the {what} is {found:e}; it must be at most {most:e} on this surface, since rounding errors of larger ones \
          exceed the tolerance {tolerance:e}"
@@ -137,11 +137,11 @@ pub enum Refusal {
     Rounding {
         /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
-        /// The largest possible value.
+        /// Largest possible value.
         most: f64,
-        /// The tolerance.
+        /// Tolerance.
         tolerance: f64,
     },
     /// The tolerance is out of range.
@@ -152,22 +152,22 @@ pub enum Refusal {
     NotFinite {
         /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
     },
-    /// The mean pressure is not positive, without attraction.
+    /// The mean pressure is not positive, and there is no attraction.
     #[error("the mean pressure is {found}; it must be positive and finite")]
     MeanPressure {
-        /// The mean pressure.
+        /// Mean pressure.
         found: f64,
     },
     /// The hardness is not positive.
     #[error("the hardness is {found}; it must be positive and finite")]
     Hardness {
-        /// The hardness.
+        /// Hardness.
         found: f64,
     },
-    /// The field of the hardness has another shape than the heights.
+    /// The hardness field differs in shape from the heights.
     #[error("the shape of the hardness is {found:?}; it must be {expected:?} as that of the heights")]
     HardnessShape {
         /// Shape of the hardness.
@@ -178,29 +178,29 @@ pub enum Refusal {
     /// The mean pressure reaches the hardness.
     #[error("the mean pressure is {found}; it must be less than the {what} {hardness}")]
     BeyondHardness {
-        /// The mean pressure.
+        /// Mean pressure.
         found: f64,
         /// `hardness`, or `mean hardness` of a field.
         what: &'static str,
-        /// Its value.
+        /// Value of the hardness.
         hardness: f64,
     },
-    /// The approach gives no contact, without attraction, or is beyond full contact.
+    /// The approach gives no contact (without attraction), or is beyond full contact.
     #[error("the approach is {found}; it must be {}", approach_text(*found, *limit))]
     Approach {
-        /// The approach.
+        /// Approach.
         found: f64,
         /// The mean clearance, which gives full contact for a body with a fixed mean level (half-space, incompressible
         /// slab); `None` for other bodies.
         limit: Option<f64>,
     },
-    /// The approach to a profile with free boundaries on a half-space is prescribed.
+    /// The approach is prescribed for a profile with free boundaries on a half-space.
     #[error(
         "the approach is prescribed; for a profile with free boundaries on a half-space the mean pressure must be \
          prescribed, since the displacement is known up to a constant"
     )]
     LineApproach,
-    /// The body cannot have the boundary.
+    /// The body cannot have this boundary.
     #[error(transparent)]
     Body(#[from] GreenError),
     /// More processes than can share the grid.
@@ -211,7 +211,7 @@ pub enum Refusal {
     NotPressed {
         /// Mean pressure or approach.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
     },
     /// The approach is prescribed, but only a mean pressure can be prescribed.
@@ -220,41 +220,41 @@ pub enum Refusal {
     /// A viscoelastic body moves backwards in time.
     #[error("the time is {found}; it must be at least {least}, that of the state before")]
     Time {
-        /// The time.
+        /// Time.
         found: f64,
-        /// The time of the state before; 0 before the first one.
+        /// Time of the previous state; 0 before the first one.
         least: f64,
     },
     /// Surfaces that wear slide backwards.
     #[error("the distance is {found}; it must be at least {least}, that of the state before")]
     Distance {
-        /// The sliding distance.
+        /// Sliding distance.
         found: f64,
-        /// Sliding distance of the state before; 0 before the first one.
+        /// Sliding distance of the previous state; 0 before the first one.
         least: f64,
     },
-    /// The coefficient of wear is not positive.
+    /// The wear coefficient is not positive.
     #[error("the wear coefficient is {found}; it must be positive and finite")]
     WearCoefficient {
-        /// The coefficient.
+        /// Coefficient.
         found: f64,
     },
-    /// Surfaces that wear have no hardness.
+    /// A hardness is given for surfaces that wear.
     #[error("a hardness is given; it must be left out with wear")]
     WearHardness,
-    /// The relaxation of the shear modulus alone is not known of the body.
+    /// Relaxation of the shear modulus alone is not implemented for the body or its boundary.
     #[error("the shear modulus alone relaxes; shear and bulk modulus must relax alike with {with}")]
     ShearAlone {
-        /// The part of the body, or its boundary.
+        /// Part of the body, or its boundary.
         with: &'static str,
     },
-    /// A viscoelastic body has no hardness.
+    /// A hardness is given for a viscoelastic body.
     #[error("a hardness is given; it must be left out with a viscoelastic body")]
     ViscoelasticHardness,
-    /// The surface of a viscoelastic body moves in u_z alone.
+    /// All components of the displacement are unknown on a viscoelastic body, which moves in u_z alone.
     #[error("all components of the displacement are unknown; u_z alone must be, with a viscoelastic body")]
     ViscoelasticComponents,
-    /// A state, to start from or to certify, has the wrong size.
+    /// A state to start from or to certify has the wrong size.
     #[error("the given state has {found} values; it must have {expected}")]
     Start {
         /// Number of values of the state.
@@ -267,7 +267,7 @@ pub enum Refusal {
     StartPressure {
         /// Indices `[i, j]` of the pressure.
         index: [usize; 2],
-        /// The pressure.
+        /// Pressure.
         value: f64,
     },
     /// The start pressure is zero.
@@ -276,15 +276,15 @@ pub enum Refusal {
     /// The solver cannot be used for this problem.
     #[error("the solver is {found}; it must be {}", one_of(allowed))]
     Solver {
-        /// The solver.
+        /// Solver.
         found: Solver,
-        /// The solvers of this problem.
+        /// Solvers of this problem.
         allowed: &'static [Solver],
     },
     /// The traction of the law has no potential.
     #[error("the law has no potential with these parameters; Newton's method needs one, dynamics does not")]
     NoEnergy,
-    /// Dynamics with a prescribed approach, a wall, and a fixed mean of the surface.
+    /// Dynamics is used for a prescribed approach with a wall and a fixed mean of the surface.
     #[error(
         "the approach to a half-space with a wall is prescribed; dynamics needs the mean pressure, Newton's method \
          does not"
@@ -296,7 +296,7 @@ pub enum Refusal {
     /// Numbers are so large or so small that the method cannot start.
     #[error("the search cannot start: {0}")]
     Search(#[from] RelaxError),
-    /// The law overflows, as an exponential one does deep inside of its surface.
+    /// The law overflows, as an exponential law does deep inside its surface.
     #[error(
         "the traction of the law is not finite in this search; it must be, and a start from a smaller load, or a \
          longer range of the law, may make it so"
@@ -313,7 +313,7 @@ fn approach_text(found: f64, limit: Option<f64>) -> String {
     format!("{positive}{and}{below}")
 }
 
-/// The names of the solvers in the form "a, b or c".
+/// Lists the names of the solvers in the form "a, b or c".
 fn one_of(solvers: &[Solver]) -> String {
     let names: Vec<&str> = solvers.iter().map(|solver| solver.name()).collect();
     match names.split_last() {

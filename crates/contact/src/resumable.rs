@@ -3,13 +3,13 @@ use gfmd_vector::with_contiguous;
 
 use crate::{Contact, Drive, Equilibrium, Refusal, Solution};
 
-/// A contact whose states can be kept outside of the process and restored bit for bit, so that a series of loads
+/// Contact with states that can be saved outside the process and restored bit for bit, so that a series of loads
 /// continues where it ended.
 pub trait Resumable: Equilibrium {
-    /// Visits everything from which [`restore`](Self::restore) makes a state.
+    /// Visits the data that [`restore`](Self::restore) needs to make a state.
     fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit);
 
-    /// Makes the state of `drive` from what `visitor` reads.
+    /// Makes the state of `drive` from the data that `visitor` reads.
     ///
     /// # Errors
     /// An invalid drive.

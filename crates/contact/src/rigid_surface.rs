@@ -10,8 +10,8 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::{Load, Refusal, Units};
 
-/// A rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect. Of
-/// several processes each has its rows; the numbers are those of the whole surface.
+/// Rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect. Each of
+/// several processes has its rows; the numbers describe the whole surface.
 #[derive(Clone, Debug)]
 pub struct RigidSurface {
     grid: Grid,
@@ -19,21 +19,21 @@ pub struct RigidSurface {
     clearance: Vec<f64>,
     mean_clearance: f64,
     rms_height: f64,
-    /// The rounding error of a difference of two heights, as they were given.
+    /// Rounding error of a difference of two heights as given.
     rounding: f64,
     boundary: Boundary,
     rms_gradient: OnceLock<f64>,
 }
 
-/// The scale of lengths in residuals over the prescribed approach, if that is very small.
+/// Length scale of the residuals divided by the prescribed approach, if the approach is very small.
 const OF_THE_APPROACH: f64 = 1e6;
 
-/// The scale of lengths in residuals over the extent of the displacement, if that is very small. A tolerance of 1e-8
-/// then leaves errors of 1e-5 of the displacement. On rough surfaces the displacement has a larger part of h_rms at all
-/// but the smallest loads.
+/// Length scale of the residuals divided by the extent of the displacement, if the extent is very small. A tolerance of
+/// 1e-8 then leaves errors of 1e-5 of the displacement. On rough surfaces the displacement is a larger part of h_rms at
+/// all but the smallest loads.
 const OF_THE_DISPLACEMENT: f64 = 1e3;
 
-/// The least load over the softest stiffness times h_rms, and the least approach over h_rms.
+/// Least load divided by the softest stiffness times h_rms, and least approach divided by h_rms.
 const LEAST: f64 = 1e-100;
 
 impl PartialEq for RigidSurface {
@@ -43,16 +43,16 @@ impl PartialEq for RigidSurface {
 }
 
 impl RigidSurface {
-    /// The surface with the profile `heights`, whose peaks point at the body, in length. It may be flat.
+    /// Makes the surface with the profile `heights`, in length, with peaks towards the body. It may be flat.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or that differ by more than the largest number.
+    /// Heights that differ in shape from the grid, are not finite, or differ by more than the largest number.
     pub fn new(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let [rows, columns] = grid.rows();
         Self::over(&Share::whole(rows, columns), grid, heights)
     }
 
-    /// As [`new`](Self::new), of which this process has the rows that are its `share`; all make the same calls.
+    /// Makes the surface as [`new`](Self::new), from the rows of this process, its `share`; all make the same calls.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
@@ -82,7 +82,7 @@ impl RigidSurface {
         let mean_clearance = share.total_of(&clearance) / n;
         let highest = highest_of(&clearance);
         let rounding = f64::EPSILON * top.abs().max((top - highest).abs());
-        // The squares of very large or small heights are no numbers. A power of two changes no digit.
+        // The squares of very large or small heights overflow or vanish. A power of two changes no digit.
         let unit = unit_of(highest);
         let squares = share.sum(&|range| clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum());
         let rms_height = (squares / n).sqrt() * unit;
@@ -101,24 +101,24 @@ impl RigidSurface {
             rms_gradient,
         };
         if !surface.share.is_whole() {
-            // All processes take part in its transform, and later not all may ask.
+            // All processes take part in its transform, but not all may ask for it later.
             surface.rms_gradient();
         }
         Ok(surface)
     }
 
-    /// The surface as a patch that does not repeat. The step from its last to its first points is no part of it.
+    /// Returns the surface as a patch that does not repeat, without the step from its last to its first points.
     #[must_use]
     pub fn alone(self) -> Self {
         Self { boundary: Boundary::Free, rms_gradient: OnceLock::new(), ..self }
     }
 
-    /// The boundary condition of the fields on the surface.
+    /// Returns the boundary condition of the fields on the surface.
     pub fn boundary(&self) -> Boundary {
         self.boundary
     }
 
-    /// The surface with `depth` added to its clearance. Its rms height and gradient stay.
+    /// Returns the surface with `depth` added to its clearance. Its rms height and gradient do not change.
     pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let (share, found, expected) = (&self.share, depth.dim().into(), self.shape());
         if share.any(found != expected) {
@@ -135,7 +135,7 @@ impl RigidSurface {
         Ok(Self { clearance, mean_clearance, rms_gradient, ..self.clone() })
     }
 
-    /// The surface in other units of length along the surface and of heights, given in the present ones: powers of two.
+    /// Returns the surface in other units of lengths and heights, given in the present units: powers of two.
     pub(crate) fn in_units(&self, units: &Units) -> Self {
         Self {
             grid: units.grid(&self.grid),
@@ -153,45 +153,45 @@ impl RigidSurface {
         }
     }
 
-    /// The rows that this process has, all of them if it is alone.
+    /// Returns the rows of this process, all of them if it is alone.
     pub fn share(&self) -> &Share {
         &self.share
     }
 
-    /// The shape of the fields of this process.
+    /// Returns the shape of the fields of this process.
     pub(crate) fn shape(&self) -> [usize; 2] {
         shape(&self.share, &self.grid)
     }
 
-    /// The grid of the heights.
+    /// Returns the grid of the heights.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row of this
-    /// process.
+    /// Returns the clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row
+    /// of this process.
     pub fn clearance(&self) -> &[f64] {
         &self.clearance
     }
 
-    /// Mean of the clearance, in length.
+    /// Returns the mean clearance, in length.
     pub fn mean_clearance(&self) -> f64 {
         self.mean_clearance
     }
 
-    /// Root mean square of the heights about their mean, in length.
+    /// Returns the root mean square of the heights about their mean, in length.
     pub fn rms_height(&self) -> f64 {
         self.rms_height
     }
 
-    /// The scale of lengths in the residuals of a contact without attraction, before its displacement is known: h_rms,
-    /// or a million times the prescribed approach if that is less. Errors that are small compared with h_rms may exceed
-    /// a very small approach.
+    /// Returns the length scale of the residuals of a contact without attraction, before its displacement is known:
+    /// h_rms, or a million times the prescribed approach if that is less. Errors that are small compared with h_rms may
+    /// exceed a very small approach.
     pub fn length_scale(&self, load: Load) -> f64 {
         Self::scale_of(self.rms_height, load)
     }
 
-    /// The [scale of lengths](Self::length_scale) of an rms height.
+    /// Returns the [length scale](Self::length_scale) for an rms height.
     pub(crate) fn scale_of(rms_height: f64, load: Load) -> f64 {
         match load {
             Load::Approach(approach) if approach > 0.0 => rms_height.min(OF_THE_APPROACH * approach),
@@ -199,16 +199,16 @@ impl RigidSurface {
         }
     }
 
-    /// The scale of lengths in the residuals of a contact whose surface displacement has this `extent`, the largest
-    /// less the smallest: `scale`, or a thousand times the extent if that is less. On a surface with flat tops errors
+    /// Returns the length scale of the residuals of a contact with a surface displacement of this `extent` (largest
+    /// minus smallest): `scale`, or a thousand times the extent if that is less. On a surface with flat tops errors
     /// that are small compared with h_rms may exceed the displacement. Without displacement it is `scale`.
     pub fn finer_scale(scale: f64, extent: f64) -> f64 {
         if extent > 0.0 { scale.min(OF_THE_DISPLACEMENT * extent) } else { scale }
     }
 
-    /// Checks that the rounding errors of the heights do not decide a contact with residuals over `scale`, which is
-    /// less than h_rms because the displacement is very small: that they are below the tolerance, or that no point is
-    /// within them of the highest. Points as high as the highest, to the last digit, are a flat top and do no harm.
+    /// Checks that the rounding errors of the heights do not decide a contact with residuals relative to `scale`, which
+    /// is less than h_rms because the displacement is very small. The errors must be below the tolerance, or no point
+    /// may be within them of the highest. Points exactly as high as the highest are a flat top and do no harm.
     ///
     /// # Errors
     /// The load, with the least possible one.
@@ -240,7 +240,7 @@ impl RigidSurface {
         Self::check_rounding(what, found, unit, tolerance)
     }
 
-    /// Checks that the displacement by a traction of size `found` can be resolved: its rounding errors are those of the
+    /// Checks that the displacement by a traction of size `found` can be resolved: its rounding error follows from the
     /// softest wave, even if most of the traction deforms the body less. `softest` is the smallest stiffness of a wave,
     /// in stress/length, and `what` the name of the traction.
     ///
@@ -255,8 +255,8 @@ impl RigidSurface {
         if found > most { Err(Refusal::Rounding { what, found, most, tolerance }) } else { Ok(()) }
     }
 
-    /// Root mean square of the gradient |∇h| over the whole surface, dimensionless: the spectral one, or, if the
-    /// surface does not repeat, that of the differences between neighbours. Computed at the first call.
+    /// Returns the root mean square of the gradient |∇h| over the whole surface, dimensionless: from the spectrum or,
+    /// if the surface does not repeat, from the differences between neighbours. Computed at the first call.
     pub fn rms_gradient(&self) -> f64 {
         *once(&self.rms_gradient, || {
             let units = Units::of_surface(self);
@@ -273,7 +273,7 @@ impl RigidSurface {
     }
 }
 
-/// The shape of the fields of a process on a grid.
+/// Returns the shape of the fields of a process on a grid.
 fn shape(share: &Share, grid: &Grid) -> [usize; 2] {
     let [nx, ny] = grid.points();
     [if share.is_whole() { nx } else { share.rows().len() }, ny]

@@ -9,8 +9,8 @@ use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 use crate::refine::Refined;
 use crate::{Effort, Fields, Load, RigidSurface, Units};
 
-/// An equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards. Of several
-/// processes each has its rows of the fields; the numbers are those of the whole contact.
+/// Equilibrated contact. Fields are `[x, y]`; the displacement of the surface is negative downwards. Each of several
+/// processes has its rows of the fields; the numbers describe the whole contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Contact pressure, ≥ 0, in stress; exactly 0 out of contact.
@@ -27,33 +27,33 @@ pub struct Solution {
     pub residual: Residual,
     /// Effort of the solve, including the transforms for the final fields.
     pub effort: Effort,
-    /// The plastic part, if the contact has a hardness.
+    /// Plastic part, if the contact has a hardness.
     pub plastic: Option<Plastic>,
-    /// The scale of lengths in the residuals, in length.
+    /// Length scale of the residuals.
     pub(crate) length_scale: f64,
     surface: Arc<RigidSurface>,
     contact_modulus: f64,
 }
 
-/// The plastic part of a contact with a hardness.
+/// Plastic part of a contact with a hardness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plastic {
-    /// The depth by which the surfaces are pressed into each other beyond touching, −(clearance − u_z − approach) ≥ 0
-    /// where the pressure is the hardness, and zero elsewhere, in length.
+    /// Depth by which the surfaces are pressed into each other beyond touching, −(clearance − u_z − approach) ≥ 0 where
+    /// the pressure is the hardness, and zero elsewhere, in length.
     pub depth: Array2<f64>,
-    /// Points whose pressure is the hardness, over all points.
+    /// Number of points at the hardness divided by the number of all points.
     pub fraction: f64,
     /// Mean of the depth over the whole surface, in length.
     pub volume: f64,
-    /// The largest gap over the scale of lengths where the pressure is the hardness, or the excess of a pressure over
-    /// the hardness, over the hardness, if that is larger; zero for the exact solution.
+    /// Largest error at the points that reach the hardness: gap divided by the length scale, or excess of the pressure
+    /// divided by the hardness, whichever is larger; zero for the exact solution.
     pub saturation: f64,
 }
 
 /// Residuals of the contact conditions; zero for the exact solution. They are computed from the final pressure with
-/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface, or the scale of lengths
-/// [under a very small approach](RigidSurface::length_scale) or
-/// [of a very small displacement](RigidSurface::finer_scale).
+/// fresh transforms, not taken from the solver. h_rms is the rms height of the rigid surface, or the length scale
+/// [under a very small approach](RigidSurface::length_scale) or [of a very small
+/// displacement](RigidSurface::finer_scale).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms), in magnitude; 1 if a prescribed approach is positive and there is no pressure.
@@ -66,23 +66,23 @@ pub struct Residual {
     pub load: f64,
 }
 
-/// The data that a solution follows from, beside its pressure and the displacement by it.
+/// Data that determine a solution, besides its pressure and its displacement.
 #[derive(Clone, Copy)]
 pub(crate) struct Conditions<'a> {
-    /// The uniform displacement of the body downwards, which the displacement does not contain.
+    /// Uniform downward displacement of the body, which the displacement does not contain.
     pub(crate) sinking: f64,
     pub(crate) load: Load,
-    /// The scale of lengths in the residuals, unless the displacement is very small.
+    /// Length scale of the residuals, unless the displacement is very small.
     pub(crate) length_scale: f64,
-    /// An extent of lengths beside that of the displacement of the own surface: that of the other face, or of a worn
-    /// depth. The larger one counts.
+    /// Extent of another length, for comparison with the displacement of the own surface: the displacement of the other
+    /// face, or a worn depth. The larger extent counts.
     pub(crate) extent: f64,
-    /// The largest pressure that the surfaces carry.
+    /// Largest pressure that the surfaces carry.
     pub(crate) hardness: Option<&'a Upper>,
 }
 
 impl Residual {
-    /// The four residuals with their names.
+    /// Returns the four residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 4] {
         [
             ("complementarity", self.complementarity),
@@ -92,7 +92,7 @@ impl Residual {
         ]
     }
 
-    /// The largest of the four; NaN if any is NaN.
+    /// Returns the largest of the four; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
@@ -158,7 +158,7 @@ impl Solution {
         self.surface.grid()
     }
 
-    /// The solution of a contact in `units`, in the units of the input, where `surface` and E* are given.
+    /// Converts the solution of a contact in `units` to the units of the input, in which `surface` and E* are given.
     pub(crate) fn out_of(self, units: &Units, surface: &Arc<RigidSurface>, contact_modulus: f64) -> Self {
         let Self {
             mut pressure,
@@ -197,8 +197,8 @@ impl Solution {
         }
     }
 
-    /// The state of `pressure` and the displacement u_z that follows from it, with its residuals. Both have the rows of
-    /// this process.
+    /// Computes the state of `pressure` and of the displacement u_z that follows from it, with the residuals. Both have
+    /// the rows of this process.
     pub(crate) fn of(
         surface: &Arc<RigidSurface>,
         contact_modulus: f64,
@@ -210,8 +210,8 @@ impl Solution {
         let upper = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
         let (clearance, share) = (surface.clearance(), surface.share());
         let n = share.total();
-        // The pressure, the points in contact, and what is free between the surfaces there without an approach; the
-        // lowest displacement, and the lowest one and the lowest pressure upside down.
+        // Sums: the pressure, the points in contact, and their room between the surfaces without an approach. Lowest
+        // values: the displacement, minus the displacement, and minus the pressure.
         let room = |i: usize| clearance[i] - displacement[i];
         let ends = [f64::INFINITY; 3];
         let ([sum, touching, free], [lowest, highest, strongest]) = share.reduce(
@@ -227,7 +227,7 @@ impl Solution {
         );
         let mean_pressure = sum / n as f64;
         let [lx, ly] = surface.grid().lengths();
-        // A uniform pressure, such as the hardness at all points, leaves the rounding errors of the transforms.
+        // A uniform pressure, such as the hardness at all points, leaves only the rounding errors of the transforms.
         let rounding = ROUNDING * -strongest * lx.max(ly) / contact_modulus;
         let own = Some(-highest - lowest).filter(|own| *own > rounding).unwrap_or(0.0);
         let length_scale = RigidSurface::finer_scale(length_scale, extent.max(own));
@@ -309,7 +309,7 @@ impl Solution {
 }
 
 impl Plastic {
-    /// Moves the negative gap of the points at the `hardness` to the plastic depth. Returns also Σ p g over the other
+    /// Moves the negative gap of the points at the `hardness` to the plastic depth. Also returns Σ p g over the other
     /// points, and their lowest gap.
     fn of(
         surface: &RigidSurface,
@@ -346,11 +346,11 @@ impl Plastic {
     }
 }
 
-/// The rounding errors of a displacement, over those of one number: transforms add up a little more than one.
+/// Rounding error of a displacement relative to one number; transforms add up a little more than one rounding error.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// The middle between the largest room of the points at the hardness and the smallest of the others: the approach if no
-/// pressure lies between the bounds.
+/// Returns the middle between the largest room of the points at the hardness and the smallest room of the others. It is
+/// the approach if no pressure lies between the bounds.
 fn between(share: &Share, pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
     let none = [f64::NEG_INFINITY, f64::INFINITY];
     let own = pressure.iter().enumerate().fold(none, |[below, above], (i, p)| {
@@ -370,17 +370,17 @@ pub(crate) fn field(surface: &RigidSurface, values: Vec<f64>) -> Array2<f64> {
     Array2::from_shape_vec(surface.shape(), values).expect("every field has the rows of this process")
 }
 
-/// The larger of two numbers; NaN if either is NaN.
+/// Returns the larger of two numbers; NaN if either is NaN.
 fn higher(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// The lower of each two numbers; NaN if either is NaN.
+/// Returns the lower of each pair of numbers; NaN if either is NaN.
 fn lower_each(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [lower(a[0], b[0]), lower(a[1], b[1]), lower(a[2], b[2])]
 }
 
-/// The positive part of a number; NaN stays NaN.
+/// Returns the positive part of a number; NaN stays NaN.
 fn positive(a: f64) -> f64 {
     if a <= 0.0 { 0.0 } else { a }
 }

@@ -7,7 +7,7 @@ use crate::refine::{coarsest, refine};
 use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, judge};
 
 impl Contact {
-    /// The solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
+    /// Solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
     pub const SOLVERS: [Solver; 10] = [
         Solver::Auto,
         Solver::PolonskyKeer,
@@ -21,10 +21,10 @@ impl Contact {
         Solver::AugmentedLagrangian,
     ];
 
-    /// The solvers with a hardness: those that heed two bounds.
+    /// Solvers with a hardness: the methods that support two bounds.
     pub const HARDNESS_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::PreconditionedCg];
 
-    /// The solvers with free boundaries: those that seek the pressure.
+    /// Solvers with free boundaries: the methods that seek the pressure.
     pub const FREE_SOLVERS: [Solver; 4] =
         [Solver::Auto, Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg];
 }

@@ -7,35 +7,35 @@ use crate::{Fields, Refusal};
 
 /// Reason why a contact was not brought to rest, with the state reached, if any.
 ///
-/// `Debug` prints the message that `Display` prints: `main` and `unwrap` show it, and the fields of a state are long.
+/// `Debug` prints the same message as `Display`: `main` and `unwrap` show it, and the fields of a state are long.
 pub enum SolveError<S> {
     /// The input is invalid; no solve was started.
     Refused(Refusal),
     /// The residuals exceed the tolerance.
     NotConverged {
-        /// The state reached, with its residuals.
+        /// State reached, with its residuals.
         state: Box<S>,
-        /// The tolerance.
+        /// Tolerance.
         asked: f64,
-        /// The reason why the search ended.
+        /// Reason why the search ended.
         why: Why,
     },
     /// The watcher asked to stop.
     Interrupted {
-        /// The state reached, with its residuals.
+        /// State reached, with its residuals.
         state: Box<S>,
     },
     /// The surfaces separate, because the attraction cannot balance the tensile load.
     Detached {
-        /// A state of the separation.
+        /// State of the separation.
         state: Box<S>,
-        /// The mean pressure, negative.
+        /// Mean pressure, negative.
         mean_pressure: f64,
     },
 }
 
 impl<S> SolveError<S> {
-    /// The state reached.
+    /// Returns the state reached, if there is one.
     pub fn state(&self) -> Option<&S> {
         match self {
             Self::Refused(_) => None,
@@ -45,7 +45,7 @@ impl<S> SolveError<S> {
         }
     }
 
-    /// The state reached.
+    /// Converts the error into the state reached, if there is one.
     pub fn into_state(self) -> Option<S> {
         match self {
             Self::Refused(_) => None,
@@ -57,7 +57,7 @@ impl<S> SolveError<S> {
 }
 
 impl<S> SolveError<S> {
-    /// The error with `convert` applied to its state.
+    /// Applies `convert` to the state of the error.
     pub fn map<T>(self, convert: impl FnOnce(S) -> T) -> SolveError<T> {
         match self {
             Self::Refused(refusal) => SolveError::Refused(refusal),
@@ -127,17 +127,17 @@ impl<S: Fields> Error for SolveError<S> {
     }
 }
 
-/// The residuals in the form "complementarity 1.00e-9, penetration 0.00e0, …".
+/// Lists the residuals in the form "complementarity 1.00e-9, penetration 0.00e0, …".
 fn residuals(state: &impl Fields) -> String {
     let part = |(name, value): (&str, f64)| format!("{} {value:.2e}", name.replace('_', " "));
     state.residuals().into_iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// The result of a search that ended at `state` with certified residuals. The residuals decide on convergence, except
-/// that a search that diverged has not converged in any case.
+/// Returns the result of a search that ended at `state` with certified residuals. The residuals decide on convergence,
+/// except that a search that diverged never counts as converged.
 ///
 /// # Errors
-/// A search that was interrupted, or whose state does not satisfy the tolerance.
+/// A search that was interrupted, or a state that does not meet the tolerance.
 pub fn judge<S: Fields>(state: S, ending: Ending, tolerance: f64) -> Result<S, SolveError<S>> {
     let met = state.worst() <= tolerance;
     match ending {
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use crate::{Contact, Equilibrium, Load, Solution};
 
-    /// A solution that meets a tolerance of 1e-8.
+    /// Returns a solution that meets a tolerance of 1e-8.
     fn solved() -> Solution {
         let grid = Grid::square(8, 1.0).unwrap();
         let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());

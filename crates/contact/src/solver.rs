@@ -1,11 +1,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Makes the enumeration of the solvers and all that is known of each from one table.
+/// Generates the enumeration of the solvers, with their names and descriptions, from one table.
 macro_rules! solvers {
     ($($(#[$attribute:meta])* $solver:ident $name:literal $meaning:literal)*) => {
-        /// The solvers. All methods find one state; they differ in cost and in the problems that they can solve
-        /// ([`Equilibrium::solvers`](crate::Equilibrium::solvers)).
+        /// Methods that solve a contact. All find the same state; they differ in cost and in the problems that they can
+        /// solve ([`Equilibrium::solvers`](crate::Equilibrium::solvers)).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
         pub enum Solver {
             $($(#[$attribute])* $solver,)*
@@ -15,14 +15,14 @@ macro_rules! solvers {
             /// All solvers.
             pub const ALL: [Self; [$($name),*].len()] = [$(Self::$solver),*];
 
-            /// The name on the command line.
+            /// Returns the name on the command line.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$solver => $name,)*
                 }
             }
 
-            /// The description in one line.
+            /// Returns the description in one line.
             pub fn meaning(self) -> &'static str {
                 match self {
                     $(Self::$solver => $meaning,)*
@@ -33,9 +33,9 @@ macro_rules! solvers {
 }
 
 solvers! {
-    /// The fastest robust method: for a hard wall [`PreconditionedCg`](Self::PreconditionedCg), followed by
-    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations and again by the former after 5000 more; if little
-    /// touches, the former on few points first (theory.md, section 7.5); for a law with a potential
+    /// The fastest robust method. For a hard wall: [`PreconditionedCg`](Self::PreconditionedCg), then
+    /// [`ProjectedCg`](Self::ProjectedCg) after 100 iterations, and the former again after 5000 more; if few points
+    /// touch, the former on few points first (theory.md, section 7.5). For a law with a potential:
     /// [`Newton`](Self::Newton).
     #[default]
     Auto "auto" "the fastest robust method"
@@ -71,11 +71,11 @@ impl fmt::Display for Solver {
     }
 }
 
-/// Error: no solver has the given name.
+/// Error for an unknown name of a solver.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the solver is {found}; it must be one of {}", Solver::ALL.map(Solver::name).join(", "))]
 pub struct UnknownSolver {
-    /// The name given.
+    /// Name given.
     pub found: String,
 }
 

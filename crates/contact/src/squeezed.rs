@@ -1,4 +1,4 @@
-//! A slab between two rough rigid surfaces, both contacts solved together (theory.md, section 4.3).
+//! Slab between two rough rigid surfaces, with both contacts solved together (theory.md, section 4.3).
 
 mod dual;
 
@@ -19,28 +19,28 @@ use crate::{
     Units, judge,
 };
 
-/// A slab, or a stack of layers, between two rigid surfaces, without friction or adhesion (hard walls). Nothing else
-/// holds the slab: the mean pressures on its two faces are equal. Clones share the data.
+/// Slab, or stack of layers, between two rigid surfaces, without friction or adhesion (hard walls). Nothing else holds
+/// the slab: the mean pressures on its two faces are equal. Clones share the data.
 #[derive(Clone, Debug)]
 pub struct SqueezedContact {
-    /// In `units`.
+    /// Plate, in `units`.
     plate: Plate,
-    /// In `units`.
+    /// Response of the plate, in `units`.
     response: Arc<PlateResponse>,
-    /// The surfaces, in `units`.
+    /// Surfaces, in `units`.
     scaled: [Arc<RigidSurface>; 2],
     surfaces: [Arc<RigidSurface>; 2],
     contact_modulus: f64,
     units: Units,
 }
 
-/// An equilibrated [`SqueezedContact`]. Displacements are measured from the level at which the mean displacements of
-/// the two faces are opposite.
+/// Equilibrated [`SqueezedContact`]. Displacements are measured from the level at which the mean displacements of the
+/// two faces are opposite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SqueezedSolution {
-    /// The contact with the upper surface, with its part of the approach.
+    /// Contact with the upper surface, with its part of the approach.
     pub upper: Solution,
-    /// The contact with the lower surface, as seen from below: its displacement is negative into the slab.
+    /// Contact with the lower surface, seen from below: its displacement is negative into the slab.
     pub lower: Solution,
     /// Approach of the two rigid surfaces to each other beyond the distance at which both touch the undeformed slab.
     pub approach: f64,
@@ -49,13 +49,13 @@ pub struct SqueezedSolution {
 }
 
 impl SqueezedContact {
-    /// The contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above the slab
-    /// and `lower` below it, each with its peaks pointing at the slab, in length. Points with the same indices lie
+    /// Makes the contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above
+    /// the slab and `lower` below it, each in length with peaks towards the slab. Points with the same indices lie
     /// above each other. A constant in the heights has no effect; one of the surfaces may be flat.
     ///
     /// # Errors
-    /// A body that is no slab and no stack of layers; heights of another shape than the grid, not finite, or both flat;
-    /// E* h_rms / L too large or small for a number.
+    /// A body that is no slab and no stack of layers; heights that differ in shape from the grid, are not finite, or
+    /// are both flat; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let plate = Plate::of(body)?;
         let surfaces = [RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()];
@@ -70,21 +70,21 @@ impl SqueezedContact {
         Ok(Self { plate, response, scaled, surfaces, contact_modulus: body.contact_modulus(), units })
     }
 
-    /// The rigid surfaces: the upper, then the lower.
+    /// Returns the rigid surfaces: the upper, then the lower.
     pub fn surfaces(&self) -> [&RigidSurface; 2] {
         self.surfaces.each_ref().map(|surface| &**surface)
     }
 
-    /// Smallest and largest stiffness of the waves of the faces, in stress/length.
+    /// Returns the smallest and largest stiffness of the waves of the faces, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.response.stiffness_range().map(|stiffness| stiffness * self.units.stiffness())
     }
 
-    /// The state of the pressures on the upper and the lower face under `load` with its residuals, from fresh
+    /// Computes the state of the pressures on the upper and the lower face under `load` with its residuals, from fresh
     /// transforms.
     ///
     /// # Errors
-    /// A pressure of another shape than the grid.
+    /// A pressure that differs in shape from the grid.
     pub fn certify(&self, pressures: [&ArrayRef2<f64>; 2], load: Load) -> Result<SqueezedSolution, Refusal> {
         let stress = self.units.stress();
         let mut both = Vec::new();
@@ -98,7 +98,7 @@ impl SqueezedContact {
         Ok(self.given_units(self.certified(both, self.units.drive(load.into()).load)))
     }
 
-    /// As [`certify`](Self::certify), for pressures on both faces, all in `units`.
+    /// Computes the state as [`certify`](Self::certify), for pressures on both faces, all in `units`.
     fn certified(&self, mut pressure: Vec<f64>, load: Load) -> SqueezedSolution {
         let points = self.response.grid().len();
         let mut transforms = PlateTransforms::of(&self.response);
@@ -153,15 +153,15 @@ impl SqueezedContact {
         }
     }
 
-    /// The scale of lengths in the residuals, in `units`: the root of the sum of the squares of the two rms heights,
-    /// unless the approach or the displacement is very small.
+    /// Returns the length scale of the residuals before the displacement is known, in `units`: the root of the sum of
+    /// the squares of the two rms heights, unless the approach is very small.
     fn length_scale(&self, load: Load) -> f64 {
         let [upper, lower] = self.scaled.each_ref().map(|surface| surface.rms_height());
         RigidSurface::scale_of(upper.hypot(lower), load)
     }
 }
 
-/// The largest less the smallest value of a field.
+/// Returns the largest minus the smallest value of a field.
 fn extent_of(field: &[f64]) -> f64 {
     let [lowest, highest] = field
         .iter()
@@ -174,7 +174,7 @@ fn rougher(surfaces: &[Arc<RigidSurface>; 2]) -> &Arc<RigidSurface> {
     if lower.rms_height() > upper.rms_height() { lower } else { upper }
 }
 
-/// The solvers of a [`SqueezedContact`].
+/// Solvers of a [`SqueezedContact`].
 const SOLVERS: [Solver; 2] = [Solver::Auto, Solver::PreconditionedCg];
 
 impl Equilibrium for SqueezedContact {
@@ -246,7 +246,7 @@ impl Equilibrium for SqueezedContact {
 }
 
 impl SqueezedContact {
-    /// The start pressures in `units`, if they are valid.
+    /// Returns the start pressures in `units`, if they are valid.
     fn check_start(&self, start: &SqueezedSolution) -> Result<Vec<f64>, Refusal> {
         let mut both = Vec::new();
         for Solution { pressure, .. } in [&start.upper, &start.lower] {
@@ -289,7 +289,7 @@ impl Resumable for SqueezedContact {
 }
 
 impl SqueezedSolution {
-    /// Normal displacement u_z of the lower face, in length; positive upwards, into the slab.
+    /// Returns the normal displacement u_z of the lower face, in length; positive upwards, into the slab.
     pub fn lower_displacement_z(&self) -> Array2<f64> {
         -&self.lower.displacement
     }
@@ -320,7 +320,7 @@ impl Fields for SqueezedSolution {
         self.effort
     }
 
-    /// The larger residuals of the two faces.
+    /// Returns the larger residuals of the two faces.
     fn residuals(&self) -> Vec<(&'static str, f64)> {
         self.residual().parts().into()
     }
@@ -329,7 +329,7 @@ impl Fields for SqueezedSolution {
         self.upper.scales()
     }
 
-    /// The summary of the upper contact, with the elastic energy by both pressures.
+    /// Returns the summary of the upper contact, with the elastic energy of both pressures.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let [upper, lower] = [&self.upper, &self.lower].map(|face| face.summary_in(scales));
         Summary { elastic_energy: upper.elastic_energy + lower.elastic_energy, ..upper }
@@ -337,7 +337,7 @@ impl Fields for SqueezedSolution {
 }
 
 impl Refined for SqueezedSolution {
-    /// The finer of the two faces.
+    /// Returns the finer scale of the two faces.
     fn length_scale(&self) -> f64 {
         self.upper.length_scale.min(self.lower.length_scale)
     }
@@ -352,8 +352,8 @@ impl Refined for SqueezedSolution {
 }
 
 impl SqueezedSolution {
-    /// The larger residuals of the two faces. If the approach is prescribed, the load's is the difference of the two
-    /// mean pressures over their mean.
+    /// Returns the larger residuals of the two faces. If the approach is prescribed, the load residual is the
+    /// difference of the two mean pressures divided by their mean.
     pub fn residual(&self) -> Residual {
         let [upper, lower] = [&self.upper, &self.lower].map(|face| face.residual);
         let larger = |of: fn(&Residual) -> f64| worst([of(&upper), of(&lower)]);

@@ -17,13 +17,13 @@ use crate::{
     Solved, Solver, judge,
 };
 
-/// A rigid rough surface above an elastic one, without friction or adhesion, where slopes are not small: a point x of
+/// Rigid rough surface above an elastic one, without friction or adhesion, with slopes that are not small. A point x of
 /// the body meets the height at x + u_x, and the traction −p n acts along the normal (−∇h, 1) of the rigid surface,
-/// whose lateral position is fixed. p is the normal force per area of the undeformed surface. Between the points the
-/// heights are those of a [`Spline`].
+/// which is fixed laterally. p is the normal force per area of the undeformed surface. Between the points the heights
+/// follow a [`Spline`].
 ///
-/// The body stays linearly elastic: terms of the size of the strain, over one, are neglected, which depend on its
-/// material.
+/// The body stays linearly elastic: terms of the order of the strain relative to one, which depend on its material, are
+/// neglected.
 #[derive(Clone, Debug)]
 pub struct SteepContact {
     normal: Arc<NormalResponse>,
@@ -32,33 +32,32 @@ pub struct SteepContact {
     clearance: Spline,
 }
 
-/// An equilibrated contact with finite slopes.
+/// Equilibrated contact with finite slopes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SteepSolution {
     /// Pressure, gap, u_z, residuals and effort. The gap is vertical, at the displaced points.
     pub normal: Solution,
     /// u_x and u_y, or u_x on a line, in length.
     pub lateral: Vec<Array2<f64>>,
-    /// Mean traction of the rigid surface on the body along x and y, in stress, which holds the rigid surface in its
+    /// Mean traction of the rigid surface on the body along x and y, in stress. It holds the rigid surface in its
     /// place.
     pub mean_shear: [f64; 2],
-    /// The last change of u_x and u_y over the scale of lengths of the other residuals as they are made consistent with
-    /// the pressure.
+    /// Last change of u_x and u_y as they are made consistent with the pressure, divided by the length scale of the
+    /// other residuals.
     pub lateral_residual: f64,
     scales: Scales,
     elastic_energy: f64,
 }
 
-/// The largest number of steps that make the lateral displacement consistent with a pressure, and of solves of the
-/// contact with small slopes.
+/// Largest number of steps that make the lateral displacement consistent with a pressure.
 const STEPS: usize = 200;
 
 impl SteepSolution {
-    /// The area of contact, projected onto the plane of the rigid surface, over that of the cell. Points in contact
-    /// have moved, and the area between them has changed.
+    /// Computes the contact area projected onto the plane of the rigid surface, divided by the area of the cell. Points
+    /// in contact have moved, and the area between them has changed.
     ///
     /// # Errors
-    /// A lateral displacement of another size than the grid.
+    /// A lateral displacement that differs in size from the grid.
     pub fn projected_area(&self) -> Result<f64, ShapeError> {
         let grid = self.normal.grid();
         let splines = self.lateral.iter().map(|u| Spline::through(grid, &contiguous(u)));
@@ -73,37 +72,37 @@ impl SteepSolution {
     }
 }
 
-/// The number of former steps that each step takes into account.
+/// Number of previous steps used by each step.
 const DEPTH: usize = 4;
 
-/// The precision of the lateral displacement, over h_rms, over the residual so far.
+/// Precision of the lateral displacement, relative to the length scale, divided by the residual so far.
 const PRECISION: f64 = 0.01;
 
-/// Changes of the lateral displacement over h_rms: below the first rounding errors may keep it from settling, above the
-/// second it does not settle.
+/// Changes of the lateral displacement relative to the length scale: below `ROUNDING`, rounding errors may keep it from
+/// settling; above `FAR`, it does not settle.
 const ROUNDING: f64 = 1e-12;
 const FAR: f64 = 1e3;
 
-/// The largest ratio of residuals of successive solves that counts as convergence, and how many solves may exceed it.
+/// Largest ratio of residuals of successive solves that counts as convergence, and number of solves that may exceed it.
 const SLOW: (f64, usize) = (0.9, 8);
 
-/// The displacement by a pressure, with the clearance of the displaced points.
+/// Displacement under a pressure, with the clearance of the displaced points.
 struct Settled {
     /// Tractions t_x, t_y, t_z, component after component.
     traction: Vec<f64>,
     /// u_x, u_y, u_z.
     displacement: Vec<f64>,
     clearance: Vec<f64>,
-    /// The last change of a lateral displacement, in length.
+    /// Last change of a lateral displacement, in length.
     change: f64,
 }
 
 impl SteepContact {
-    /// The contact of `body` with a rigid profile `heights` on `grid`, whose peaks point at the body, in length. A
+    /// Makes the contact of `body` with a rigid profile `heights` on `grid`, in length, with peaks towards the body. A
     /// constant in the heights has no effect.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal.
+    /// Heights that differ in shape from the grid, are not finite, or are all equal.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let surface = RigidSurface::new(grid, heights)?;
         if surface.rms_height() == 0.0 {
@@ -114,15 +113,15 @@ impl SteepContact {
         Ok(Self { normal, full, surface: surface.into(), clearance })
     }
 
-    /// The rigid surface.
+    /// Returns the rigid surface.
     pub fn surface(&self) -> &RigidSurface {
         &self.surface
     }
 
-    /// The state of `pressure` under `load` with its residuals, from fresh transforms.
+    /// Computes the state of `pressure` under `load` with its residuals, from fresh transforms.
     ///
     /// # Errors
-    /// A pressure of another shape than the grid.
+    /// A pressure that differs in shape from the grid.
     pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<SteepSolution, Refusal> {
         let (found, expected) = (pressure.dim().into(), self.surface.grid().points());
         if found != expected {
@@ -131,8 +130,8 @@ impl SteepContact {
         Ok(self.state(pressure.iter().copied().collect(), load, 0.0)?.0)
     }
 
-    /// The displacement by a pressure: the traction depends on the lateral displacement, which it causes. That is found
-    /// to `precision` times the scale of lengths, at most `length_scale`, or as exactly as rounding allows.
+    /// Computes the displacement under a pressure. The lateral displacement, which also changes the traction, is found
+    /// to `precision` times the length scale, at most `length_scale`, or as exactly as rounding allows.
     fn settle(
         &self,
         pressure: &[f64],
@@ -146,7 +145,7 @@ impl SteepContact {
         traction[axes * points..].iter_mut().zip(pressure).for_each(|(t, p)| *t = -p);
         let mut displacement = vec![0.0; (axes + 1) * points];
         let mut lateral = vec![0.0; axes * points];
-        // The clearance that each point meets, and its slopes.
+        // Clearance that each point meets, with its slopes.
         let mut met = vec![(0.0, [0.0; 2]); points];
         let (mut change, mut mixing) = (f64::INFINITY, Anderson::new(DEPTH));
         for _ in 0..STEPS {
@@ -177,8 +176,7 @@ impl SteepContact {
         Settled { traction, displacement, clearance: met.into_iter().map(|(clearance, _)| clearance).collect(), change }
     }
 
-    /// The state of `pressure`, with the heights of the contact with small slopes that has the same gap where the
-    /// pressure is the same.
+    /// Computes the state of `pressure` under `load`. Also returns the clearance of the displaced points.
     ///
     /// # Errors
     /// A displacement that is not finite.
@@ -219,13 +217,13 @@ impl SteepContact {
     }
 }
 
-/// Successive contacts with small slopes, each with the clearance and the displacement that the last one left.
+/// Successive contacts with small slopes, each with the clearance and the displacement left by the last one.
 struct Search<'a> {
     contact: &'a SteepContact,
     load: Load,
     budget: &'a Budget,
     effort: Effort,
-    /// The rigid surface of the next contact, and its solution so far.
+    /// Rigid surface of the next contact, and solution of the last one.
     heights: Array2<f64>,
     small: Option<Solution>,
     mixing: Anderson,
@@ -257,8 +255,8 @@ impl Search<'_> {
         Ok(ending)
     }
 
-    /// The state of the pressure so far, and the heights of the next contact, whose gap is that of the state where the
-    /// pressure is the same; `None` without a pressure.
+    /// Computes the state of the last pressure, and the heights of the next contact, which has the gap of this state at
+    /// the same pressure. Returns `None` without a pressure.
     ///
     /// # Errors
     /// A displacement that is not finite.
@@ -275,7 +273,7 @@ impl Search<'_> {
     }
 }
 
-/// The reason why a search ends at a displaced surface whose contact is refused: the slopes are too large.
+/// Returns the reason why a search ends when the contact of a displaced surface is refused for too large slopes.
 fn why(refusal: &Refusal) -> Why {
     match refusal {
         Refusal::Height { .. } | Refusal::RmsHeight { .. } | Refusal::Digits { .. } => {
@@ -307,8 +305,8 @@ impl Equilibrium for SteepContact {
         self.surface.check_resolution(drive.load, softest, tolerance)
     }
 
-    /// Contacts with small slopes, one after the other, until one agrees with its own displacement. It converges for
-    /// moderate slopes, by about a factor of the slope from one to the next.
+    /// Solves contacts with small slopes, one after the other, until one agrees with its own displacement. The search
+    /// converges for moderate slopes, by about a factor of the slope from one contact to the next.
     fn equilibrate(
         &self,
         drive: Drive,

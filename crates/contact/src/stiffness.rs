@@ -1,5 +1,5 @@
-//! The stiffness of a contact whose points of contact stay: conjugate gradients for the pressure of a uniform
-//! displacement of these points (theory.md, section 7.3).
+//! Stiffness of a contact with fixed points in contact: conjugate gradients for the pressure of a uniform displacement
+//! of these points (theory.md, section 7.3).
 
 mod few;
 
@@ -11,51 +11,50 @@ use crate::dual::Dual;
 use crate::pull_push::Known;
 use crate::{Contact, Effort, Load, Solution};
 
-/// The stiffness of a contact, d(mean pressure)/d(approach) with the points in contact kept. Points at the hardness
-/// keep their pressure.
+/// Stiffness of a contact, d(mean pressure)/d(approach), at fixed points in contact. Points at the hardness keep their
+/// pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
-    /// In stress/length. Infinite in full contact with a body whose mean level is fixed (periodic half-space,
-    /// incompressible slab); NaN for a profile with free boundaries on a half-space, whose displacement is known up to
-    /// a constant.
+    /// Value in stress/length. Infinite in full contact with a body with a fixed mean level (periodic half-space,
+    /// incompressible slab); NaN for a profile with free boundaries on a half-space, where the displacement is known up
+    /// to a constant.
     pub value: f64,
-    /// The largest relative error of `value`, from the residual r of the linear problem with fresh transforms: the
-    /// compliance of the pressure found exceeds the exact one by a part of ⟨r, M r⟩ that the preconditioner M bounds on
-    /// both sides, and `value` takes the middle (theory.md, section 7.3).
+    /// Largest relative error of `value`, from the residual r of the linear problem with fresh transforms. The
+    /// compliance of the pressure found exceeds the exact one by a fraction of ⟨r, M r⟩; the preconditioner M bounds
+    /// this fraction on both sides, and `value` takes the middle (theory.md, section 7.3).
     pub error: f64,
     /// Effort of the solve.
     pub effort: Effort,
 }
 
 impl Stiffness {
-    /// The usual tolerance of a stiffness: five digits are certain.
+    /// Usual tolerance of a stiffness: five digits are certain.
     pub const TOLERANCE: f64 = 5e-6;
 }
 
-/// The least and the largest excess of the compliance over ⟨r, M r⟩ of few points, whose M may be smaller than the
-/// inverse of G, by some 15 %. Measured: 0.9 to 1.2 (256² and 1024², H = 0 and 0.8, half-space and slab, p* to 0.05).
+/// Least and largest excess of the compliance divided by ⟨r, M r⟩ on few points, where M may be smaller than the
+/// inverse of G by some 15 %. Measured: 0.9 to 1.2 (256² and 1024², H = 0 and 0.8, half-space and slab, p* to 0.05).
 const OF_FEW: [f64; 2] = [0.5, 1.5];
 
-/// The least excess of the compliance over ⟨r, M r⟩, over the shortest step of the conjugate gradients so far, which is
-/// a quotient of the inverse of G and M itself. Chosen; measured: 0.95 to 1.1 (the same surfaces, p* to 0.6).
+/// Least excess of the compliance divided by ⟨r, M r⟩ and by the shortest step of the conjugate gradients so far, which
+/// is a quotient of the inverse of G and M itself. Chosen; measured: 0.95 to 1.1 (the same surfaces, p* to 0.6).
 const OF_STEPS: f64 = 0.75;
 
-/// The largest number of corrections on few points.
+/// Largest number of corrections on few points.
 const CORRECTIONS: usize = 3;
 
-/// Largest number of iterations. Some 6 are usual.
+/// Largest number of iterations; some 6 are usual.
 const ITERATIONS: u64 = 2000;
 
-/// The part of the largest stiffness above which that of a uniform displacement, per point in contact, is more than a
-/// rounding error of single precision.
+/// Stiffness of a uniform displacement per point in contact, relative to the largest stiffness, above which it is more
+/// than a rounding error of single precision.
 const ROUNDING: f64 = 1e-4;
 
-/// The residual of points that are not in contact, so large that the preconditioner does not take them for points about
-/// to enter it.
+/// Residual of points out of contact, so large that the preconditioner does not take them for points about to enter it.
 const APART: f32 = 1e30;
 
 impl Contact {
-    /// The stiffness in the state `solution`, with a relative error of at most `tolerance`; 1e-9 can be reached.
+    /// Computes the stiffness in the state `solution` to the relative error `tolerance`; 1e-9 can be reached.
     ///
     /// # Errors
     /// The stiffness reached, if its error exceeds the tolerance, and the reason why the iterations ended.
@@ -65,7 +64,7 @@ impl Contact {
         self.stiffness_of_points(&pressure, upper.ceiling(), tolerance)
     }
 
-    /// The stiffness of the points whose `pressure`, row by row of this process, is between zero and the `hardness`.
+    /// Computes the stiffness of the points with a `pressure`, on the own rows, between zero and the `hardness`.
     pub(crate) fn stiffness_of_points(
         &self,
         pressure: &[f64],
@@ -92,7 +91,7 @@ impl Contact {
         let certified = few.as_mut().and_then(|few| unit.correct(few, tolerance));
         let of_few = |sums| (Ok(()), sums, OF_FEW);
         let (ended, sums, range) = certified.map_or_else(|| unit.solve(tolerance), of_few);
-        // ⟨q, G q⟩ of the pressure q with mean 1 is N times the displacement, whose lowest value is the one sought.
+        // ⟨q, G q⟩ of the pressure q with mean 1 is N times the displacement; its lowest value is the one sought.
         let [work, slope] = sums.map(|sum| sum / n as f64);
         let [middle, half] = middle_of(range);
         let compliance = work - middle * slope + self.uniform_compliance();
@@ -108,32 +107,31 @@ impl Contact {
     }
 }
 
-/// The middle of a range, and half of its width.
+/// Returns the middle of a range, and half of its width.
 fn middle_of([least, most]: [f64; 2]) -> [f64; 2] {
     [0.5 * (most + least), 0.5 * (most - least)]
 }
 
-/// The pressure with mean 1 that displaces all points in contact by the same amount. It has single precision: the error
-/// of the stiffness is quadratic in that of the pressure. Displacements are in the [unit](Preconditioned::unit) of the
-/// compliance.
+/// Pressure with mean 1 that displaces all points in contact by the same amount. It has single precision: the stiffness
+/// error is quadratic in the pressure error. Displacements are in the [unit](Preconditioned::unit) of the compliance.
 struct Unit<'a> {
     dual: Dual<'a>,
-    /// The rows of this process, which all fields have.
+    /// Rows of this process, for all fields.
     share: Share,
-    /// The pressure of the contact, and the hardness: points between zero and this one are in contact.
+    /// Pressure of the contact, and hardness: points between zero and the hardness are in contact.
     contact: &'a [f64],
     hardness: Ceiling<'a>,
-    /// The number of points in contact.
+    /// Number of points in contact.
     count: f64,
-    /// The pressure less its mean over the contact.
+    /// Pressure minus its mean over the contact.
     variation: Vec<f32>,
-    /// G q on the contact, with any constant added.
+    /// G q on the contact, up to a constant.
     residual: Vec<f32>,
     image: Vec<f32>,
-    /// M 1 over its sum, if this is more than rounding errors.
+    /// M 1 divided by its sum, unless the sum is a rounding error.
     constant: Option<Vec<f32>>,
     iterations: u64,
-    /// The shortest step so far, zero without any.
+    /// Shortest step so far, zero before the first.
     shortest: f64,
 }
 
@@ -156,11 +154,11 @@ impl<'a> Unit<'a> {
         }
     }
 
-    /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). Of a half-space M
-    /// has this property; of layers displacements are not continued to distant points, not even constant ones. If few
-    /// points or none are apart, constants are continued to all of them as they are: M 1 vanishes but for rounding
-    /// errors of the `stiffest` wave, and would be no direction. Then means are taken away in place of multiples of M
-    /// 1, which bounds the error no less.
+    /// Makes preconditioned residuals have no sum, and constants no effect: M − M 1 1ᵀ M/(1ᵀ M 1). On a half-space M
+    /// has this property; on layers displacements, even constant ones, are not continued to distant points. If few
+    /// points or none are apart, constants are continued to all of them: M 1 vanishes except for rounding errors of the
+    /// `stiffest` wave and would be no direction. Then means are subtracted instead of multiples of M 1, which bounds
+    /// the error no less.
     fn keep_sums(&mut self, stiffest: f64) {
         self.residual.fill(1.0);
         self.press(0.0);
@@ -173,8 +171,8 @@ impl<'a> Unit<'a> {
         Effort { iterations: self.iterations, transform_pairs: self.dual.pairs() }
     }
 
-    /// Corrects the pressure on few points, each time to some 4e-4 of its error. Returns ⟨q, G q⟩ from fresh transforms
-    /// in double precision, and ⟨r, M r⟩ with the preconditioner of the few points, if that is sufficient.
+    /// Corrects the pressure on few points, each time to some 4e-4 of its error. If that is sufficient, returns ⟨q,
+    /// G q⟩ from fresh transforms in double precision, and ⟨r, M r⟩ with the preconditioner of the few points.
     fn correct(&mut self, few: &mut Few, tolerance: f64) -> Option<[f64; 2]> {
         few.start(self.share.total() as f64 / self.count);
         for _ in 0..CORRECTIONS {
@@ -188,8 +186,8 @@ impl<'a> Unit<'a> {
         None
     }
 
-    /// Conjugate gradients until the error is at most `tolerance`. Returns also ⟨q, G q⟩ and ⟨r, M r⟩ from fresh
-    /// transforms in double precision, and the range of the excess over the latter.
+    /// Runs conjugate gradients until the error is at most `tolerance`. Also returns ⟨q, G q⟩ and ⟨r, M r⟩ from fresh
+    /// transforms in double precision, and the range of the excess divided by ⟨r, M r⟩.
     fn solve(&mut self, tolerance: f64) -> (Result<(), Why>, [f64; 2], [f64; 2]) {
         let mut direction = vec![0.0; self.contact.len()];
         let [mut work, mut slope] = self.begin(&mut direction);
@@ -199,7 +197,7 @@ impl<'a> Unit<'a> {
             let enough = tolerance * work / middle_of(range)[1];
             let ended = match slope.abs() <= enough {
                 true => Some(Ok(())),
-                // A preconditioner that is not positive says nothing of the error.
+                // A preconditioner that is not positive gives no bound of the error.
                 false if slope.is_nan() || slope < 0.0 => Some(Err(Why::NoDescent)),
                 false if self.iterations >= ITERATIONS => Some(Err(Why::Iterations)),
                 false => None,
@@ -209,7 +207,7 @@ impl<'a> Unit<'a> {
                 Some(_) => is_fresh = true,
                 None => {
                     self.step(&mut direction, [last, slope]);
-                    // If the next slope falls as the last one did, it is sufficient, and found from fresh transforms.
+                    // If the next slope falls as the last one did, it suffices and is computed from fresh transforms.
                     is_fresh = last.is_finite() && slope * (slope / last) <= enough;
                     last = slope;
                 }
@@ -218,7 +216,7 @@ impl<'a> Unit<'a> {
         }
     }
 
-    /// ⟨q, G q⟩ and ⟨r, M r⟩ of the uniform pressure, which takes the place of the `pressure`, from single precision.
+    /// Sets `pressure` to the uniform pressure. Returns its ⟨q, G q⟩ and ⟨r, M r⟩ from single precision.
     fn begin(&mut self, pressure: &mut [f32]) -> [f64; 2] {
         let (uniform, hardness) = ((self.share.total() as f64 / self.count) as f32, self.hardness);
         for_each((&mut *pressure, self.contact, hardness), &|_, (pressure, contact, hardness)| {
@@ -232,8 +230,8 @@ impl<'a> Unit<'a> {
         [work, self.precondition()].map(|sum| sum * self.dual.unit())
     }
 
-    /// A step of conjugate gradients along the `direction` that follows from the preconditioned residual in `image`;
-    /// the last slope and this one are ⟨r, M r⟩.
+    /// Makes a step of conjugate gradients along the `direction` that follows from the preconditioned residual in
+    /// `image`; `last` and `slope` are the last and the present ⟨r, M r⟩.
     fn step(&mut self, direction: &mut [f32], [last, slope]: [f64; 2]) {
         let beta = (slope / last) as f32;
         // Rounding errors must not change the sum of the pressure.
@@ -262,7 +260,7 @@ impl<'a> Unit<'a> {
         self.iterations += 1;
     }
 
-    /// `image` ← G `pressure`.
+    /// Computes `image` = G `pressure`.
     fn displace(&mut self, pressure: &[f32]) {
         let Self { dual, image, .. } = self;
         let mut none = vec![(); pressure.len() / dual.stretch()];
@@ -270,7 +268,7 @@ impl<'a> Unit<'a> {
         dual.collect(&mut image[..], |row, image: &mut [f32]| image.copy_from_slice(row), &mut none);
     }
 
-    /// `image` ← M (`residual` − `level`), from the residual of the points in contact.
+    /// Computes `image` = M (`residual` − `level`), from the residual of the points in contact.
     fn press(&mut self, level: f32) {
         let Self { dual, contact, hardness, residual, image, .. } = self;
         for_each((&mut residual[..], *contact, *hardness), &|_, (residual, contact, hardness)| {
@@ -287,7 +285,7 @@ impl<'a> Unit<'a> {
         dual.press(Known { x: contact, gradient: residual, level, upper: *hardness }, image);
     }
 
-    /// Computes M r; returns ⟨r, M r⟩.
+    /// Computes M r. Returns ⟨r, M r⟩.
     fn precondition(&mut self) -> f64 {
         let Self { share, contact, hardness, residual, .. } = &*self;
         let sum = share.sum(&|range| {
@@ -309,7 +307,7 @@ impl<'a> Unit<'a> {
         })
     }
 
-    /// Computes the residual from the pressure in double precision; returns ⟨q, G q⟩.
+    /// Computes the residual from the pressure in double precision. Returns ⟨q, G q⟩.
     fn refresh(&mut self) -> f64 {
         let Self { dual, share, contact, hardness, count, variation, residual, .. } = self;
         let (n, unit) = (share.total() as f64, dual.unit());
@@ -335,7 +333,7 @@ impl<'a> Unit<'a> {
         share.collect(&works, &lengths).iter().sum()
     }
 
-    /// ⟨q, G q⟩ and ⟨r, M r⟩, from fresh transforms in double precision.
+    /// Returns ⟨q, G q⟩ and ⟨r, M r⟩, from fresh transforms in double precision.
     fn certify(&mut self) -> [f64; 2] {
         let work = self.refresh();
         [work, self.precondition() * self.dual.unit()]

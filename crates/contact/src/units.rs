@@ -8,11 +8,11 @@ use gfmd_response::unit_of;
 
 use crate::{Drive, Load, Refusal, RigidSurface};
 
-/// The units in which a contact is solved, in the units of its input.
+/// Units in which a contact is solved, in the units of its input.
 ///
-/// Solvers form squares and products of their variables, which the largest and the smallest numbers do not survive.
-/// Moduli, lengths along the surface and heights that are far from 1 are therefore measured in units of their own size.
-/// All units are powers of two: no digit is lost. In ordinary units they are 1, and nothing is converted.
+/// Solvers form squares and products of their variables, which overflow or vanish for the largest and smallest numbers.
+/// Moduli, lengths along the surface and heights far from 1 are therefore measured in units of their own size. All
+/// units are powers of two, so that no digit is lost. In ordinary units they are 1, and nothing is converted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
     modulus: f64,
@@ -20,7 +20,7 @@ pub struct Units {
     normal: f64,
 }
 
-/// The least magnitude of a mean pressure. Pressures of a billionth of it still have all digits.
+/// Least magnitude of a mean pressure. Pressures of a billionth of it still have all digits.
 const LEAST: f64 = 1e-290;
 
 impl Default for Units {
@@ -30,13 +30,13 @@ impl Default for Units {
 }
 
 impl Units {
-    /// The units of the input.
+    /// Units of the input.
     pub const ONE: Self = Self { modulus: 1.0, lateral: 1.0, normal: 1.0 };
 
-    /// The units of a contact of `body` with `surface`.
+    /// Computes the units of a contact of `body` with `surface`.
     ///
     /// # Errors
-    /// A unit of stress, E* h_rms over the cell length, that is no normal number.
+    /// A unit of stress, E* h_rms divided by the cell length, out of the range of full precision.
     pub fn of(body: &Body, surface: &RigidSurface) -> Result<Self, Refusal> {
         let modulus = body.contact_modulus();
         let units = Self { modulus: unit_of(modulus), ..Self::of_surface(surface) };
@@ -47,17 +47,17 @@ impl Units {
         Ok(units)
     }
 
-    /// The units of lengths of a surface alone.
+    /// Computes the units of length of a surface alone.
     pub(crate) fn of_surface(surface: &RigidSurface) -> Self {
         Self { normal: unit_of(surface.rms_height()), ..Self::of_grid(surface.grid()) }
     }
 
-    /// The unit of lengths along the surface alone.
+    /// Computes the unit of length along the surface alone.
     pub(crate) fn of_grid(grid: &Grid) -> Self {
         Self { lateral: unit_of(longest(grid)), ..Self::ONE }
     }
 
-    /// The unit of gradients.
+    /// Returns the unit of gradients.
     pub(crate) fn gradient(&self) -> f64 {
         self.normal / self.lateral
     }
@@ -67,52 +67,52 @@ impl Units {
         *self == Self::ONE
     }
 
-    /// The unit of moduli.
+    /// Returns the unit of moduli.
     pub fn modulus(&self) -> f64 {
         self.modulus
     }
 
-    /// The unit of lengths along the surface.
+    /// Returns the unit of lengths along the surface.
     pub(crate) fn lateral(&self) -> f64 {
         self.lateral
     }
 
-    /// The unit of heights, gaps and displacements.
+    /// Returns the unit of heights, gaps and displacements.
     pub fn length(&self) -> f64 {
         self.normal
     }
 
-    /// The unit of pressures and tractions.
+    /// Returns the unit of pressures and tractions.
     pub fn stress(&self) -> f64 {
         self.modulus * self.gradient()
     }
 
-    /// The unit of stiffnesses.
+    /// Returns the unit of stiffnesses.
     pub fn stiffness(&self) -> f64 {
         self.modulus / self.lateral
     }
 
-    /// The unit of energies per area.
+    /// Returns the unit of energies per area.
     pub fn energy(&self) -> f64 {
         self.stress() * self.normal
     }
 
-    /// The body in these units.
+    /// Converts the body to these units.
     pub fn body(&self, body: &Body) -> Body {
         if self.are_one() { body.clone() } else { body.in_units(self.modulus, self.lateral) }
     }
 
-    /// The grid in these units.
+    /// Converts the grid to these units.
     pub fn grid(&self, grid: &Grid) -> Grid {
         grid.in_units(self.lateral)
     }
 
-    /// A rigid surface in these units.
+    /// Converts a rigid surface to these units.
     pub fn surface(&self, surface: &Arc<RigidSurface>) -> Arc<RigidSurface> {
         if self.are_one() { Arc::clone(surface) } else { surface.in_units(self).into() }
     }
 
-    /// The drive in these units.
+    /// Converts the drive to these units.
     pub fn drive(&self, drive: Drive) -> Drive {
         let load = match drive.load {
             Load::MeanPressure(mean) => Load::MeanPressure(mean / self.stress()),
@@ -121,7 +121,7 @@ impl Units {
         Drive { load, lateral: drive.lateral.map(|u| u / self.normal), ..drive }
     }
 
-    /// A watcher of a search in these units, which shows `watch` energies and displacements in the units of the input.
+    /// Returns the watcher of a search in these units. It shows `watch` energies and displacements in the input units.
     pub fn shown<'a>(&self, watch: &'a mut dyn Watch) -> impl Watch + use<'a> {
         Shown { watch, units: *self, u: Vec::new() }
     }
@@ -136,7 +136,7 @@ impl Units {
     }
 }
 
-/// A watcher that is shown the units of the input.
+/// Watcher that converts to the units of the input.
 struct Shown<'a> {
     watch: &'a mut dyn Watch,
     units: Units,
@@ -166,7 +166,7 @@ impl Watch for Shown<'_> {
     }
 }
 
-/// The longer side of the cell; the side of a profile.
+/// Returns the longer side of the cell; the side of a profile.
 fn longest(grid: &Grid) -> f64 {
     let sides = if grid.is_line() { 1 } else { 2 };
     grid.lengths()[..sides].iter().copied().fold(0.0, f64::max)

@@ -1,9 +1,9 @@
-//! Shape-preserving cubic interpolation: tables of laws and of bodies as functions.
+//! Shape-preserving cubic interpolation of tabulated laws and bodies.
 //!
 //! Piecewise cubics with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), as in
 //! `scipy.interpolate.PchipInterpolator`: the curve and its slope are continuous, the curve is monotone where the
-//! points are, and no extremum lies between points. The error falls with the third power of the spacing, near an
-//! extremum of the points with the second.
+//! points are, and no extremum lies between points. The error is of third order in the spacing, and of second order
+//! near an extremum of the points.
 //!
 //! ```
 //! use gfmd_curve::Curve;
@@ -19,68 +19,68 @@
 
 use std::fmt;
 
-/// The least number of points of a curve.
+/// Minimum number of points of a curve.
 pub const LEAST: usize = 4;
 
-/// A shape-preserving cubic through points, continued beyond them along its tangents.
+/// A shape-preserving cubic through points, continued along its tangents beyond the first and last point.
 #[derive(Clone, PartialEq)]
 pub struct Curve {
-    /// In rising order: the tangent on the left, one piece between each two points, the tangent on the right.
+    /// In increasing order: left tangent, one piece per interval, right tangent.
     pieces: Vec<Piece>,
 }
 
-/// The cubic y = c₀ + c₁ s + c₂ s² + c₃ s³ of s = x − `start`.
+/// Cubic y = c₀ + c₁ s + c₂ s² + c₃ s³ with s = x − `start`.
 #[derive(Clone, Copy, PartialEq)]
 struct Piece {
-    /// The point where the piece begins; for the tangent on the left, where it ends.
+    /// Abscissa where the piece begins; for the left tangent, where it ends.
     start: f64,
     cubic: [f64; 4],
-    /// The integral from the first point to `start`.
+    /// Integral from the first point to `start`.
     before: f64,
 }
 
-/// Reasons to refuse the points of a curve.
+/// Error in the points of a curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
     /// Too few points.
     #[error("{found} rows; there must be at least {LEAST}")]
     Few {
-        /// The number of points.
+        /// Number of points.
         found: usize,
     },
     /// A coordinate that is not finite.
     #[error("row {row} has {found}; it must have finite numbers")]
     Number {
-        /// The row, from 1.
+        /// Row, counted from 1.
         row: usize,
-        /// The coordinate.
+        /// Coordinate.
         found: f64,
     },
-    /// A point that does not lie to the right of the one before it.
+    /// A point that does not lie to the right of the previous one.
     #[error("row {row} begins with {found}; it must begin with a number above that of row {}, {before}", row - 1)]
     Order {
-        /// The row, from 1.
+        /// Row, counted from 1.
         row: usize,
-        /// The abscissa.
+        /// Abscissa.
         found: f64,
-        /// The abscissa of the point before.
+        /// Abscissa of the previous point.
         before: f64,
     },
     /// A slope or an integral that overflows.
     #[error("slope or integral up to row {row} is not finite; other units of the columns make it so")]
     Overflow {
-        /// The row, from 1.
+        /// Row, counted from 1.
         row: usize,
     },
 }
 
 impl Curve {
-    /// The curve through the points [x, y].
+    /// Creates the curve through the points [x, y].
     ///
     /// # Errors
-    /// Fewer than four points; one that is not finite; abscissae that do not rise; a slope or an integral that is not
-    /// finite.
+    /// Returns an error for fewer than four points, a point that is not finite, abscissae that do not increase, or a
+    /// slope or integral that is not finite.
     pub fn new(points: &[[f64; 2]]) -> Result<Self, CurveError> {
         if points.len() < LEAST {
             return Err(CurveError::Few { found: points.len() });
@@ -121,24 +121,24 @@ impl Curve {
         Ok(Self { pieces })
     }
 
-    /// The abscissae of the first and the last point.
+    /// Returns the abscissae of the first and last point.
     pub fn ends(&self) -> [f64; 2] {
         [self.pieces[0].start, self.pieces[self.pieces.len() - 1].start]
     }
 
-    /// The value and the slope at `x`.
+    /// Returns the value and slope at `x`.
     pub fn at(&self, x: f64) -> [f64; 2] {
         let Piece { start, cubic: [y, slope, bend, twist], .. } = *self.piece(x);
         let s = x - start;
         [y + s * (slope + s * (bend + s * twist)), slope + s * (2.0 * bend + 3.0 * s * twist)]
     }
 
-    /// The integral from the first point to `x`.
+    /// Returns the integral from the first point to `x`.
     pub fn integral(&self, x: f64) -> f64 {
         self.piece(x).integral(x)
     }
 
-    /// The lowest and the highest slope from `from` on, up to the last point; +∞ and −∞ beyond it.
+    /// Returns the lowest and highest slope between `from` and the last point; +∞ and −∞ if `from` is beyond it.
     pub fn slopes(&self, from: f64) -> [f64; 2] {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let mut take = |slope: f64| range = [range[0].min(slope), range[1].max(slope)];
@@ -159,7 +159,7 @@ impl Curve {
         range
     }
 
-    /// The piece at `x`.
+    /// Returns the piece at `x`.
     fn piece(&self, x: f64) -> &Piece {
         let inner = &self.pieces[1..];
         match inner.partition_point(|piece| piece.start <= x) {
@@ -176,7 +176,7 @@ impl fmt::Debug for Curve {
 }
 
 impl Piece {
-    /// The integral from the first point to `x`.
+    /// Returns the integral from the first point to `x`.
     fn integral(&self, x: f64) -> f64 {
         let [y, slope, bend, twist] = self.cubic;
         let s = x - self.start;
@@ -184,7 +184,7 @@ impl Piece {
     }
 }
 
-/// The slopes at the points.
+/// Computes the slopes at the points.
 fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     let widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
     let secants: Vec<f64> =
@@ -192,7 +192,7 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     let last = widths.len() - 1;
     let mut slopes = vec![edge([widths[0], widths[1]], [secants[0], secants[1]])];
     for (width, secant) in widths.windows(2).zip(secants.windows(2)) {
-        // A weighted harmonic mean; none at an extremum.
+        // Weighted harmonic mean; zero at an extremum.
         let is_monotone = secant.iter().all(|s| *s > 0.0) || secant.iter().all(|s| *s < 0.0);
         slopes.push(if is_monotone {
             let weights = [2.0 * width[1] + width[0], width[1] + 2.0 * width[0]];
@@ -205,8 +205,8 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     slopes
 }
 
-/// The slope at the first or last point: that of the parabola through three points, kept between zero and three
-/// secants.
+/// Computes the slope at the first or last point from the parabola through three points, limited to between zero and
+/// three secants.
 fn edge([near, far]: [f64; 2], [secant, next]: [f64; 2]) -> f64 {
     let slope = ((2.0 * near + far) * secant - near * next) / (near + far);
     if slope * secant.signum() <= 0.0 || secant == 0.0 {

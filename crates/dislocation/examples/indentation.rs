@@ -3,9 +3,9 @@
 //!
 //!     cargo run --release -p gfmd-dislocation --example indentation -- [FOLDER] [SURFACES]
 //!
-//! Lengths in µm, stresses in GPa, times in ns. Everything scales with the width of the punch but the dislocations:
-//! Burgers vector, density and strength of sources and obstacles, and the speed of the punch. Each curve is the mean
-//! over some random placings (3, or the second argument).
+//! Lengths in µm, stresses in GPa, times in ns. Everything scales with the width of the punch except the dislocation
+//! quantities: Burgers vector, density and strength of sources and obstacles, and the speed of the punch. Each curve is
+//! the mean over several random placements (3, or the second argument).
 
 #![allow(clippy::print_stdout, reason = "the result of the example")]
 
@@ -24,12 +24,12 @@ use rand_pcg::Pcg64;
 const WIDTHS: [f64; 3] = [0.2, 0.4, 0.8];
 const POINTS: usize = 135;
 const STEPS: usize = 200;
-/// Depth at the end over the width.
+/// Final depth divided by the width.
 const DEPTH: f64 = 0.012;
 const BURGERS: f64 = 2.5e-4;
-/// The distance at which opposite dislocations annihilate.
+/// Distance at which opposite dislocations annihilate.
 const CAPTURE: f64 = 20.0 * BURGERS;
-/// Sources and obstacles per µm².
+/// Numbers of sources and obstacles per µm².
 const DENSITY: [f64; 2] = [12.0, 24.0];
 
 fn crystal(width: f64, seed: u64) -> Result<Crystal, Box<dyn Error>> {

@@ -1,36 +1,36 @@
-//! A row of equal edge dislocations, one in each periodic cell, in an unbounded body (theory.md, section 15.1).
+//! Row of equal edge dislocations, one in each periodic cell, in an unbounded body (theory.md, section 15.1).
 
 use std::f64::consts::PI;
 
 use gfmd_green::Material;
 use num_complex::Complex64;
 
-/// An edge dislocation of a periodic row: one at `place` + (n L, 0) for each integer n.
+/// Edge dislocation of a periodic row: one at `place` + (n L, 0) for each integer n.
 ///
-/// Its Burgers vector is the jump of the displacement along a closed counter-clockwise path in the x-z plane, seen with
+/// The Burgers vector is the jump of the displacement along a closed counter-clockwise path in the x-z plane, seen with
 /// x to the right and z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
-    /// x, and z from the surface (negative inside), in length.
+    /// Coordinates x, and z from the surface (negative inside), in length.
     pub place: [f64; 2],
-    /// The components of the Burgers vector along x and z, in length.
+    /// Components of the Burgers vector along x and z, in length.
     pub burgers: [f64; 2],
 }
 
-/// The stress in plane strain.
+/// Stress in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stress {
-    /// σ_xx.
+    /// Component σ_xx.
     pub xx: f64,
-    /// σ_zz.
+    /// Component σ_zz.
     pub zz: f64,
-    /// σ_xz.
+    /// Component σ_xz.
     pub xz: f64,
 }
 
 impl Stress {
-    /// The resolved shear stress τ on a plane with the unit vector `along` in it: positive if it moves the side to the
-    /// left of `along` forward.
+    /// Returns the resolved shear stress τ on a plane with the unit vector `along` in it, positive if it moves the side
+    /// to the left of `along` forward.
     pub fn resolved(&self, along: [f64; 2]) -> f64 {
         let [c, s] = along;
         (self.zz - self.xx) * s * c + self.xz * (c * c - s * s)
@@ -41,7 +41,7 @@ impl Stress {
     }
 }
 
-/// The elastic constants of an unbounded body, and the period.
+/// Elastic constants of an unbounded body, and the period.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     shear_modulus: f64,
@@ -60,13 +60,13 @@ impl Row {
         }
     }
 
-    /// γ of the potentials φ = γ ln ζ, ψ' = γ̄/ζ + ..., which give the jump B = 2πi γ (κ + 1)/(2μ).
+    /// Returns γ of the potentials φ = γ ln ζ, ψ' = γ̄/ζ + ..., which give the jump B = 2πi γ (κ + 1)/(2μ).
     fn strength(&self, burgers: [f64; 2]) -> Complex64 {
         let jump = Complex64::new(burgers[0], burgers[1]);
         jump * Complex64::new(0.0, -self.shear_modulus / (PI * 4.0 * (1.0 - self.poisson)))
     }
 
-    /// Σ_n 1/(ζ − nL) and Σ_n 1/(ζ − nL)².
+    /// Returns Σ_n 1/(ζ − nL) and Σ_n 1/(ζ − nL)².
     fn sums(&self, zeta: Complex64) -> [Complex64; 2] {
         let k = PI / self.period;
         // With w = e^(2ik ζ), |w| <= 1, no term overflows far away.
@@ -78,7 +78,7 @@ impl Row {
         [first * sign, second]
     }
 
-    /// The stress of the row of `source` at `place`.
+    /// Returns the stress of the row of `source` at `place`.
     pub(crate) fn stress(&self, source: &Edge, place: [f64; 2]) -> Stress {
         let zeta = Complex64::new(place[0] - source.place[0], place[1] - source.place[1]);
         let gamma = self.strength(source.burgers);
@@ -88,13 +88,13 @@ impl Row {
         Stress { xx: 0.5 * (sum - difference.re), zz: 0.5 * (sum + difference.re), xz: 0.5 * difference.im }
     }
 
-    /// The uniform σ_xx far above the row, −E* b_x/(2L), stress; far below the row it has the opposite sign.
+    /// Returns the uniform σ_xx far above the row, −E* b_x/(2L), stress; far below the row it has the opposite sign.
     pub(crate) fn uniform_stress(&self, burgers: [f64; 2]) -> f64 {
         -0.5 * self.contact_modulus * burgers[0] / self.period
     }
 
-    /// The energy (per length along the lines, for each cell) of one row in the field of another, up to a constant: its
-    /// negative gradient is the force on the second.
+    /// Returns the energy (per length along the lines, per cell) of one row in the field of another, up to a constant.
+    /// Its negative gradient is the force on the second.
     pub(crate) fn energy(&self, one: &Edge, other: &Edge) -> f64 {
         let zeta = Complex64::new(other.place[0] - one.place[0], other.place[1] - one.place[1]);
         let gamma = self.strength(one.burgers);
@@ -109,7 +109,7 @@ impl Row {
         (jump.conj() * potential).im
     }
 
-    /// The traction (x, z) of the wave e^(i q x), q > 0, of the row on the plane z = `level`, which faces +z.
+    /// Returns the traction (x, z) of the wave e^(i q x), q > 0, of the row on the plane z = `level`, which faces +z.
     pub(crate) fn wave(&self, source: &Edge, level: f64, q: f64) -> [Complex64; 2] {
         let y = level - source.place[1];
         let gamma = self.strength(source.burgers);

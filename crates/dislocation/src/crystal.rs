@@ -1,78 +1,76 @@
 use crate::{DislocationError, Domain, Edge, State, Step};
 
-/// The slip system: parallel slip planes that meet the surface.
+/// Slip system: parallel slip planes that meet the surface.
 ///
-/// A position on a plane is the distance along the slip direction (cos, sin of the angle) from the surface: negative
-/// inside.
+/// A position on a plane is the distance along the slip direction (cos, sin of the angle) from the surface; negative
+/// inside the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlipSystem {
-    /// The angle of the slip direction with the x axis, in radians: between 0 and π, both excluded.
+    /// Angle of the slip direction with the x axis, in radians: between 0 and π, both excluded.
     pub angle: f64,
-    /// The length of the Burgers vector.
+    /// Length of the Burgers vector.
     pub burgers: f64,
-    /// x of each plane at the surface.
+    /// Coordinate x of each plane at the surface.
     pub planes: Vec<f64>,
-    /// The drag: force per length of line over velocity (stress × time).
+    /// Drag: force per length of line divided by velocity (stress × time).
     pub drag: f64,
-    /// The distance (length) at which dislocations of opposite sign annihilate, and at which they leave through the
-    /// surface.
+    /// Distance (length) at which dislocations of opposite sign annihilate and at which they leave through the surface.
     pub capture: f64,
 }
 
-/// A dislocation on a slip plane. With the sign +1 it moves forward, towards the surface, under a positive resolved
-/// shear stress.
+/// Dislocation on a slip plane. With sign +1 it moves forward, towards the surface, under a positive resolved shear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dislocation {
-    /// The index of its plane.
+    /// Index of its plane.
     pub plane: usize,
-    /// The position on the plane, negative.
+    /// Position on the plane, negative.
     pub place: f64,
-    /// +1 or −1.
+    /// Sign, +1 or −1.
     pub sign: f64,
-    /// The obstacle that holds the dislocation.
+    /// Obstacle that holds the dislocation.
     pub obstacle: Option<usize>,
 }
 
-/// A Frank-Read source: a point that emits a pair of dislocations of opposite signs after the resolved shear stress has
+/// Frank-Read source: a point that emits a pair of dislocations of opposite signs after the resolved shear stress has
 /// exceeded its strength for some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// The index of its plane.
+    /// Index of its plane.
     pub plane: usize,
-    /// The place on the plane.
+    /// Position on the plane.
     pub place: f64,
-    /// The strength, a shear stress.
+    /// Strength, a shear stress.
     pub strength: f64,
-    /// The time for which the stress must exceed the strength.
+    /// Time for which the stress must exceed the strength.
     pub delay: f64,
 }
 
-/// A point that holds dislocations until the resolved shear stress on them exceeds its strength.
+/// Point that holds dislocations until the resolved shear stress on them exceeds its strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
-    /// The index of its plane.
+    /// Index of its plane.
     pub plane: usize,
-    /// The place on the plane.
+    /// Position on the plane.
     pub place: f64,
-    /// The strength, a shear stress.
+    /// Strength, a shear stress.
     pub strength: f64,
 }
 
-/// The changes of the energy (per length along the lines) since the start.
+/// Changes of the energy (per length along the lines) since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// The work of the punch.
+    /// Work of the punch.
     pub work: f64,
-    /// The energy lost to drag.
+    /// Energy lost to drag.
     pub dissipated: f64,
-    /// The change of the energy in nucleations, annihilations and departures, which are jumps.
+    /// Change of the energy in nucleations, annihilations and departures, which are jumps.
     pub jumps: f64,
-    /// Energy now less energy at the start.
+    /// Energy now minus energy at the start.
     pub stored: f64,
 }
 
 impl Balance {
-    /// Work and jumps less dissipated and stored energy: the error of the time steps.
+    /// Returns work and jumps minus dissipated and stored energy: the error of the time steps.
     pub fn error(&self) -> f64 {
         self.work + self.jumps - self.dissipated - self.stored
     }
@@ -81,18 +79,18 @@ impl Balance {
 /// Numbers of events since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Pairs emitted by sources.
+    /// Number of pairs emitted by sources.
     pub nucleated: usize,
-    /// Pairs that annihilated.
+    /// Number of pairs that annihilated.
     pub annihilated: usize,
-    /// Dislocations that left through the surface.
+    /// Number of dislocations that left through the surface.
     pub departed: usize,
-    /// Motions that were shortened so that equal dislocations on one plane do not pass each other; none if the step is
-    /// small enough.
+    /// Number of motions that were shortened to keep equal dislocations on one plane from passing each other; zero if
+    /// the step is small enough.
     pub shortened: usize,
 }
 
-/// A step that may still be refused.
+/// Time step that may still be refused.
 struct Trial {
     moved: Vec<Dislocation>,
     depth: f64,
@@ -102,7 +100,7 @@ struct Trial {
     error: f64,
 }
 
-/// The shortest step of [`Crystal::advance_within`] over the time.
+/// Shortest step of [`Crystal::advance_within`] divided by the total time.
 const SHORTEST: f64 = 1e-4;
 
 /// Dislocations on one slip system in a [`Domain`], which glide against a drag while a punch is pressed in.
@@ -120,8 +118,8 @@ pub struct Crystal {
 }
 
 impl Crystal {
-    /// A crystal with initial `dislocations`, below a punch that touches without load. Their partners are assumed to
-    /// have left through the surface, so that all Burgers vectors on a plane add up to zero.
+    /// Makes a crystal with initial `dislocations` below a punch that touches without load. Their partners are assumed
+    /// to have left through the surface, so that all Burgers vectors on a plane add up to zero.
     ///
     /// # Errors
     /// Values out of range; positions outside the body; planes that do not exist.
@@ -181,27 +179,27 @@ impl Crystal {
         })
     }
 
-    /// The dislocations.
+    /// Returns the dislocations.
     pub fn dislocations(&self) -> &[Dislocation] {
         &self.dislocations
     }
 
-    /// The depth of the punch.
+    /// Returns the depth of the punch.
     pub fn depth(&self) -> f64 {
         self.depth
     }
 
-    /// The current surface and fields.
+    /// Returns the current surface and fields.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The balance of energy since the start.
+    /// Returns the energy balance since the start.
     pub fn balance(&self) -> Balance {
         self.balance
     }
 
-    /// The events since the start.
+    /// Returns the events since the start.
     pub fn events(&self) -> Events {
         self.events
     }
@@ -210,18 +208,18 @@ impl Crystal {
     /// order in the step, then events.
     ///
     /// # Errors
-    /// A step that is not positive and finite; a surface that does not come to equilibrium.
+    /// A step that is not positive and finite; a surface that does not reach equilibrium.
     pub fn advance(&mut self, time: f64, indent: f64) -> Result<(), DislocationError> {
         let trial = self.glide(time, indent)?;
         self.accept(trial, time, indent)
     }
 
-    /// Advances like [`advance`](Self::advance), in as many steps as needed for an error of each dislocation of at most
+    /// Advances like [`advance`](Self::advance) in as many steps as needed for an error of each dislocation of at most
     /// `accuracy` (length) per step: half the difference of its velocities at both ends, times the step. A step is at
     /// least 1e-4 of `time`.
     ///
     /// # Errors
-    /// The errors of [`advance`](Self::advance); an accuracy that is not positive.
+    /// As [`advance`](Self::advance); an accuracy that is not positive.
     pub fn advance_within(&mut self, time: f64, indent: f64, accuracy: f64) -> Result<(), DislocationError> {
         if accuracy.is_nan() || accuracy <= 0.0 {
             return Err(DislocationError::Value { what: "accuracy", found: accuracy, allowed: "positive" });
@@ -241,7 +239,7 @@ impl Crystal {
         Ok(())
     }
 
-    /// A step of Heun's rule, without events.
+    /// Performs a step of Heun's rule, without events.
     fn glide(&self, time: f64, indent: f64) -> Result<Trial, DislocationError> {
         if !(time > 0.0 && time.is_finite()) {
             return Err(DislocationError::Value { what: "time step", found: time, allowed: "positive and finite" });
@@ -272,7 +270,7 @@ impl Crystal {
         self.happen(time)
     }
 
-    /// The glide force on each dislocation: that along the slip direction, per length of line.
+    /// Returns the glide force on each dislocation, the force along the slip direction per length of line.
     fn forces(&self, state: &State, dislocations: &[Dislocation]) -> Result<Vec<f64>, DislocationError> {
         let along = self.slip.direction();
         (0..dislocations.len())
@@ -283,7 +281,7 @@ impl Crystal {
             .collect()
     }
 
-    /// The obstacle that still holds each dislocation.
+    /// Returns the obstacle that still holds each dislocation.
     fn held(&self, forces: &[f64]) -> Vec<Option<usize>> {
         let strong = |obstacle: usize, force: f64| force.abs() <= self.obstacles[obstacle].strength * self.slip.burgers;
         let all = self.dislocations.iter().zip(forces);
@@ -294,8 +292,8 @@ impl Crystal {
         held.iter().zip(forces).map(|(held, force)| if held.is_some() { 0.0 } else { force / self.slip.drag }).collect()
     }
 
-    /// The dislocations after `glides`, which end at obstacles, before other dislocations, at the surface and at the
-    /// base; and the number of those shortened by equal dislocations.
+    /// Returns the dislocations after `glides`, which end at obstacles, before other dislocations, at the surface and
+    /// at the base, and the number of dislocations shortened by equal ones.
     fn moved(&self, held: &[Option<usize>], glides: impl Iterator<Item = f64>) -> (Vec<Dislocation>, usize) {
         let mut shortened = 0;
         let lowest = self.domain.height().map(|height| -height / self.slip.angle.sin());
@@ -322,7 +320,7 @@ impl Crystal {
                     (place, obstacle) = (o.place, Some(number));
                 }
             }
-            // Dislocations that go beyond the surface leave in the events of this step.
+            // Dislocations beyond the surface leave in the events of this step.
             place = place.min(-0.5 * self.slip.capture);
             if let Some(lowest) = lowest {
                 place = place.max(lowest + self.slip.capture);
@@ -356,8 +354,7 @@ impl Crystal {
         Ok(())
     }
 
-    /// Two dislocations of opposite signs on one plane that are within reach of each other, or have passed each other:
-    /// the first such pair.
+    /// Returns the first pair of dislocations of opposite signs on one plane that are within reach of each other.
     fn meeting(&self) -> Option<[usize; 2]> {
         for (i, one) in self.dislocations.iter().enumerate() {
             for (j, other) in self.dislocations.iter().enumerate().skip(i + 1) {
@@ -370,7 +367,7 @@ impl Crystal {
         None
     }
 
-    /// Emits pairs; true if there are any.
+    /// Emits pairs; returns true if there are any.
     fn nucleate(&mut self, time: f64) -> Result<bool, DislocationError> {
         let along = self.slip.direction();
         let [c, s] = along;
@@ -378,7 +375,7 @@ impl Crystal {
         for (source, clock) in &mut self.sources {
             let place = [self.slip.planes[source.plane] + source.place * c, source.place * s];
             let stress = self.state.stress(place, None)?.resolved(along);
-            // A dislocation on the source itself hides it.
+            // A dislocation on the source itself screens it.
             *clock = if stress.abs() > source.strength { *clock + time } else { 0.0 };
             if *clock <= source.delay {
                 continue;
@@ -403,19 +400,19 @@ impl Crystal {
 }
 
 impl SlipSystem {
-    /// The unit vector along the slip planes, towards the surface.
+    /// Returns the unit vector along the slip planes, towards the surface.
     pub fn direction(&self) -> [f64; 2] {
         [self.angle.cos(), self.angle.sin()]
     }
 
-    /// The distance of a new pair at which its attraction balances the strength τ of the source: μ b/(2π (1 − ν) τ),
-    /// length.
+    /// Returns the distance of a new pair at which its attraction balances the strength τ of the source: μ b/(2π (1 −
+    /// ν) τ), length.
     pub fn separation(&self, material: &gfmd_green::Material, strength: f64) -> f64 {
         material.shear_modulus() * self.burgers / (2.0 * std::f64::consts::PI * (1.0 - material.poisson()) * strength)
     }
 }
 
-/// The state of a domain with `dislocations` on their planes, and the steps left by their partners.
+/// Computes the state of a domain with `dislocations` on their planes and the steps left by their partners.
 fn equilibrium(
     domain: &Domain,
     slip: &SlipSystem,
@@ -432,15 +429,15 @@ fn equilibrium(
         jumps[dislocation.plane] += b;
         moment += b * dislocation.place;
     }
-    // Around all dislocations of a plane, from the left side of the step to the right one.
+    // Jump around all dislocations of a plane, from the left side of the step to the right one.
     let steps: Vec<Step> = jumps
         .iter()
         .zip(&slip.planes)
         .filter(|(jump, _)| **jump != 0.0)
         .map(|(jump, x)| Step { x: *x, jump: [jump * c, jump * s] })
         .collect();
-    // Slip raises the mean level by b_z times its length along x; the strain along x that it frees narrows the slab by
-    // Poisson's effect.
+    // Slip raises the mean level by b_z times its length along x. It also frees a strain along x, which narrows the
+    // slab by Poisson's effect.
     let rise = moment * s * c * (1.0 - 2.0 * poisson) / ((1.0 - poisson) * domain.grid().lengths()[0]);
     domain.state(&edges, &steps, rise, depth)
 }

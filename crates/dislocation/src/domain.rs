@@ -12,17 +12,17 @@ use num_complex::Complex64;
 use crate::array::Row;
 use crate::{DislocationError, Edge, Stress};
 
-/// A body in plane strain, periodic along x, whose surface is held by a frictionless flat punch at some points and free
-/// of traction elsewhere.
+/// Body in plane strain, periodic along x. A frictionless flat punch holds some points of its surface; the others are
+/// free of traction.
 ///
-/// The state with dislocations in it is the sum of their fields in an unbounded body and of an image field without
+/// The state with dislocations is the sum of their fields in an unbounded body and of an image field without
 /// singularities, which restores the conditions at the surface and at the base (van der Giessen and Needleman 1995).
 /// The image field is a boundary-value problem of the surface alone (theory.md, section 15.2).
 #[derive(Clone, Debug)]
 pub struct Domain {
     body: Body,
     below: Body,
-    /// The layer of a slab; `None` for a half-space.
+    /// Layer of a slab; `None` for a half-space.
     layer: Option<Layer>,
     response: Arc<FullResponse>,
     held: Vec<bool>,
@@ -30,17 +30,16 @@ pub struct Domain {
     tolerance: f64,
 }
 
-/// A jump of the surface displacement where dislocations have left the body: `jump` (x, z; length) between both sides
-/// of `x`.
+/// Jump of the surface displacement where dislocations have left the body: `jump` (x, z; length) across `x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// The position on the surface.
+    /// Position on the surface.
     pub x: f64,
-    /// The displacement on the right less that on the left.
+    /// Displacement on the right minus displacement on the left.
     pub jump: [f64; 2],
 }
 
-/// The state of a [`Domain`]: surface and image field in equilibrium with the dislocations.
+/// State of a [`Domain`]: surface and image field in equilibrium with the dislocations.
 #[derive(Clone, Debug)]
 pub struct State {
     domain: Domain,
@@ -49,9 +48,9 @@ pub struct State {
     surface: Vec<[Complex64; 2]>,
     /// Image displacement of the base.
     base: Vec<[Complex64; 2]>,
-    /// The uniform part of σ_xx, without that of the rows.
+    /// Uniform part of σ_xx, without the contribution of the rows.
     uniform: f64,
-    /// The mean pressure of the punch over the whole surface.
+    /// Mean pressure of the punch over the whole surface.
     mean_pressure: f64,
     pressure: Vec<f64>,
     displacement: Vec<f64>,
@@ -59,10 +58,10 @@ pub struct State {
 }
 
 impl Domain {
-    /// A domain below the points of `grid` that are `held` by the punch; with none of them the surface is free.
+    /// Makes a domain below the points of `grid` that are `held` by the punch. Without held points the surface is free.
     ///
     /// # Errors
-    /// A body that is not a half-space or one slab on a bonded base; a grid that is no line or has an even number of
+    /// A body other than a half-space or one slab on a bonded base; a grid that is not a line or has an even number of
     /// points; a mask of another length.
     pub fn new(body: &Body, grid: &Grid, held: &[bool]) -> Result<Self, DislocationError> {
         if body.second().is_some() || *body.base() != Base::BONDED {
@@ -90,17 +89,17 @@ impl Domain {
         })
     }
 
-    /// The grid of the surface.
+    /// Returns the grid of the surface.
     pub fn grid(&self) -> &Grid {
         self.response.grid()
     }
 
-    /// The material.
+    /// Returns the material.
     pub fn material(&self) -> &Material {
         self.body.material()
     }
 
-    /// The height of a slab.
+    /// Returns the height of a slab.
     pub fn height(&self) -> Option<f64> {
         match self.body.height() {
             Height::Finite(height) => Some(height),
@@ -108,14 +107,14 @@ impl Domain {
         }
     }
 
-    /// The state with dislocations `edges`, `steps` on the surface, and the punch pressed in by `depth` (length).
+    /// Computes the state with dislocations `edges`, `steps` on the surface, and the punch at `depth` (length).
     ///
     /// The Burgers vectors of edges and steps together must add up to zero on each slip plane, otherwise the
-    /// displacement is not periodic; this is not checked. `rise` is the mean height (length) that slip and the mean
-    /// strain of the dislocations give the surface.
+    /// displacement is not periodic; this is not checked. `rise` is the mean height (length) of the surface due to slip
+    /// and the mean strain of the dislocations.
     ///
     /// # Errors
-    /// A dislocation outside the body; a surface that does not come to equilibrium.
+    /// A dislocation outside the body; a surface that does not reach equilibrium.
     pub fn state(&self, edges: &[Edge], steps: &[Step], rise: f64, depth: f64) -> Result<State, DislocationError> {
         let lowest = self.height().unwrap_or(f64::INFINITY);
         for edge in edges {
@@ -188,7 +187,7 @@ impl Domain {
         2.0 * PI * m as f64 / self.grid().lengths()[0]
     }
 
-    /// The rows at the surface and at the base, wave by wave from the first.
+    /// Returns the rows at the surface and at the base, wave by wave from the first.
     fn waves(&self, edges: &[Edge]) -> Vec<Wave> {
         let waves = 1..self.grid().spectrum_len();
         waves
@@ -202,7 +201,7 @@ impl Domain {
                     }
                     sum
                 };
-                // Above the rows is a half-space upside down, below them one that is loaded on its surface.
+                // Above the rows is an upside-down half-space, below them a half-space loaded on its surface.
                 let traction = at(0.0);
                 let [x, z] = times(&compliance, [-traction[0], traction[1]]);
                 let top = Face { traction, displacement: [x, -z] };
@@ -219,8 +218,8 @@ impl Domain {
             .collect()
     }
 
-    /// The energy of a wave per area, for either sign of the wave number, less that of the rows in an unbounded body:
-    /// half the surface integral of t·u + t_r·u − t·u_r, with r for the rows (theory.md, section 15.3).
+    /// Returns the energy of a wave per area, for either sign of the wave number, minus the energy of the rows in an
+    /// unbounded body: half the surface integral of t·u + t_r·u − t·u_r, with r for the rows (theory.md, section 15.3).
     fn wave_energy(&self, m: usize, wave: &Wave, image: [Complex64; 2], added: [Complex64; 2]) -> f64 {
         let (top, base) = (&wave.top, &wave.base);
         let traction = add(add(added, wave.from_base), top.traction);
@@ -238,8 +237,8 @@ impl Domain {
         0.5 * twice
     }
 
-    /// The energy of the rows in an unbounded body and of the uniform strain that keeps what is far below them
-    /// unstrained, per length along the lines for each cell.
+    /// Returns the energy of the rows in an unbounded body and of the uniform strain that keeps the body far below
+    /// unstrained, per length along the lines and per cell.
     fn rows_energy(&self, edges: &[Edge]) -> f64 {
         let mut energy = 0.0;
         for (i, edge) in edges.iter().enumerate() {
@@ -250,8 +249,8 @@ impl Domain {
         energy + 0.5 * self.material().contact_modulus() / self.grid().lengths()[0] * -(jump * moment)
     }
 
-    /// The image field of a body whose base is at rest: traction and displacement of the surface, x then z, from the
-    /// traction on free points and the height of held points.
+    /// Computes the image field of a body with its base at rest: traction and displacement of the surface, x then z,
+    /// from the traction on free points and the height of held points.
     fn image(
         &self,
         shear: &[f64],
@@ -277,7 +276,7 @@ impl Domain {
 }
 
 impl Step {
-    /// The height of a saw-tooth of mean zero with this jump.
+    /// Returns the height of a saw-tooth of mean zero with this jump.
     fn at(&self, x: f64, period: f64) -> f64 {
         let phase = (x - self.x).rem_euclid(period) / period;
         self.jump[1] * (0.5 - phase)
@@ -285,34 +284,34 @@ impl Step {
 }
 
 impl State {
-    /// The dislocations.
+    /// Returns the dislocations.
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }
 
-    /// The mean pressure over the whole surface, in stress.
+    /// Returns the mean pressure over the whole surface, in stress.
     pub fn mean_pressure(&self) -> f64 {
         self.mean_pressure
     }
 
-    /// The pressure at each point of the surface, stress. It may be negative (tension), since the punch does not
-    /// separate from the surface.
+    /// Returns the pressure at each point of the surface, stress. It may be negative (tension), since the punch does
+    /// not separate from the surface.
     pub fn pressure(&self) -> &[f64] {
         &self.pressure
     }
 
-    /// The displacement u_z of each point of the surface.
+    /// Returns the displacement u_z of each point of the surface.
     pub fn displacement(&self) -> &[f64] {
         &self.displacement
     }
 
-    /// The elastic energy of a cell per length along the lines (force), up to the constant energy of each dislocation
-    /// line. In a half-space the uniform compression below the punch, whose energy has no bound, is left out.
+    /// Returns the elastic energy of a cell per length along the lines (force), up to the constant energy of each
+    /// dislocation line. A half-space excludes the uniform compression below the punch, which has unbounded energy.
     pub fn energy(&self) -> f64 {
         self.energy
     }
 
-    /// The stress at `place` without the dislocations themselves: the image field.
+    /// Returns the stress at `place` without the dislocations themselves: the image field.
     ///
     /// # Errors
     /// A place outside the body.
@@ -322,7 +321,7 @@ impl State {
         let poisson = material.poisson();
         let depth = -place[1];
         let above = domain.body.at_depth(depth)?;
-        // The same slab upside down: what the base does to its inside.
+        // The same slab upside down: the effect of the base.
         let mirrored = domain.height().map(|height| domain.body.at_depth(height - depth)).transpose()?;
         let mut sum = [0.0; 3];
         let turn = Complex64::cis(2.0 * PI * place[0] / domain.grid().lengths()[0]);
@@ -349,7 +348,7 @@ impl State {
         Ok(Stress { xx: xx + lateral, zz: zz - self.mean_pressure, xz })
     }
 
-    /// The stress at `place`, without the singular field of the dislocation number `but`.
+    /// Returns the stress at `place`, without the singular field of the dislocation number `but`.
     ///
     /// # Errors
     /// A place outside the body.
@@ -359,10 +358,10 @@ impl State {
         Ok(rows.fold(self.image_stress(place)?, Stress::plus))
     }
 
-    /// The Peach-Koehler force (x, z; force per length) on the dislocation number `index`.
+    /// Returns the Peach-Koehler force (x, z; force per length) on the dislocation number `index`.
     ///
     /// # Errors
-    /// None for a dislocation of this state.
+    /// Never fails for a dislocation of this state.
     pub fn force(&self, index: usize) -> Result<[f64; 2], DislocationError> {
         let Edge { place, burgers: [bx, bz] } = self.edges[index];
         let stress = self.stress(place, Some(index))?;
@@ -370,7 +369,7 @@ impl State {
     }
 }
 
-/// The q·depth beyond which a wave has decayed: e^(−40) is below 1e-17.
+/// Value of q·depth beyond which a wave has decayed: e^(−40) is below 1e-17.
 const FAR: f64 = 40.0;
 
 /// Traction (x, z) on a plane that faces +z, and displacement, of the rows in an unbounded body.
@@ -380,7 +379,7 @@ struct Face {
     displacement: [Complex64; 2],
 }
 
-/// The rows at the surface and at the base, and the traction on the held surface when the base is brought back to rest.
+/// Rows at the surface and at the base, and the traction on the held surface when the base is brought back to rest.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wave {
     top: Face,

@@ -6,25 +6,25 @@ use gfmd_mixed::MixedError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DislocationError {
-    /// A body with layers, another base, or a second body.
+    /// A body with layers, a base that is not bonded, or a second body.
     #[error(
         "the body has layers, a base that is not bonded, or a second body; it must be a half-space or one bonded slab"
     )]
     Body,
-    /// An even number of points, of which the shortest wave is its own mirror image.
+    /// An even number of points. The shortest wave on it is its own mirror image.
     #[error("the line has {found} points; their number must be odd and at least 3")]
     Points {
-        /// The number of points.
+        /// Number of points.
         found: usize,
     },
     /// A parameter out of range.
     #[error("the {what} is {found}; it must be {allowed}")]
     Value {
-        /// The parameter.
+        /// Name of the parameter.
         what: &'static str,
-        /// The value given.
+        /// Value given.
         found: f64,
-        /// The values allowed.
+        /// Values allowed.
         allowed: &'static str,
     },
     /// A dislocation, source or obstacle that is not inside the body.
@@ -33,31 +33,31 @@ pub enum DislocationError {
          excluded"
     )]
     Place {
-        /// The index of the slip plane.
+        /// Index of the slip plane.
         plane: usize,
-        /// The place, along the slip direction, from the surface.
+        /// Position along the slip direction from the surface.
         found: f64,
-        /// The place of the base.
+        /// Position of the base.
         lowest: f64,
     },
     /// A slip plane that does not exist.
     #[error("slip plane {found} does not exist; there are {planes}")]
     Plane {
-        /// The index.
+        /// Index given.
         found: usize,
-        /// The number of slip planes.
+        /// Number of slip planes.
         planes: usize,
     },
-    /// An impossible grid.
+    /// An invalid grid.
     #[error(transparent)]
     Grid(#[from] GridError),
     /// A mask or field of another grid.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// An impossible place.
+    /// An invalid place.
     #[error(transparent)]
     Green(#[from] GreenError),
-    /// A surface that does not come to equilibrium.
+    /// A surface that does not reach equilibrium.
     #[error(transparent)]
     Surface(#[from] MixedError),
 }

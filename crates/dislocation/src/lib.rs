@@ -1,23 +1,22 @@
-//! Green's function dislocation dynamics in plane strain: edge dislocations glide on one slip system below a rigid flat
-//! punch without friction, so that plasticity comes from dislocations and contact from the elastic response of the
-//! surface (Venugopalan, Müser and Nicola 2017; discrete dislocation plasticity: van der Giessen and Needleman 1995).
+//! Green's function dislocation dynamics in plane strain. Edge dislocations glide on one slip system below a rigid flat
+//! punch without friction: plasticity comes from dislocations and contact from the elastic response of the surface
+//! (Venugopalan, Müser and Nicola 2017; discrete dislocation plasticity: van der Giessen and Needleman 1995).
 //!
 //! Fields of dislocations in an unbounded body are in closed form for periodic rows. A smooth image field restores the
-//! conditions at the surface and at the base; it is a boundary-value problem of the surface alone, solved by
-//! `gfmd-mixed` with the compliance of the body ([`Domain::state`]). Forces are those of Peach and Koehler. Sources
-//! emit pairs, obstacles hold dislocations, opposite ones annihilate, and those that reach the surface leave a step
+//! conditions at the surface and at the base. It is a boundary-value problem of the surface alone, solved by
+//! `gfmd-mixed` with the compliance of the body ([`Domain::state`]). Forces are Peach-Koehler forces. Sources emit
+//! pairs, obstacles hold dislocations, opposite ones annihilate, and dislocations that reach the surface leave a step
 //! ([`Crystal`]).
 //!
 //! - [`Edge`], [`Stress`]: dislocations with any Burgers vector, and stresses.
-//! - [`Domain`], [`State`]: body, punch, and their equilibrium with given dislocations: pressure, stresses, forces,
-//!   energy.
+//! - [`Domain`], [`State`]: body, punch, and equilibrium with given dislocations: pressure, stresses, forces, energy.
 //! - [`Crystal`]: dynamics on a [`SlipSystem`], with a [`Balance`] of energy.
 //!
 //! The image field consists of the waves of the grid: within about two spacings of the surface the image force is too
 //! weak. Strains are small; the body is a half-space or one slab on a bonded base; the mean strain along x is zero far
 //! below. The punch does not separate under tension. Equations: theory.md, section 15.
 //!
-//! The force on one dislocation below a free surface is that of its image (Head 1953):
+//! The force on one dislocation below a free surface is the force of its image (Head 1953):
 //!
 //! ```
 //! use gfmd_dislocation::{Domain, Edge};

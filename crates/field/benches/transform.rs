@@ -2,8 +2,8 @@
 //! if it is installed.
 //!
 //! `cargo bench -p gfmd-field` prints times and points per second, then ratios of times measured in turn, which are
-//! reliable on a busy machine, too; below 1 this crate is faster. With `--no-default-features` the transform runs
-//! without its hints to the cache.
+//! also reliable on a busy machine; below 1 this crate is faster. With `--no-default-features` the transform runs
+//! without cache hints.
 #![expect(clippy::print_stdout, reason = "the ratios are what it is for")]
 
 #[path = "transform/fftw.rs"]
@@ -28,7 +28,7 @@ struct Ours<T> {
 }
 
 impl<T: Real> Ours<T> {
-    /// With one thread the work stays on the calling thread, otherwise it uses the pool of all threads.
+    /// Creates the benchmark. One thread works on the calling thread, several threads on a pool.
     fn new(n: usize, threads: usize) -> Self {
         let grid = Grid::square(n, 1.0).expect("sizes are positive");
         let transform = Transform::new(grid);
@@ -75,7 +75,7 @@ fn field(n: usize) -> Vec<f64> {
     (0..n * n).map(|i| (0.618_034 * i as f64).fract()).collect()
 }
 
-/// The numbers of threads: one, and all.
+/// Returns the numbers of threads: one, and all.
 fn threads() -> Vec<usize> {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     if all > 1 { vec![1, all] } else { vec![1] }
@@ -102,7 +102,7 @@ fn times(criterion: &mut Criterion) {
     }
 }
 
-/// The median seconds of each function, all run in turn.
+/// Returns the median time of each function in seconds; all functions run in turn.
 fn in_turn<const K: usize>(n: usize, mut runs: [&mut dyn FnMut(); K]) -> [f64; K] {
     let repeats = ((1 << 21) / (n * n)).clamp(1, 200);
     let mut seconds = [const { Vec::new() }; K];

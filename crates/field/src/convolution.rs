@@ -5,13 +5,13 @@ use gfmd_vector::Split;
 use crate::plan::Plan;
 use crate::{Grid, GridError, Real, ShapeError, Workspace};
 
-/// The convolution of fields on a patch that does not repeat, `out(r) = Σ_s k(r − s) f(s)` over the points s of the
-/// grid, with a kernel that is even in both directions. It is built once and shared between threads.
+/// Convolution of fields on a non-periodic patch, `out(r) = Σ_s k(r − s) f(s)` over the points s of the grid, with a
+/// kernel that is even in both directions. Built once and shared between threads.
 ///
-/// Fields are zero outside the patch: the sum becomes a product of spectra on a cell of twice the points in each
-/// direction (Hockney 1970). The zeros are neither stored nor transformed along y, and a quarter of the kernel's
-/// spectrum is stored. Memory is about one field, and two in each [`Workspace`]; the result has the same bits for any
-/// number of threads.
+/// Fields are zero outside the patch: the sum becomes a product of spectra on a cell with twice the points in each
+/// direction (Hockney 1970). The zeros are neither stored nor transformed along y, and a quarter of the kernel spectrum
+/// is stored. Memory is about one field, and two in each [`Workspace`]; the result has the same bits for any number of
+/// threads.
 ///
 /// ```
 /// use gfmd_field::{Convolution, Grid};
@@ -44,12 +44,12 @@ impl<T: Real> Convolution<T> {
         Self { grid, plan, kernel }
     }
 
-    /// The grid of the fields.
+    /// Returns the grid of the fields.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
+    /// Allocates all memory for calls, for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace<T> {
         self.plan.workspace()
     }
@@ -57,16 +57,16 @@ impl<T: Real> Convolution<T> {
     /// Computes `out` = Σ k `field`.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn apply(&self, field: &[T], out: &mut [T], ws: &mut Workspace<T>) -> Result<(), ShapeError> {
         self.plan.convolve(&self.kernel, field, out, ws)
     }
 
-    /// The first half of [`apply`](Self::apply), for a field that is generated row by row; see
+    /// Runs the first half of [`apply`](Self::apply), for a field that is generated row by row; see
     /// [`Transform::convolve_ahead`](crate::Transform::convolve_ahead).
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn apply_ahead<I: Split>(
         &self,
         input: I,
@@ -76,10 +76,10 @@ impl<T: Real> Convolution<T> {
         self.plan.ahead(&self.kernel, input, source, ws)
     }
 
-    /// The second half; see [`Transform::convolve_back`](crate::Transform::convolve_back).
+    /// Runs the second half; see [`Transform::convolve_back`](crate::Transform::convolve_back).
     ///
     /// # Errors
-    /// Outputs or a workspace that do not fit the grid.
+    /// Returns an error if outputs or the workspace do not fit the grid.
     pub fn apply_back<O: Split>(
         &self,
         output: O,
@@ -89,10 +89,10 @@ impl<T: Real> Convolution<T> {
         self.plan.back(output, sink, ws)
     }
 
-    /// Returns Σ_r f(r) Σ_s k(r − s) f(s). It takes about half the work of [`apply`](Self::apply).
+    /// Returns Σ_r f(r) Σ_s k(r − s) f(s), with about half the work of [`apply`](Self::apply).
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn quadratic_form(&self, field: &[T], ws: &mut Workspace<T>) -> Result<f64, ShapeError> {
         let [nx, ny] = self.plan.points();
         Ok(self.plan.quadratic_form(&self.kernel, field, ws)? * (nx * ny) as f64)
@@ -100,19 +100,19 @@ impl<T: Real> Convolution<T> {
 }
 
 impl Convolution {
-    /// The largest magnitude in the spectrum of the kernel: the largest amplification of a wave.
+    /// Returns the largest magnitude in the spectrum of the kernel, the largest amplification of a wave.
     pub fn largest(&self) -> f64 {
         self.kernel.iter().fold(0.0, |largest, k| k.abs().max(largest))
     }
 
-    /// The convolution whose kernel at no distance is larger by `part`, which adds `part` times the field.
+    /// Adds `part` to the kernel at zero distance, which adds `part` times the field to the result.
     #[must_use]
     pub fn with_own(&self, part: f64) -> Self {
         let plan = Plan::new(&self.grid, self.plan.points());
         Self { grid: self.grid, plan, kernel: self.kernel.iter().map(|k| k + part).collect() }
     }
 
-    /// The convolution with `factor` times the kernel, in single precision.
+    /// Returns the convolution with `factor` times the kernel, in single precision.
     pub fn rounded(&self, factor: f64) -> Convolution<f32> {
         let plan = Plan::new(&self.grid, self.plan.points());
         Convolution { grid: self.grid, plan, kernel: self.kernel.iter().map(|k| (k * factor) as f32).collect() }
@@ -126,11 +126,11 @@ impl<T> fmt::Debug for Convolution<T> {
 }
 
 impl Grid {
-    /// The periodic cell in which a patch on this grid does not overlap its images: the same spacing, and at least
-    /// twice the points along each axis with more than one point, an even product of 2, 3, 5 and 7.
+    /// Returns the periodic cell in which a patch on this grid does not overlap its images. It has the same spacing,
+    /// and along each axis with more than one point at least twice the points, an even product of 2, 3, 5 and 7.
     ///
     /// # Errors
-    /// More points than memory can address.
+    /// Returns an error if the cell has more points than memory can address.
     pub fn padded(&self) -> Result<Self, GridError> {
         let points = self.points().map(|points| if points == 1 { 1 } else { padded_length(points) });
         let spacing = self.spacing();
@@ -138,7 +138,7 @@ impl Grid {
     }
 }
 
-/// The least even product of 2, 3, 5 and 7, for which transforms are fast, that is at least twice as large.
+/// Returns the smallest even product of 2, 3, 5 and 7 (fast to transform) that is at least twice `points`.
 fn padded_length(points: usize) -> usize {
     let is_smooth = |length: &usize| {
         let mut rest = *length;

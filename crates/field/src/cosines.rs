@@ -11,10 +11,10 @@ use crate::{Grid, Real, ShapeError};
 use gfmd_plan::Plans as _;
 
 /// Operators that are diagonal in the cosine waves of a patch, cos(π m (i + ½)/nx) cos(π n (j + ½)/ny), for fields
-/// continued beyond the edges by mirroring. Planned once and shared between threads.
+/// mirrored beyond the edges. Planned once and shared between threads.
 ///
-/// A kernel has one value for each wave, `[n, m]` (transposed: m is contiguous). A grid with one point along an axis is
-/// a single row. The result has the same bits for any number of threads.
+/// A kernel has one value per wave, `[n, m]` (transposed: m is contiguous). A grid with one point along an axis is a
+/// single row. The result has the same bits for any number of threads.
 ///
 /// ```
 /// use gfmd_field::{Cosines, Grid, Rows};
@@ -37,21 +37,21 @@ use gfmd_plan::Plans as _;
 /// ```
 pub struct Cosines<T = f64> {
     grid: Grid,
-    /// The number of rows, and of points in each.
+    /// Number of rows, and of points in each row.
     shape: [usize; 2],
     along_x: Arc<dyn TransformType2And3<T>>,
     along_y: Arc<dyn TransformType2And3<T>>,
 }
 
-/// The working memory of one caller of [`Cosines`]: two fields.
+/// Working memory of one caller of [`Cosines`]: two fields.
 pub struct CosineWorkspace<T = f64> {
     rows: Vec<T>,
     columns: Vec<T>,
 }
 
-/// The least number of values in the rows that a thread takes at a time.
+/// Smallest number of values in the rows that a thread takes at a time.
 const PORTION: usize = 1 << 13;
-/// The side of the squares in which a field is transposed: two of them fit the first-level cache.
+/// Side of the square tiles of a transposition; two tiles fit the first-level cache.
 const TILE: usize = 32;
 
 impl<T: Real> Cosines<T> {
@@ -62,17 +62,17 @@ impl<T: Real> Cosines<T> {
         Self { grid, shape, along_x, along_y }
     }
 
-    /// Allocates the memory that a call needs.
+    /// Allocates the memory for a call.
     pub fn workspace(&self) -> CosineWorkspace<T> {
         CosineWorkspace { rows: vec![T::ZERO; self.grid.len()], columns: vec![T::ZERO; self.grid.len()] }
     }
 
-    /// Multiplies every wave of the field whose rows `source(i, input, row)` fills by its value of the `kernel`;
-    /// `sink(i, row, output)` gets each row of the result. Inputs and outputs are those of
-    /// [`Transform::convolve_rows`](crate::Transform::convolve_rows).
+    /// Multiplies every wave of a field by its value of the `kernel`. `source(i, input, row)` fills the rows of the
+    /// field, and `sink(i, row, output)` gets each row of the result; see
+    /// [`Transform::convolve_rows`](crate::Transform::convolve_rows) for inputs and outputs.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn apply<I: Split, O: Split>(
         &self,
         kernel: &[T],
@@ -110,10 +110,9 @@ impl<T: Real> Cosines<T> {
 }
 
 impl Cosines {
-    /// The quotients ⟨c, K c⟩/⟨c, c⟩ of every cosine wave c, laid out as a kernel, for the convolution K on the patch
-    /// with the even kernel `kernel([i, j])` (see [`Convolution`](crate::Convolution)). Of all operators that are
-    /// diagonal in the cosines, the one with these values is nearest to K, and it is positive definite if K is (Chan,
-    /// Chan and Wong 1999).
+    /// Returns the quotients ⟨c, K c⟩/⟨c, c⟩ of every cosine wave c, laid out as a kernel, for the convolution K on the
+    /// patch with the even kernel `kernel([i, j])` (see [`Convolution`](crate::Convolution)). They define the operator
+    /// diagonal in the cosines that is nearest to K; it is positive definite if K is (Chan, Chan and Wong 1999).
     pub fn quotients(&self, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Vec<f64> {
         let [nx, ny] = self.shape;
         let is_line = self.grid.is_line();
@@ -172,12 +171,12 @@ fn each_row<T: Real, V: Split>(
     );
 }
 
-/// The least number of rows that a thread takes at a time.
+/// Returns the smallest number of rows that a thread takes at a time.
 fn portion(length: usize) -> usize {
     1 + PORTION / length
 }
 
-/// `out` ← the transpose of `field`, which has rows of `length` values.
+/// Transposes `field`, which has rows of `length` values, into `out`.
 fn transpose<T: Real>(field: &[T], length: usize, out: &mut [T]) {
     let rows = field.len() / length;
     out.par_chunks_mut(TILE * rows).enumerate().for_each(|(strip, out)| {

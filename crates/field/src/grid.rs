@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use gfmd_vector::Share;
 use num_complex::Complex64;
 
-/// A periodic rectangular cell and the points on it: point `[i, j]` lies at `(i Lx/nx, j Ly/ny)`.
+/// Periodic rectangular cell and the points on it: point `[i, j]` lies at `(i Lx/nx, j Ly/ny)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     points: [usize; 2],
@@ -14,12 +14,11 @@ pub struct Grid {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// Integer wave numbers (m, n): `−⌊nx/2⌋ ≤ m ≤ ⌈nx/2⌉−1`, likewise n. The number along the halved axis is never
-    /// negative, except at Nyquist, which is `−n/2` as in the full spectrum.
+    /// negative, except at Nyquist, where it is `−n/2` as in the full spectrum.
     pub number: [i64; 2],
     /// Wave vector `(2π m/Lx, 2π n/Ly)` in rad/length.
     pub wavevector: [f64; 2],
-    /// The number of modes of the full spectrum that this mode represents: 2, or 1 at zero and Nyquist of the halved
-    /// axis.
+    /// Number of modes of the full spectrum that this mode represents: 2, or 1 at zero and Nyquist of the halved axis.
     pub weight: f64,
     /// True where m (n) is the Nyquist number of an even axis; kernel entries odd in that component of q must vanish
     /// there (theory.md, section 0).
@@ -27,17 +26,17 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The wavenumber |q| in rad/length.
+    /// Returns the wavenumber |q| in rad/length.
     pub fn wavenumber(&self) -> f64 {
         self.wavevector[0].hypot(self.wavevector[1])
     }
 
-    /// Returns true for the uniform mode q = 0, recognised by its numbers and never by a small wavenumber.
+    /// Returns true for the uniform mode q = 0, identified by its numbers and never by a small wavenumber.
     pub fn is_uniform(&self) -> bool {
         self.number == [0, 0]
     }
 
-    /// The wave vectors of the waves that the grid does not tell apart from this one: of a component at Nyquist both
+    /// Iterates over the wave vectors that the grid cannot distinguish from this one: a Nyquist component takes both
     /// signs.
     pub fn aliases(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let ([x, y], [nyquist_x, nyquist_y]) = (self.wavevector, self.nyquist);
@@ -51,11 +50,11 @@ impl Mode {
     }
 }
 
-/// Reasons to refuse a grid.
+/// Error of an unusable grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
-    /// An axis without points.
+    /// Axis without points.
     #[error("the grid has {0:?} points; each axis must have at least one")]
     NoPoints([usize; 2]),
     /// More points than memory can address.
@@ -63,23 +62,23 @@ pub enum GridError {
     TooManyPoints {
         /// Points along x and along y.
         found: [usize; 2],
-        /// The largest number of points in all.
+        /// Largest total number of points.
         most: usize,
     },
-    /// A length that is zero, negative or not finite.
+    /// Length that is zero, negative or not finite.
     #[error("the cell lengths are {0:?}; they must be positive and finite")]
     Length([f64; 2]),
 }
 
-/// The largest number of points: one complex number for each, more than a half spectrum has, is the largest slice that
-/// a program can address.
+/// Largest number of points: one complex number per point, more than a half spectrum needs, is the largest slice that a
+/// program can address.
 const MOST_POINTS: usize = isize::MAX as usize / size_of::<Complex64>();
 
 impl Grid {
-    /// A cell of `lengths` (Lx, Ly) with `points` (nx, ny).
+    /// Creates a cell of `lengths` (Lx, Ly) with `points` (nx, ny).
     ///
     /// # Errors
-    /// No points along an axis, more points than memory can address, or a length that is not positive and finite.
+    /// Returns an error if an axis has no points, memory cannot address all points, or a length is unusable.
     pub fn new(points: [usize; 2], lengths: [f64; 2]) -> Result<Self, GridError> {
         if points.contains(&0) {
             return Err(GridError::NoPoints(points));
@@ -93,7 +92,7 @@ impl Grid {
         Ok(Self { points, lengths })
     }
 
-    /// A square cell with the same number of points along both axes.
+    /// Creates a square cell with the same number of points along both axes.
     ///
     /// # Errors
     /// As [`Grid::new`].
@@ -101,7 +100,7 @@ impl Grid {
         Self::new([points, points], [length, length])
     }
 
-    /// A line of points along x: the profile of a plane-strain problem. The extent along y is one unit of length.
+    /// Creates a line of points along x, the profile of a plane-strain problem. The length along y is one.
     ///
     /// # Errors
     /// As [`Grid::new`].
@@ -109,40 +108,40 @@ impl Grid {
         Self::new([points, 1], [length, 1.0])
     }
 
-    /// The same cell with lengths in units of `unit`, a positive number. The extent of a line along y remains one unit.
-    /// A side that under- or overflows in this unit becomes the smallest or the largest number.
+    /// Returns the same cell with lengths in units of `unit`, a positive number. The extent of a line along y remains
+    /// one unit. A side that under- or overflows in this unit becomes the smallest or the largest number.
     pub fn in_units(&self, unit: f64) -> Self {
         let [lx, ly] = self.lengths.map(|length| (length / unit).clamp(f64::from_bits(1), f64::MAX));
         Self { points: self.points, lengths: [lx, if self.is_line() { self.lengths[1] } else { ly }] }
     }
 
-    /// The numbers of points (nx, ny), the shape of a field.
+    /// Returns the numbers of points (nx, ny), the shape of a field.
     pub fn points(&self) -> [usize; 2] {
         self.points
     }
 
-    /// Cell lengths (Lx, Ly).
+    /// Returns the cell lengths (Lx, Ly).
     pub fn lengths(&self) -> [f64; 2] {
         self.lengths
     }
 
-    /// The distance between neighbouring points along x and along y.
+    /// Returns the distance between neighbouring points along x and along y.
     pub fn spacing(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.lengths[axis] / self.points[axis] as f64)
     }
 
-    /// The number of points.
+    /// Returns the number of points.
     #[expect(clippy::len_without_is_empty, reason = "a grid is never empty")]
     pub fn len(&self) -> usize {
         self.points[0] * self.points[1]
     }
 
-    /// The number of rows of a field, and of points in each. A grid with one point along an axis is a single row.
+    /// Returns the numbers of rows and of points per row. A grid with one point along an axis is a single row.
     pub fn rows(&self) -> [usize; 2] {
         if self.points.contains(&1) { [1, self.len()] } else { self.points }
     }
 
-    /// The partition of a single process: all rows.
+    /// Returns the partition for a single process: all rows.
     pub fn whole(&self) -> Share {
         let [rows, columns] = self.rows();
         Share::whole(rows, columns)
@@ -153,24 +152,24 @@ impl Grid {
         self.points[1] == 1
     }
 
-    /// The axis along which the half spectrum has only non-negative wave numbers: y, or x for a line.
+    /// Returns the axis along which the half spectrum has only non-negative wave numbers: y, or x for a line.
     pub fn halved_axis(&self) -> usize {
         usize::from(!self.is_line())
     }
 
-    /// Shape of the half spectrum, `[lanes, modes per lane]`: `[ny/2 + 1, nx]` (transposed: x is contiguous), or
-    /// `[1, nx/2 + 1]` of a line.
+    /// Returns the shape of the half spectrum, `[lanes, modes per lane]`: `[ny/2 + 1, nx]` (transposed: x is
+    /// contiguous), or `[1, nx/2 + 1]` for a line.
     pub fn spectrum_shape(&self) -> [usize; 2] {
         let [nx, ny] = self.points;
         if self.is_line() { [1, nx / 2 + 1] } else { [ny / 2 + 1, nx] }
     }
 
-    /// Number of modes in the half spectrum.
+    /// Returns the number of modes in the half spectrum.
     pub fn spectrum_len(&self) -> usize {
         self.spectrum_shape().iter().product()
     }
 
-    /// The mode at `[lane, position]` of the half spectrum.
+    /// Returns the mode at `[lane, position]` of the half spectrum.
     pub fn mode(&self, lane: usize, position: usize) -> Mode {
         let index = if self.is_line() { [position, 0] } else { [position, lane] };
         let halved = self.halved_axis();
@@ -184,14 +183,14 @@ impl Grid {
         Mode { number, wavevector, weight: if alone { 1.0 } else { 2.0 }, nyquist }
     }
 
-    /// The mode at place `index` of the half spectrum in storage order: `[index / positions, index % positions]`.
+    /// Returns mode `index` of the half spectrum in storage order, at `[index / positions, index % positions]`.
     pub fn mode_at(&self, index: usize) -> Mode {
         let [_, positions] = self.spectrum_shape();
         self.mode(index / positions, index % positions)
     }
 
-    /// The place of the mode with wave numbers `number` in the half spectrum, the inverse of [`Self::mode_at`]. `None`
-    /// if the half spectrum does not contain it; it may contain the opposite mode instead.
+    /// Returns the index of the mode with wave numbers `number` in the half spectrum, the inverse of [`Self::mode_at`];
+    /// `None` if the half spectrum does not contain it, though it may contain the opposite mode.
     pub fn index_of(&self, number: [i64; 2]) -> Option<usize> {
         let [lanes, positions] = self.spectrum_shape();
         let [x, y] = [0, 1].map(|axis| number[axis].rem_euclid(self.points[axis] as i64) as usize);
@@ -200,7 +199,7 @@ impl Grid {
         held.then(|| lane * positions + position)
     }
 
-    /// All modes of the half spectrum in storage order.
+    /// Iterates over all modes of the half spectrum in storage order.
     pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
         let [lanes, positions] = self.spectrum_shape();
         (0..lanes).flat_map(move |lane| (0..positions).map(move |position| self.mode(lane, position)))

@@ -1,13 +1,13 @@
-//! Periodic grids, the real fields on them, and their half-spectrum Fourier transforms; and [`Convolution`] and
-//! [`Cosines`], for fields on a patch that does not repeat.
+//! Periodic grids, real fields on them, and their half-spectrum Fourier transforms; [`Convolution`] and [`Cosines`] for
+//! fields on a non-periodic patch.
 //!
 //! A field is a `[x, y]` array in row-major order (y contiguous), passed as a flat slice of `grid.len()` values. A line
-//! (plane strain) is a grid with one point along y: same types, same calls.
+//! (plane strain) is a grid with one point along y, with the same types and calls.
 //!
-//! Start at [`Grid`], then [`Transform`]. The conventions are `f(r) = Σ_q f̃(q) e^{+i q·r}` and
+//! Start with [`Grid`], then [`Transform`]. The conventions are `f(r) = Σ_q f̃(q) e^{+i q·r}` and
 //! `f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}` ([theory.md](../gfmd/theory/index.html), section 0). Half of the spectrum of a
-//! real field is stored, in the order of [`Grid::modes`]. Not here: the kernels of elastic bodies (`gfmd-green`), rough
-//! surfaces (`gfmd-surface`).
+//! real field is stored, in the order of [`Grid::modes`]. Other crates provide the kernels of elastic bodies
+//! (`gfmd-green`) and rough surfaces (`gfmd-surface`).
 //!
 //! A cosine is one mode, and an operator that is diagonal in q multiplies it:
 //!
@@ -45,9 +45,9 @@
 //!
 //! # Why not `ndrustfft`
 //!
-//! This crate calls the plans of RustFFT and `realfft` directly. `ndrustfft` uses these plans, too, but gives no access
-//! to them, allocates for every lane of a real transform, and gathers and scatters the slow axis value by value, so
-//! that a convolution on a large grid takes about twice the time. Tests and benchmarks compare with it.
+//! This crate calls the plans of RustFFT and `realfft` directly. `ndrustfft` also uses these plans, but gives no access
+//! to them, allocates for every lane of a real transform, and gathers and scatters the slow axis value by value. A
+//! convolution on a large grid then takes about twice the time. Tests and benchmarks compare with it.
 #![warn(missing_docs)]
 
 mod convolution;

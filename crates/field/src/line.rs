@@ -1,4 +1,4 @@
-//! One-dimensional grids, a line or a single row: one transform, on the calling thread.
+//! One-dimensional grids, a line or a single row: one transform on the calling thread.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::Real;
 use crate::plane::energy;
 use crate::real::square;
 
-/// The number of modes in one partial sum of an energy.
+/// Number of modes in one partial sum of an energy.
 const STRETCH: usize = 1 << 10;
 
 /// Plans for one row. A field may fill only the first points; it is zero on the others.
@@ -30,7 +30,7 @@ pub(crate) struct Memory<T> {
 }
 
 impl<T: Real> Line<T> {
-    /// Plans for fields that fill the first `shown` points.
+    /// Creates plans for fields that fill the first `shown` points.
     pub(crate) fn new(points: usize, shown: usize) -> Self {
         let (to_half, from_half) = T::real(points);
         Self { points, shown, to_half, from_half }
@@ -45,7 +45,7 @@ impl<T: Real> Line<T> {
         }
     }
 
-    /// Writes the spectrum f̃ of the row that `source` fills.
+    /// Computes the spectrum f̃ of the row that `source` fills.
     pub(crate) fn forward(
         &self,
         source: &impl Fn(usize, &mut [T]),
@@ -59,14 +59,14 @@ impl<T: Real> Line<T> {
         }
     }
 
-    /// Writes the field of the spectrum.
+    /// Computes the field of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         memory.half.copy_from_slice(spectrum);
         self.back(memory);
         field.copy_from_slice(&memory.field);
     }
 
-    /// Computes the half spectrum of K f, of the row f that `source` fills from `input`.
+    /// Computes the half spectrum of K f for the row f that `source` fills from `input`.
     pub(crate) fn convolve<I: Split>(
         &self,
         kernel: &[T],
@@ -81,13 +81,13 @@ impl<T: Real> Line<T> {
         }
     }
 
-    /// Transforms the half spectrum back into the row, which `sink` gets with `output`.
+    /// Transforms the half spectrum back and passes the row to `sink` with `output`.
     pub(crate) fn row_back<O: Split>(&self, output: O, sink: &impl Fn(usize, &mut [T], O), memory: &mut Memory<T>) {
         self.back(memory);
         sink(0, &mut memory.field[..self.shown], output);
     }
 
-    /// Returns Σ_q w k |f̃|² of the row that `source` fills.
+    /// Returns Σ_q w k |f̃|² for the row that `source` fills.
     pub(crate) fn quadratic_form(
         &self,
         kernel: &[T],
@@ -103,8 +103,8 @@ impl<T: Real> Line<T> {
         (2.0 * all - once) * (1.0 / self.points as f64).powi(2)
     }
 
-    /// The spectrum of an even kernel, for fields on the first points. `source` fills the values at the distances 0, 1,
-    /// …; beyond these the kernel is zero.
+    /// Computes the spectrum of an even kernel, for fields on the first points. `source` fills the values at the
+    /// distances 0, 1, …; beyond these the kernel is zero.
     pub(crate) fn even(&self, source: &impl Fn(usize, &mut [T]), memory: &mut Memory<T>) -> Vec<T> {
         let (near, far) = memory.field.split_at_mut(self.shown);
         source(0, near);

@@ -11,12 +11,12 @@ use crate::real::copy;
 use crate::shared::{self, Shared};
 use crate::{Grid, Real};
 
-/// The planned transforms of the fields of a grid, which may be a corner of a larger one. Every call checks that its
+/// Planned transforms of the fields of a grid, which may be a corner of a larger grid. Every call checks that its
 /// arguments fit.
 pub(crate) struct Plan<T> {
-    /// The rows of a field, and the points in each.
+    /// Number of rows of a field, and of points in each row.
     rows: [usize; 2],
-    /// The points of the transforms.
+    /// Numbers of points of the transforms.
     points: [usize; 2],
     kind: Kind<T>,
 }
@@ -24,13 +24,13 @@ pub(crate) struct Plan<T> {
 enum Kind<T> {
     Line(Line<T>),
     Plane(Plane<T>),
-    /// A plan for the rows of one of several processes.
+    /// Plan for the rows of one of several processes.
     Shared(Shared<T>),
 }
 
-/// The working memory of one caller, made by [`Transform::workspace`](crate::Transform::workspace) or
-/// [`Convolution::workspace`](crate::Convolution::workspace) and used at every call: about one field (a convolution:
-/// two), and 16 columns for each thread. A call itself allocates nothing.
+/// Working memory of one caller, created by [`Transform::workspace`](crate::Transform::workspace) or
+/// [`Convolution::workspace`](crate::Convolution::workspace) and used at every call: about one field (two for a
+/// convolution), and 16 columns per thread. The calls themselves allocate nothing.
 pub struct Workspace<T = f64> {
     points: [usize; 2],
     line: line::Memory<T>,
@@ -42,11 +42,11 @@ pub struct Workspace<T = f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the {what} has {found} values; it must have {expected} on this grid")]
 pub struct ShapeError {
-    /// The argument.
+    /// Name of the argument.
     pub what: &'static str,
-    /// Its length.
+    /// Length of the argument.
     pub found: usize,
-    /// The length it must have.
+    /// Required length.
     pub expected: usize,
 }
 
@@ -61,7 +61,7 @@ impl<T: Real> Plan<T> {
         Self { rows, points, kind }
     }
 
-    /// Plans the transforms of the rows that are the `share` of this process.
+    /// Plans the transforms of the rows in the `share` of this process.
     pub(crate) fn over(grid: &Grid, share: &Share) -> Self {
         let points = grid.points();
         if share.is_whole() || grid.rows()[0] == 1 {
@@ -71,27 +71,27 @@ impl<T: Real> Plan<T> {
         Self { rows: [share.rows().len(), points[1]], points, kind }
     }
 
-    /// The lanes of the half spectrum that belong to this process.
+    /// Returns the lanes of the half spectrum that belong to this process.
     pub(crate) fn lanes(&self) -> Range<usize> {
         match (&self.kind, self.points) {
-            // A row along y has a lane for each of its modes; of a line there is one.
+            // A row along y has a lane for each of its modes; a line has one lane.
             (Kind::Line(_), [_, 1]) => 0..1,
             (Kind::Line(_) | Kind::Plane(_), [_, ny]) => 0..ny / 2 + 1,
             (Kind::Shared(shared), _) => shared.columns(),
         }
     }
 
-    /// The points of the transforms.
+    /// Returns the numbers of points of the transforms.
     pub(crate) fn points(&self) -> [usize; 2] {
         self.points
     }
 
-    /// The number of points in a row of a field.
+    /// Returns the number of points in a row of a field.
     pub(crate) fn row(&self) -> usize {
         self.rows[1]
     }
 
-    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
+    /// Allocates all memory for calls, for the number of threads of the current rayon pool.
     pub(crate) fn workspace(&self) -> Workspace<T> {
         let (line, plane, shared) = Default::default();
         let mut ws = Workspace { points: self.points, line, plane, shared };
@@ -104,7 +104,7 @@ impl<T: Real> Plan<T> {
         ws
     }
 
-    /// Writes the spectrum of a field.
+    /// Computes the spectrum of a field.
     pub(crate) fn forward(
         &self,
         field: &[T],
@@ -122,7 +122,7 @@ impl<T: Real> Plan<T> {
         Ok(())
     }
 
-    /// Writes the field of a spectrum.
+    /// Computes the field of a spectrum.
     pub(crate) fn inverse(
         &self,
         spectrum: &[Complex<T>],
@@ -155,7 +155,7 @@ impl<T: Real> Plan<T> {
         self.back(Rows(out, self.row()), copy, ws)
     }
 
-    /// The first half of a convolution, which leaves the half spectra of the rows of the result in the workspace.
+    /// Runs the first half of a convolution, which leaves the half spectra of the rows of the result in the workspace.
     pub(crate) fn ahead<I: Split>(
         &self,
         kernel: &[T],
@@ -174,7 +174,7 @@ impl<T: Real> Plan<T> {
         Ok(())
     }
 
-    /// The second half of a convolution: the rows of the half spectra in the workspace.
+    /// Runs the second half of a convolution: transforms the half spectra in the workspace to rows.
     pub(crate) fn back<O: Split>(
         &self,
         output: O,
@@ -191,7 +191,7 @@ impl<T: Real> Plan<T> {
         Ok(())
     }
 
-    /// Returns Σ_q w k |f̃|², with w the weight of a mode.
+    /// Returns Σ_q w k |f̃|², where w is the weight of a mode.
     pub(crate) fn quadratic_form(&self, kernel: &[T], field: &[T], ws: &mut Workspace<T>) -> Result<f64, ShapeError> {
         self.check_kernel(kernel)?;
         self.check_field("field", field)?;
@@ -203,7 +203,7 @@ impl<T: Real> Plan<T> {
         })
     }
 
-    /// The part of the spectrum of an even kernel that is stored, from rows of its values at the distances 0, 1, ….
+    /// Computes the stored part of the spectrum of an even kernel from rows of its values at the distances 0, 1, ….
     pub(crate) fn even(&self, source: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
         let mut ws = self.workspace();
         match &self.kind {
@@ -220,7 +220,7 @@ impl<T: Real> Plan<T> {
         }
     }
 
-    /// Checks the size of a kernel; a quarter of a kernel that is also even along x suffices.
+    /// Checks the size of a kernel; a quarter suffices for a kernel that is also even along x.
     fn check_kernel(&self, kernel: &[T]) -> Result<(), ShapeError> {
         let [nx, _] = self.points;
         let is_quarter = !matches!(self.kind, Kind::Line(_)) && kernel.len() == (nx / 2 + 1) * self.lanes().len();
@@ -237,7 +237,7 @@ impl<T: Real> Plan<T> {
     }
 }
 
-/// A source that copies the rows of a field and prefetches the next one.
+/// Returns a source that copies the rows of a field and prefetches the next row.
 fn rows_of<T: Real>(field: &[T]) -> impl Fn(usize, &mut [T]) + Sync {
     move |i, row| {
         let (here, next) = field[i * row.len()..].split_at(row.len());

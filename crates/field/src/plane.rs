@@ -3,7 +3,7 @@
 //! The rows of a field become half spectra in [`Block`]s of rows. A panel of neighbouring columns is then copied, block
 //! by block, to memory in which each column is contiguous. It is transformed, multiplied by the kernel, transformed
 //! back while it is in the second-level cache, and copied back. A convolution thus reads and writes memory three times,
-//! and a transposed spectrum is made only by [`Plane::forward`] and [`Plane::inverse`].
+//! and only [`Plane::forward`] and [`Plane::inverse`] use a transposed spectrum.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,25 +20,25 @@ use crate::distribute::{distribute, lock};
 use crate::prefetch::{LINE, prefetch};
 use crate::real::{copy, square};
 
-/// The number of rows in a block: the part of a block that belongs to a panel fits the first-level cache.
+/// Number of rows in a block: the part of a panel in one block fits the first-level cache.
 pub(crate) const BLOCK: usize = 64;
-/// The number of cache lines of every row in a panel of columns. Fewer, down to one line, if the columns are so long
+/// Number of cache lines of every row in a panel of columns. It decreases, down to one line, if the columns are so long
 /// that the panel would be larger than [`PANEL`].
 const WIDTH: usize = 4;
-/// The largest number of bytes in a panel: twice a second-level cache; half of it measured no better.
+/// Largest number of bytes in a panel: twice a second-level cache; half of it measured no better.
 const PANEL: usize = 1 << 21;
-/// The least number of values in the rows that a thread takes at a time.
+/// Smallest number of values in the rows that a thread takes at a time.
 const PORTION: usize = 1 << 14;
-/// The number of values below which a transform ends before a second thread has woken up.
+/// Number of values below which a transform ends before a second thread has woken up.
 const SHARED: usize = 1 << 15;
-/// The number of values above which a field no longer stays in the cache between two passes.
+/// Number of values above which a field no longer stays in the cache between two passes.
 pub(crate) const LARGE: usize = 1 << 19;
 
-/// Plans for nx rows of ny points. A field may fill only a corner of them; it is zero on the rest, which is not stored.
+/// Plans for nx rows of ny points. A field may fill only a corner; it is zero on the rest, which is not stored.
 pub(crate) struct Plane<T> {
     rows: usize,
     points: usize,
-    /// The rows of the field, and the points of each.
+    /// Number of rows of the field, and of points in each row.
     corner: [usize; 2],
     width: usize,
     to_half: Arc<dyn RealToComplex<T>>,
@@ -55,11 +55,11 @@ pub(crate) struct Memory<T> {
     sums: Vec<f64>,
 }
 
-/// The half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies the panel's
-/// part in or out.
+/// Half spectra of neighbouring rows. A row pass owns its block; a panel pass locks it while it copies its part in or
+/// out.
 pub(crate) type Block<T> = Mutex<Vec<Complex<T>>>;
 
-/// The working memory of one thread.
+/// Working memory of one thread.
 pub(crate) struct Worker<T> {
     row: Vec<T>,
     tile: Vec<Complex<T>>,
@@ -68,11 +68,11 @@ pub(crate) struct Worker<T> {
 }
 
 impl<T: Real> Plane<T> {
-    /// The number of complex values in a cache line, which is also the number of unused values between neighbouring
-    /// columns of a panel: columns that lie a power of two apart would evict each other from the cache.
+    /// Number of complex values in a cache line, which is also the number of unused values between neighbouring columns
+    /// of a panel: columns that lie a power of two apart would evict each other from the cache.
     pub(crate) const GAP: usize = LINE / size_of::<Complex<T>>();
 
-    /// Plans for fields that fill the `corner` of the points.
+    /// Creates plans for fields that fill the `corner` of the points.
     pub(crate) fn new([rows, points]: [usize; 2], corner: [usize; 2]) -> Self {
         let ((to_half, from_half), (ahead, back)) = (T::real(points), T::complex(rows));
         let width = (PANEL / size_of::<Complex<T>>() / rows).clamp(Self::GAP, WIDTH * Self::GAP);
@@ -85,7 +85,7 @@ impl<T: Real> Plane<T> {
         let rows = self.corner[0];
         let block = |number| Mutex::new(vec![Complex::ZERO; BLOCK.min(rows - number * BLOCK) * self.stride()]);
         Memory {
-            // Zeros are written by all threads.
+            // All threads write the zeros.
             blocks: (0..rows.div_ceil(BLOCK)).into_par_iter().map(block).collect(),
             workers: (0..threads).map(|_| self.worker()).collect(),
             sums: vec![0.0; self.half()],
@@ -107,7 +107,7 @@ impl<T: Real> Plane<T> {
         }
     }
 
-    /// Writes the spectrum f̃ of the rows that `source` fills.
+    /// Computes the spectrum f̃ of the rows that `source` fills.
     pub(crate) fn forward(
         &self,
         source: &(impl Fn(usize, &mut [T]) + Sync),
@@ -128,7 +128,7 @@ impl<T: Real> Plane<T> {
         );
     }
 
-    /// Writes the field of the spectrum.
+    /// Computes the field of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         let Memory { blocks, workers, .. } = memory;
         distribute(workers, self.panels(), |panel, worker| {
@@ -140,8 +140,8 @@ impl<T: Real> Plane<T> {
         self.rows_back(Rows(field, self.corner[1]), &copy, memory);
     }
 
-    /// Computes the half spectra of the rows of K f, for the rows f that `source` fills from those of `input`, which
-    /// has one entry for each row.
+    /// Computes the half spectra of the rows of K f; `source` fills the rows of f from the rows of `input`, which has
+    /// one entry per row.
     pub(crate) fn convolve<I: Split>(
         &self,
         kernel: &[T],
@@ -164,7 +164,7 @@ impl<T: Real> Plane<T> {
         });
     }
 
-    /// Returns Σ_q w k |f̃|² of the rows that `source` fills.
+    /// Returns Σ_q w k |f̃|² for the rows that `source` fills.
     pub(crate) fn quadratic_form(
         &self,
         kernel: &[T],
@@ -188,7 +188,7 @@ impl<T: Real> Plane<T> {
         self.whole_form(sums)
     }
 
-    /// Transforms a column of all rows, times its part of the kernel, and back.
+    /// Transforms a column of all rows, multiplies it by its part of the kernel, and transforms it back.
     pub(crate) fn filter(&self, column: &mut [Complex<T>], kernel: &[T], scratch: &mut [Complex<T>]) {
         let scale = self.scale();
         self.ahead(column, scratch);
@@ -200,7 +200,7 @@ impl<T: Real> Plane<T> {
         self.back(column, scratch);
     }
 
-    /// Transforms the column `number` of all rows; returns its part of the quadratic form of its part of the kernel.
+    /// Transforms column `number` of all rows and returns its part of the quadratic form.
     pub(crate) fn form(
         &self,
         number: usize,
@@ -216,7 +216,7 @@ impl<T: Real> Plane<T> {
         weight * (energy(stored, kernel) + mirrored)
     }
 
-    /// The quadratic form from its parts of all columns.
+    /// Adds the parts of all columns to the quadratic form.
     pub(crate) fn whole_form(&self, parts: &[f64]) -> f64 {
         parts.iter().sum::<f64>() * (1.0 / (self.rows * self.points) as f64).powi(2)
     }
@@ -231,8 +231,8 @@ impl<T: Real> Plane<T> {
         self.back.process_with_scratch(column, scratch);
     }
 
-    /// The spectrum of a kernel that is even in both directions, for fields in the corner: a quarter of it, which is
-    /// real. `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is
+    /// Computes the spectrum of a kernel that is even in both directions, for fields in the corner: a real quarter of
+    /// it. `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is
     /// zero.
     pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) -> Vec<T> {
         let [held, shown] = self.corner;
@@ -261,7 +261,7 @@ impl<T: Real> Plane<T> {
         kernel
     }
 
-    /// Transforms the rows of the field, of which `source` fills the first `filled` points, into half spectra.
+    /// Transforms the rows of the field into half spectra; `source` fills their first `filled` points.
     pub(crate) fn rows_ahead<I: Split>(
         &self,
         input: I,
@@ -282,7 +282,7 @@ impl<T: Real> Plane<T> {
         });
     }
 
-    /// Transforms half spectra back into the rows of the field, which `sink` gets with those of `output`.
+    /// Transforms half spectra back into rows of the field and passes them to `sink` with the rows of `output`.
     pub(crate) fn rows_back<O: Split>(
         &self,
         output: O,
@@ -311,7 +311,7 @@ impl<T: Real> Plane<T> {
         });
     }
 
-    /// Copies a panel out of the blocks into columns, `stride` apart.
+    /// Copies a panel from the blocks into columns, `stride` apart.
     fn load(
         &self,
         blocks: &[Block<T>],
@@ -355,37 +355,37 @@ impl<T: Real> Plane<T> {
         }
     }
 
-    /// The number of rows of a transform.
+    /// Returns the number of rows of a transform.
     pub(crate) fn rows(&self) -> usize {
         self.rows
     }
 
-    /// The number of points of the transform of a row.
+    /// Returns the number of points of the transform of a row.
     pub(crate) fn points(&self) -> usize {
         self.points
     }
 
-    /// The number of modes in the half spectrum of a row, which is the number of columns.
+    /// Returns the number of modes in the half spectrum of a row, which is the number of columns.
     fn half(&self) -> usize {
         self.points / 2 + 1
     }
 
-    /// The distance between rows of a block, a whole number of cache lines.
+    /// Returns the distance between rows of a block, a whole number of cache lines.
     pub(crate) fn stride(&self) -> usize {
         self.half().next_multiple_of(Self::GAP)
     }
 
-    /// The distance between columns of a panel.
+    /// Returns the distance between columns of a panel.
     pub(crate) fn column(&self) -> usize {
         self.rows + Self::GAP
     }
 
-    /// The number of values of a column of the kernel: for fields in a corner it is even, and half of it is stored.
+    /// Returns the number of kernel values in a column; half of an even column is stored for fields in a corner.
     fn line(&self) -> usize {
         if self.corner[0] < self.rows { self.rows / 2 + 1 } else { self.rows }
     }
 
-    /// The number of rows that a thread takes at a time, a divisor of the rows of a block.
+    /// Returns the number of rows that a thread takes at a time, a divisor of the rows of a block.
     fn portion(&self) -> usize {
         (PORTION / self.points).clamp(1, BLOCK).next_power_of_two()
     }
@@ -400,7 +400,7 @@ impl<T: Real> Plane<T> {
     }
 }
 
-/// The pieces of `length` of all blocks, without locking: the caller has them exclusively.
+/// Splits all blocks into pieces of `length`, without locking: the caller has exclusive access.
 fn portions<T: Real>(blocks: &mut [Block<T>], length: usize) -> impl Iterator<Item = &mut [Complex<T>]> + Send {
     blocks.iter_mut().flat_map(move |block| block.get_mut().unwrap_or_else(PoisonError::into_inner).chunks_mut(length))
 }
@@ -413,7 +413,7 @@ fn multiply<T: Real>(modes: &mut [Complex<T>], kernel: &[T], factor: T) {
     }
 }
 
-/// The sum Σ k |f̃|², in an order that depends on the length alone.
+/// Returns Σ k |f̃|², summed in an order that depends on the length alone.
 pub(crate) fn energy<T: Real>(modes: &[Complex<T>], kernel: &[T]) -> f64 {
     let (modes, kernel) = (modes.as_chunks::<8>(), kernel.as_chunks::<8>());
     let mut sums = [0.0; 8];

@@ -1,10 +1,10 @@
-//! A prefetch instruction, for which safe Rust has no function.
+//! Prefetch instruction, for which safe Rust has no function.
 
 /// Asks the processor to bring `values` into the second-level cache while the row before them is transformed. Does
-/// nothing without the feature `prefetch` or on another processor than x86-64.
+/// nothing without the feature `prefetch` or on processors other than x86-64.
 ///
-/// It takes 7 % off a convolution of 1024² and 2048² points on one thread, 2–5 % on two threads (medians of 100 and 40
-/// convolutions with and without it in turn, AMD EPYC, 1 MiB of second-level cache per core). To measure again:
+/// It shortens a convolution of 1024² and 2048² points by 7 % on one thread and by 2–5 % on two threads (medians of 100
+/// and 40 convolutions with and without it in turn, AMD EPYC, 1 MiB of second-level cache per core). To measure again:
 /// `cargo bench -p gfmd-field` with and without `--no-default-features`.
 #[inline]
 pub(crate) fn prefetch<T>(values: &[T]) {
@@ -21,5 +21,5 @@ pub(crate) fn prefetch<T>(values: &[T]) {
     let _ = values;
 }
 
-/// Bytes of a cache line.
+/// Number of bytes in a cache line.
 pub(crate) const LINE: usize = 64;

@@ -6,12 +6,12 @@ use num_complex::Complex;
 use rustdct::DctNum;
 use rustfft::num_traits::{ConstZero, NumAssign};
 
-/// The numbers of a field: `f64`, or `f32` at half the memory and time, with seven digits.
+/// Number type of a field: `f64`, or `f32` at half the memory and time, with seven digits.
 pub trait Real: DctNum + ConstZero + NumAssign + Default + Sum + Wire + Plans {
-    /// The nearest number of this kind.
+    /// Returns the nearest number of this type.
     fn nearest(x: f64) -> Self;
 
-    /// The same number.
+    /// Converts the number to `f64`.
     fn widened(self) -> f64;
 }
 
@@ -40,9 +40,9 @@ use private::Wire;
 mod private {
     use num_complex::Complex;
 
-    /// Complex numbers as words that are sent between processes. The trait is sealed: no other crate can implement it.
+    /// Complex numbers as words sent between processes. The trait is sealed: no other crate can implement it.
     pub trait Wire: Sized {
-        /// The number of words of a complex number.
+        /// Number of words of a complex number.
         const WORDS: usize;
 
         /// Writes the words of a number.
@@ -77,13 +77,13 @@ mod private {
     }
 }
 
-/// |z|².
+/// Returns |z|².
 pub(crate) fn square<T: Real>(z: &Complex<T>) -> f64 {
     let [re, im] = [z.re.widened(), z.im.widened()];
     re * re + im * im
 }
 
-/// A sink that copies a row of the result.
+/// Copies a row of the result to the output.
 pub(crate) fn copy<T: Copy + Send>(_: usize, row: &mut [T], Rows(out, _): Rows<&mut [T]>) {
     out.copy_from_slice(row);
 }

@@ -1,6 +1,6 @@
-//! Two-dimensional grids whose rows several processes share.
+//! Two-dimensional grids with rows shared by several processes.
 //!
-//! A rank computes the half spectra of its rows, and transforms the columns that it owns. Columns are exchanged in
+//! A rank computes the half spectra of its rows and transforms the columns that it owns. Columns are exchanged in
 //! rounds, each with some of the columns of every rank, so that messages are small compared with a field:
 //!
 //! ```text
@@ -20,7 +20,7 @@ use crate::distribute::{distribute, lock};
 use crate::plane::{self, BLOCK, Plane, Worker};
 use crate::real::copy;
 
-/// The number of rounds: each round's messages carry 1/16 of a field, and those of three rounds are pending at once.
+/// Number of rounds: the messages of a round carry 1/16 of a field, and up to three rounds are pending at once.
 const ROUNDS: usize = 16;
 
 /// Plans for the rows of one rank.
@@ -28,20 +28,20 @@ pub(crate) struct Shared<T> {
     /// Transforms of all points, for the rows of this rank.
     plane: Plane<T>,
     share: Share,
-    /// The columns of the half spectrum that belong to each rank.
+    /// Columns of the half spectrum that belong to each rank.
     columns: Vec<Range<usize>>,
-    /// The number of columns of each rank in a round.
+    /// Number of columns of each rank in a round.
     width: usize,
 }
 
-/// Working memory: that of the rows of this rank, and message buffers.
+/// Working memory for the rows of this rank, and message buffers.
 #[derive(Default)]
 pub(crate) struct Memory<T> {
     plane: plane::Memory<T>,
     messages: Vec<Messages>,
 }
 
-/// The transfers of the columns: to the ranks that own them, and back.
+/// Transfers of the columns: to the ranks that own them, and back.
 #[derive(Clone, Copy)]
 struct Direction {
     there: bool,
@@ -49,7 +49,7 @@ struct Direction {
 }
 
 impl<T: Real> Shared<T> {
-    /// Plans for the rows of `share`, whose columns are the points along y.
+    /// Creates plans for the rows of `share`, with points along y as columns.
     pub(crate) fn new([rows, points]: [usize; 2], share: &Share) -> Self {
         let (half, size) = (points / 2 + 1, share.all_rows().len());
         let columns: Vec<Range<usize>> = (0..size).map(|rank| half * rank / size..half * (rank + 1) / size).collect();
@@ -62,7 +62,7 @@ impl<T: Real> Shared<T> {
         }
     }
 
-    /// The columns of the half spectrum that belong to this rank.
+    /// Returns the columns of the half spectrum that belong to this rank.
     pub(crate) fn columns(&self) -> Range<usize> {
         self.columns[self.share.ranks().rank()].clone()
     }
@@ -71,7 +71,7 @@ impl<T: Real> Shared<T> {
         Memory { plane: self.plane.memory(threads), messages: Vec::new() }
     }
 
-    /// Writes the own columns of the spectrum of the rows that `source` fills.
+    /// Computes this rank's columns of the spectrum from the rows that `source` fills.
     pub(crate) fn forward(
         &self,
         source: &(impl Fn(usize, &mut [T]) + Sync),
@@ -88,7 +88,7 @@ impl<T: Real> Shared<T> {
         self.rounds(Direction { there: true, back: false }, output, &take, memory);
     }
 
-    /// Writes the own rows of the field of the spectrum, of which this rank has its columns.
+    /// Computes this rank's rows of the field from its columns of the spectrum.
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         let input = Rows(spectrum, self.plane.rows());
         let give = |_: usize, Rows(from, _): Rows<&[Complex<T>]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
@@ -99,8 +99,8 @@ impl<T: Real> Shared<T> {
         self.plane.rows_back(Rows(field, self.plane.points()), &copy, &mut memory.plane);
     }
 
-    /// Computes the half spectra of the own rows of K f, for the rows f that `source` fills from those of `input`. The
-    /// kernel has the own columns only.
+    /// Computes the half spectra of this rank's rows of K f; `source` fills the rows of f from the rows of `input`. The
+    /// kernel has this rank's columns only.
     pub(crate) fn convolve<I: Split>(
         &self,
         kernel: &[T],
@@ -116,7 +116,7 @@ impl<T: Real> Shared<T> {
         self.rounds(Direction { there: true, back: true }, kernel, &filter, memory);
     }
 
-    /// Hands the rows of the half spectra in the memory to `sink`, with those of `output`.
+    /// Passes the rows of the half spectra in the memory to `sink`, with the rows of `output`.
     pub(crate) fn rows_back<O: Split>(
         &self,
         output: O,
@@ -126,7 +126,7 @@ impl<T: Real> Shared<T> {
         self.plane.rows_back(output, sink, &mut memory.plane);
     }
 
-    /// Returns Σ_q w k |f̃|² of the rows of all ranks, of which `source` fills the own ones.
+    /// Returns Σ_q w k |f̃|² over the rows of all ranks; `source` fills the rows of this rank.
     pub(crate) fn quadratic_form(
         &self,
         kernel: &[T],
@@ -146,12 +146,12 @@ impl<T: Real> Shared<T> {
         self.plane.whole_form(&self.share.collect(&sums, &lengths))
     }
 
-    /// The number of values of a column of the kernel.
+    /// Returns the number of kernel values in a column.
     fn line(&self, kernel: &[T]) -> usize {
         kernel.len().checked_div(self.columns().len()).unwrap_or(1)
     }
 
-    /// Applies `work(number, parts, column, scratch)` to each of the own columns, with its parts of `output`.
+    /// Applies `work(number, parts, column, scratch)` to each column of this rank, with its parts of `output`.
     fn rounds<V: Split>(
         &self,
         direction: Direction,
@@ -189,7 +189,7 @@ impl<T: Real> Shared<T> {
         }
     }
 
-    /// Sends the columns of a round to the ranks that own them; nothing after the last round.
+    /// Sends the columns of a round to the ranks that own them; sends nothing after the last round.
     fn send_columns(&self, round: usize, direction: Direction, memory: &mut Memory<T>) -> Box<dyn Pending + '_> {
         let Memory { plane, messages } = memory;
         let mut messages = messages.pop().unwrap_or_default();
@@ -231,7 +231,7 @@ impl<T: Real> Shared<T> {
         memory.messages.push(messages);
     }
 
-    /// The pieces of the messages with the rows of this rank, in order: block of rows, columns, words.
+    /// Returns the pieces of the messages with the rows of this rank, in order: block of rows, columns, words.
     fn pieces<'a>(&self, round: usize, mut words: &'a mut [u64]) -> Vec<(usize, Range<usize>, &'a mut [u64])> {
         let rows = self.share.rows().len();
         let mut pieces = Vec::new();
@@ -248,7 +248,7 @@ impl<T: Real> Shared<T> {
         pieces
     }
 
-    /// Works on the columns of this rank in a round, which are in the words from all ranks.
+    /// Processes the columns of this rank in a round; `words` holds them from all ranks.
     fn transform<V: Split>(
         &self,
         round: usize,
@@ -302,14 +302,14 @@ impl<T: Real> Shared<T> {
         );
     }
 
-    /// The columns of a rank in a round.
+    /// Returns the columns of a rank in a round.
     fn of_round(&self, rank: usize, round: usize) -> Range<usize> {
         let Range { start, end } = self.columns[rank];
         end.min(start + round * self.width)..end.min(start + (round + 1) * self.width)
     }
 }
 
-/// Panels of neighbouring columns, a cache line wide.
+/// Iterates over panels of neighbouring columns, one cache line wide.
 fn panels<T: Real>(columns: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let Range { start, end } = columns;
     (start..end).step_by(Plane::<T>::GAP).map(move |first| first..end.min(first + Plane::<T>::GAP))

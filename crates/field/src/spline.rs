@@ -4,8 +4,8 @@ use num_complex::Complex64;
 
 use crate::{Grid, ShapeError, Transform};
 
-/// A periodic field between its points: the cubic spline through them, with two continuous derivatives. Its error is of
-/// fourth order: (2π/n)⁴/720 of the amplitude for a wave of n points.
+/// Interpolation of a periodic field by the cubic spline through its points, with two continuous derivatives. The error
+/// is of fourth order: (2π/n)⁴/720 of the amplitude for a wave of n points.
 ///
 /// ```
 /// use gfmd_field::{Grid, Spline};
@@ -22,23 +22,23 @@ use crate::{Grid, ShapeError, Transform};
 pub struct Spline {
     points: [usize; 2],
     spacing: [f64; 2],
-    /// The factors of the B-splines.
+    /// Coefficients of the B-splines.
     factors: Vec<f64>,
 }
 
-/// The values of the four B-splines at a point, and their derivatives with respect to the index.
+/// Values of the four B-splines at a point, and their derivatives with respect to the index.
 struct Weights {
-    /// The index of the first.
+    /// Index of the first B-spline.
     first: i64,
     values: [f64; 4],
     slopes: [f64; 4],
 }
 
 impl Spline {
-    /// The spline through a field.
+    /// Creates the spline through a field.
     ///
     /// # Errors
-    /// A field of another size than the grid.
+    /// Returns an error if the field has a different size than the grid.
     pub fn through(grid: &Grid, field: &[f64]) -> Result<Self, ShapeError> {
         let transform = Transform::new(*grid);
         let mut ws = transform.workspace();
@@ -58,8 +58,8 @@ impl Spline {
         Ok(Self { points, spacing: grid.spacing(), factors })
     }
 
-    /// The value at the `offset` (length) from the point `[i, j]`, and its derivatives with respect to x and y. An axis
-    /// with one point has no offset.
+    /// Returns the value at an `offset` (length) from the point `[i, j]`, and its derivatives with respect to x and y.
+    /// An axis with one point has no offset.
     pub fn near(&self, point: [usize; 2], offset: [f64; 2]) -> (f64, [f64; 2]) {
         let [x, y] = [0, 1].map(|axis| self.weights(axis, point[axis], offset[axis]));
         let (mut value, mut slopes) = (0.0, [0.0; 2]);
@@ -94,7 +94,7 @@ impl Spline {
         }
     }
 
-    /// The index along an axis of the B-spline `number` after the `first`.
+    /// Returns the index along an axis of B-spline `number` after `first`.
     fn place(&self, axis: usize, first: i64, number: usize) -> usize {
         (first + number as i64).rem_euclid(self.points[axis] as i64) as usize
     }

@@ -7,10 +7,10 @@ use num_complex::Complex;
 use crate::plan::Plan;
 use crate::{Grid, Real, ShapeError, Workspace};
 
-/// The planned Fourier transforms of one grid: built once, shared between threads.
+/// Planned Fourier transforms of one grid, built once and shared between threads.
 ///
-/// A spectrum is in the order of [`Grid::modes`], a field as described in the crate documentation. Work is distributed
-/// over the threads of the current rayon pool; the result has the same bits for any number of threads.
+/// A spectrum is in the order of [`Grid::modes`]; the crate documentation describes the layout of a field. Work is
+/// distributed over the threads of the current rayon pool; the result has the same bits for any number of threads.
 pub struct Transform<T = f64> {
     grid: Grid,
     plan: Plan<T>,
@@ -22,25 +22,25 @@ impl<T: Real> Transform<T> {
         Self { grid, plan: Plan::new(&grid, grid.points()) }
     }
 
-    /// Plans the transforms of the rows that are the `share` of this process. A field has these rows, a spectrum and a
-    /// kernel have the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the
-    /// bits of one process. Message buffers take some 0.4 fields in addition to the memory of [`new`](Self::new) for
-    /// these rows.
+    /// Plans the transforms of the rows in the `share` of this process. A field has these rows, and a spectrum or a
+    /// kernel has the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the
+    /// same bits as with one process. Message buffers take about 0.4 fields in addition to the memory of
+    /// [`new`](Self::new) for these rows.
     pub fn over(grid: Grid, share: &Share) -> Self {
         Self { grid, plan: Plan::over(&grid, share) }
     }
 
-    /// The lanes of the half spectrum ([`Grid::spectrum_shape`]) that belong to this process; a single process has all.
+    /// Returns the lanes of the half spectrum ([`Grid::spectrum_shape`]) of this process; one process has all lanes.
     pub fn lanes(&self) -> Range<usize> {
         self.plan.lanes()
     }
 
-    /// The grid of the transforms.
+    /// Returns the grid of the transforms.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// Allocates all memory that a call needs, for as many threads as the current rayon pool has.
+    /// Allocates all memory for calls, for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace<T> {
         self.plan.workspace()
     }
@@ -48,19 +48,19 @@ impl<T: Real> Transform<T> {
     /// Computes the spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn forward(&self, field: &[T], spectrum: &mut [Complex<T>], ws: &mut Workspace<T>) -> Result<(), ShapeError> {
         self.plan.forward(field, spectrum, ws)
     }
 
     /// Computes the field f(r) = Re Σ_q f̃(q) e^{+i q·r}, summed over the full spectrum, from the stored half.
     ///
-    /// If the spectrum is not that of a real field, its Hermitian part is used: at zero and Nyquist of the halved axis,
-    /// where both q and −q are stored, (f̃(q) + f̃*(−q))/2. The imaginary part of a mode that is its own conjugate is
+    /// The Hermitian part is used if the spectrum does not belong to a real field: (f̃(q) + f̃*(−q))/2 at zero and
+    /// Nyquist of the halved axis, where both q and −q are stored. The imaginary part of a self-conjugate mode is
     /// therefore ignored.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], ws: &mut Workspace<T>) -> Result<(), ShapeError> {
         self.plan.inverse(spectrum, field, ws)
     }
@@ -69,22 +69,21 @@ impl<T: Real> Transform<T> {
     /// stored.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn convolve(&self, kernel: &[T], field: &[T], out: &mut [T], ws: &mut Workspace<T>) -> Result<(), ShapeError> {
         self.plan.convolve(kernel, field, out, ws)
     }
 
-    /// Computes a [`convolution`](Self::convolve) of a field that `source` generates row by row, and hands each row of
+    /// Computes a [`convolution`](Self::convolve) of a field that `source` generates row by row, and passes each row of
     /// the result to `sink` while it is in the cache. Further work on field and result then costs no pass over memory.
     ///
     /// `source(i, input, row)` fills `row` with the values `[i, ..]` of the field; `sink(i, row, output)` gets the row
-    /// `[i, ..]` of the result. The `input` and the `output` are cut into one part for each row, and the parts of row i
-    /// are handed over: [`Rows`](crate::Rows) of vectors to read and to change, vectors with a value for each row, or
-    /// `()`. A grid with one point along an axis is a single row, number 0. Each row is visited once, in any order and
-    /// on any thread.
+    /// `[i, ..]` of the result. `input` and `output` are cut into one part per row, and the parts of row i are passed
+    /// on: [`Rows`](crate::Rows) of vectors to read or change, vectors with one value per row, or `()`. A grid with one
+    /// point along an axis is a single row, number 0. Each row is visited once, in any order and on any thread.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn convolve_rows<I: Split, O: Split>(
         &self,
         kernel: &[T],
@@ -98,12 +97,12 @@ impl<T: Real> Transform<T> {
         self.convolve_back(output, sink, ws)
     }
 
-    /// The first half of [`convolve_rows`](Self::convolve_rows), which fills the workspace; the second one may then
-    /// read what the source has changed. A kernel that is even in q_x may have only the first nx/2 + 1 values of every
-    /// column of modes.
+    /// Runs the first half of [`convolve_rows`](Self::convolve_rows), which fills the workspace; the second half may
+    /// then read data changed by the source. A kernel that is even in q_x may have only the first nx/2 + 1 values of
+    /// every column of modes.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn convolve_ahead<I: Split>(
         &self,
         kernel: &[T],
@@ -114,10 +113,10 @@ impl<T: Real> Transform<T> {
         self.plan.ahead(kernel, input, source, ws)
     }
 
-    /// The second half of [`convolve_rows`](Self::convolve_rows), from the workspace as the first one left it.
+    /// Runs the second half of [`convolve_rows`](Self::convolve_rows), from the workspace left by the first half.
     ///
     /// # Errors
-    /// Outputs or a workspace that do not fit the grid.
+    /// Returns an error if outputs or the workspace do not fit the grid.
     pub fn convolve_back<O: Split>(
         &self,
         output: O,
@@ -127,10 +126,10 @@ impl<T: Real> Transform<T> {
         self.plan.back(output, sink, ws)
     }
 
-    /// Returns Σ_q w k |f̃|² = (1/N) Σ_r f (K f), with w the weight of a mode. It takes half the work of a convolution.
+    /// Returns Σ_q w k |f̃|² = (1/N) Σ_r f (K f), where w is the weight of a mode, with half the work of a convolution.
     ///
     /// # Errors
-    /// A slice or a workspace that does not fit the grid.
+    /// Returns an error if a slice or the workspace does not fit the grid.
     pub fn quadratic_form(&self, kernel: &[T], field: &[T], ws: &mut Workspace<T>) -> Result<f64, ShapeError> {
         self.plan.quadratic_form(kernel, field, ws)
     }

@@ -11,7 +11,7 @@ struct Counting;
 
 static BYTES: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: every call goes to the allocator of the system; counting touches no memory of its callers.
+// SAFETY: every call goes to the system allocator; counting touches no memory of its callers.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         BYTES.fetch_add(layout.size(), Relaxed);
@@ -28,8 +28,8 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The smallest number of bytes that a round of all calls allocated, over some rounds after a first one. With several
-/// threads rayon sometimes allocates a queue; an allocation in a call of this crate would occur in every round.
+/// Returns the smallest number of bytes allocated in one round of all calls, over several rounds after a first one.
+/// With several threads, rayon sometimes allocates a queue; an allocation in this crate would occur in every round.
 fn allocated(points: [usize; 2]) -> usize {
     let grid = Grid::new(points, [1.0, 1.0]).unwrap();
     let transform = Transform::new(grid);

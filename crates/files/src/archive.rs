@@ -1,16 +1,15 @@
 //! Result files: HDF5 with named dimensions and units, written to a part file and renamed when complete.
 //!
-//! - [`Output::claim`] reserves a path for this process; a second process is refused. The claim is a lock of the
-//!   operating system on `NAME.lock`, so that it always ends with the process.
+//! - [`Output::claim`] reserves a path for this process; a second process is refused. The claim is an operating system
+//!   lock on `NAME.lock`, so that it always ends with the process.
 //! - [`Archive::create`] writes `NAME.part`; [`Archive::finish`] syncs it to the disk and renames it to the target.
-//!   Until then an older file under that name is unchanged; an unfinished archive removes its part file when dropped.
-//! - Every variable has named dimensions, `units` and `long_name`. The dimension scales are in the group of the
-//!   variables that use them, so that each group can be opened as a dataset with its coordinates:
-//!   `xarray.open_dataset(file, group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py,
-//!   `h5dump`.
-//! - An archive of [`Output::memory`] puts its variables into a [`Memory`], and writes no file; a [`Draft`] of it
-//!   writes the file later.
-//! - The root attribute `content_sha256` is a checksum of all else; [`Reader::is_intact`] recomputes it.
+//!   Until then an older file of that name is unchanged; an unfinished archive removes its part file when dropped.
+//! - Every variable has named dimensions, `units` and `long_name`. Dimension scales are in the group of the variables
+//!   that use them, so that each group can be opened as a dataset with its coordinates: `xarray.open_dataset(file,
+//!   group="/fields", engine="h5netcdf")`, `netCDF4.Dataset(file)["fields"]`, h5py, `h5dump`.
+//! - An archive of [`Output::memory`] puts its variables into a [`Memory`] and writes no file; its [`Draft`] writes the
+//!   file later.
+//! - The root attribute `content_sha256` is a checksum of all other content; [`Reader::is_intact`] recomputes it.
 //! - [`Reader`] reads values, for resuming and for input. It is written in Rust, and the HDF5 library only writes,
 //!   since a damaged file can crash the library.
 
@@ -40,20 +39,20 @@ pub use memory::{Draft, Memory, Value};
 pub use reader::Reader;
 pub use variable::{Coordinates, Dimension, Provenance, Variable};
 
-/// Version of the file layout, increased whenever a name or its meaning changes.
+/// Version of the file layout, increased when a name or its meaning changes.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Bytes of one chunk before compression: large enough for deflate and few seeks, small enough for partial reads.
+/// Bytes per chunk before compression: large enough for deflate and few seeks, small enough for partial reads.
 const CHUNK_BYTES: usize = 1 << 21;
 
-/// Arrays below this size are stored in one piece, uncompressed.
+/// Size in bytes below which arrays are stored uncompressed in one piece.
 const SMALL_BYTES: usize = 1 << 13;
 
-/// Deflate level. On heights and pressures of 2048 x 2048 points, levels 1 to 6 differ by 1 % in size, 2 and 6 by 25 to
-/// 80 % in time.
+/// Deflate level. For heights and pressures of 2048 x 2048 points, levels 1 to 6 differ by 1 % in size, levels 2 and 6
+/// by 25 to 80 % in time.
 const DEFLATE: u8 = 2;
 
-/// An HDF5 file being written. The target is replaced only by [`Archive::finish`].
+/// HDF5 file being written. Only [`Archive::finish`] replaces the target.
 #[derive(Debug)]
 pub struct Archive<'a> {
     output: &'a Output,
@@ -65,7 +64,7 @@ pub struct Archive<'a> {
 }
 
 impl<'a> Archive<'a> {
-    /// Creates `NAME.part` beside the claimed target; a part left by an earlier process is overwritten.
+    /// Creates `NAME.part` beside the claimed target. A part file left by an earlier process is overwritten.
     pub fn create(output: &'a Output, provenance: &Provenance) -> Result<Self, FileError> {
         let (scales, warnings) = (BTreeMap::new(), provenance.warnings.clone());
         if let Some(memory) = output.in_memory() {
@@ -141,7 +140,7 @@ impl<'a> Archive<'a> {
         self.new_dataset::<f64>(path, variable, Some(f64::NAN)).map(drop)
     }
 
-    /// Writes entry `index` along the first dimension of a variable made by [`Archive::define`].
+    /// Writes entry `index` along the first dimension of a variable defined with [`Archive::define`].
     pub fn write_slab(&mut self, path: &str, index: usize, values: &[f64]) -> Result<(), FileError> {
         let (dataset, shape) = self.defined(path)?;
         let expected: usize = shape.iter().skip(1).product();
@@ -158,7 +157,7 @@ impl<'a> Archive<'a> {
         self.flushed(path, &dataset, written)
     }
 
-    /// Defines a variable along two dimensions whose rows are written with [`Archive::write_rows`], all of them.
+    /// Defines a two-dimensional variable; [`Archive::write_rows`] must then write all its rows.
     pub fn define_rows(&mut self, path: &str, variable: &Variable) -> Result<(), FileError> {
         if let Some(memory) = self.output.in_memory() {
             return memory.define(path, variable, true);
@@ -166,9 +165,9 @@ impl<'a> Archive<'a> {
         self.new_dataset::<f64>(path, variable, None).map(drop)
     }
 
-    /// Writes whole rows from row `first` on of a variable made by [`Archive::define_rows`], or of entry `index` of one
-    /// of three dimensions made by [`Archive::define`]. Blocks of [`rows_of_chunk`] rows, or a multiple, that begin at
-    /// a multiple of it give the bytes of a whole field.
+    /// Writes whole rows, starting at row `first`, of a variable defined with [`Archive::define_rows`], or of entry
+    /// `index` of a three-dimensional variable defined with [`Archive::define`]. If blocks begin and end at multiples
+    /// of [`rows_of_chunk`], the bytes are the same as for a whole field.
     pub fn write_rows(
         &mut self,
         path: &str,
@@ -199,7 +198,7 @@ impl<'a> Archive<'a> {
         self.flushed(path, &dataset, written)
     }
 
-    /// Writes an attribute of the group or variable at `path`; if there is none, a group is created.
+    /// Writes an attribute of the group or variable at `path`. A missing group is created.
     pub fn attribute(&mut self, path: &str, name: &str, value: impl Into<Attribute>) -> Result<(), FileError> {
         if let Some(memory) = self.output.in_memory() {
             memory.attribute(path, name, value.into());
@@ -220,7 +219,7 @@ impl<'a> Archive<'a> {
         written.map_err(|error| self.failed(&whole, &error))
     }
 
-    /// Completes the file, syncs it to the disk, and renames it to the target. In memory, the path is empty.
+    /// Completes the file, syncs it to the disk, and renames it to the target. Returns an empty path if in memory.
     pub fn finish(mut self) -> Result<PathBuf, FileError> {
         if let Some(memory) = self.output.in_memory() {
             memory.finish();
@@ -254,7 +253,7 @@ impl<'a> Archive<'a> {
         self.file.as_ref().ok_or_else(|| FileError::Closed { path: self.output.path().into() })
     }
 
-    /// The variable at `path`, `None` in memory, and its shape.
+    /// Returns the variable at `path` (`None` if in memory) and its shape.
     fn defined(&self, path: &str) -> Result<(Option<Dataset>, Vec<usize>), FileError> {
         if let Some(memory) = self.output.in_memory() {
             return Ok((None, memory.shape(path)));
@@ -264,7 +263,7 @@ impl<'a> Archive<'a> {
         Ok((Some(dataset), shape))
     }
 
-    /// Writes numbers from place `start` on of a variable in memory.
+    /// Writes numbers to a variable in memory, starting at index `start`.
     fn fill(&self, path: &str, start: usize, values: &[f64]) -> Result<(), FileError> {
         let memory = self.output.in_memory();
         let shape = || memory.map_or_else(Vec::new, |memory| memory.shape(path));
@@ -272,7 +271,7 @@ impl<'a> Archive<'a> {
         memory.and_then(|memory| memory.write(path, start, values)).ok_or_else(slab)
     }
 
-    /// Hands what was written to the operating system.
+    /// Flushes written data to the operating system.
     fn flushed(&self, path: &str, dataset: &Dataset, written: Result<(), hdf5::Error>) -> Result<(), FileError> {
         written.and_then(|()| dataset.flush()).map_err(|error| self.failed(path, &error))
     }
@@ -289,7 +288,7 @@ impl<'a> Archive<'a> {
         Err(FileError::Length { variable: path.into(), found, shape })
     }
 
-    /// The group at `path`, created with its parents if it does not exist.
+    /// Returns the group at `path`, creating it and its parents if necessary.
     fn group(&self, path: &str) -> Result<Group, FileError> {
         let mut group = self.file()?.as_group().map_err(|error| self.failed(path, &error))?;
         for name in path.split('/').filter(|name| !name.is_empty()) {
@@ -373,8 +372,7 @@ impl Drop for Archive<'_> {
     }
 }
 
-/// Creates a dataset, chunked along the first dimension and compressed unless small. It has no time stamps, so that
-/// equal values give equal bytes.
+/// Creates a dataset, chunked and compressed unless small, without time stamps: equal values give equal bytes.
 fn create_dataset<T: H5Type>(
     group: &Group,
     name: &str,
@@ -392,12 +390,12 @@ fn create_dataset<T: H5Type>(
     builder.empty::<T>().shape(shape).create(name)
 }
 
-/// The number of rows, of so many numbers each, that are compressed together.
+/// Returns the number of rows with `columns` numbers each that are compressed together.
 pub fn rows_of_chunk(columns: usize) -> usize {
     (CHUNK_BYTES / size_of::<f64>() / columns.max(1)).max(1)
 }
 
-/// The shape of a chunk: as many whole rows as fit into [`CHUNK_BYTES`]; one entry of the first of three dimensions.
+/// Returns the shape of a chunk: whole rows up to [`CHUNK_BYTES`]; one entry of the first of three dimensions.
 fn chunk(shape: &[usize], size: usize) -> Vec<usize> {
     let mut chunk = vec![1; shape.len()];
     let mut entries = (CHUNK_BYTES / size).max(1);

@@ -1,13 +1,13 @@
-/// The value of an attribute of a group or variable.
+/// Value of an attribute of a group or variable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
-    /// A string.
+    /// String.
     Text(String),
-    /// A real number.
+    /// Real number.
     Real(f64),
-    /// An integer.
+    /// Integer.
     Integer(i64),
-    /// A non-negative integer, such as a seed.
+    /// Non-negative integer, such as a seed.
     Natural(u64),
 }
 

@@ -10,13 +10,13 @@ pub enum FileError {
     /// Another process holds the target.
     #[error("{} is being written by another process; wait for it to end or choose another file", path.display())]
     Busy {
-        /// The target.
+        /// Target.
         path: PathBuf,
     },
-    /// The target is not a valid path of a file.
+    /// The target is not a valid file path.
     #[error("cannot write {}: {reason}", path.display())]
     Target {
-        /// The target.
+        /// Target.
         path: PathBuf,
         /// Reason in words.
         reason: String,
@@ -24,9 +24,9 @@ pub enum FileError {
     /// The operating system reported an error.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// The attempted operation.
+        /// Attempted operation.
         action: &'static str,
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -34,45 +34,45 @@ pub enum FileError {
     /// The HDF5 library could not write a variable or attribute.
     #[error("cannot write {variable} to {}: {reason}", path.display())]
     Write {
-        /// The part file.
+        /// Part file.
         path: PathBuf,
-        /// The variable or attribute.
+        /// Variable or attribute.
         variable: String,
-        /// The innermost message of the library.
+        /// Innermost message of the library.
         reason: String,
     },
     /// A variable or attribute could not be read.
     #[error("cannot read {variable} from {}: {reason}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The variable or attribute.
+        /// Variable or attribute.
         variable: String,
-        /// The innermost message of the library.
+        /// Innermost message of the library.
         reason: String,
     },
     /// The file is not an HDF5 file.
     #[error("cannot open {} as HDF5: {reason}", path.display())]
     Open {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The innermost message of the library.
+        /// Innermost message of the library.
         reason: String,
     },
     /// The file has no variable or attribute of this name.
     #[error("{} has no {variable}; its group has: {}", path.display(), listed(present))]
     Missing {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The requested name.
+        /// Requested name.
         variable: String,
-        /// The names in its group.
+        /// Names in its group.
         present: Vec<String>,
     },
     /// The number of values does not match the dimensions.
     #[error("{variable} has {found} values for the shape {shape:?}")]
     Length {
-        /// The variable.
+        /// Variable.
         variable: String,
         /// Number of values.
         found: usize,
@@ -82,7 +82,7 @@ pub enum FileError {
     /// A slab does not match its variable.
     #[error("slab {index} of {variable} has {found} values; the variable has the shape {shape:?}")]
     Slab {
-        /// The variable.
+        /// Variable.
         variable: String,
         /// Entry along the first dimension.
         index: usize,
@@ -91,34 +91,34 @@ pub enum FileError {
         /// Shape of the variable.
         shape: Vec<usize>,
     },
-    /// A group has two dimensions of one name.
+    /// A group has two dimensions with the same name.
     #[error("dimension {dimension} in group {group} was already written with other coordinates")]
     Dimension {
-        /// The group.
+        /// Group.
         group: String,
-        /// The name.
+        /// Name.
         dimension: String,
     },
     /// A text contains a zero byte.
     #[error("{variable} contains a zero byte, which HDF5 text cannot hold")]
     Text {
-        /// The variable or attribute.
+        /// Variable or attribute.
         variable: String,
     },
-    /// A variable in memory that is larger than what is left of it.
+    /// A variable in memory exceeds the remaining room.
     #[error("{variable} needs {:.1} GiB in memory; {:.1} GiB are available", gib(*needed), gib(*available))]
     Memory {
-        /// The variable.
+        /// Variable.
         variable: String,
-        /// The bytes of its numbers.
+        /// Size of its numbers in bytes.
         needed: u64,
-        /// The bytes that are left.
+        /// Remaining bytes.
         available: u64,
     },
     /// The file was closed after an error.
     #[error("{} is closed", path.display())]
     Closed {
-        /// The target.
+        /// Target.
         path: PathBuf,
     },
 }
@@ -141,7 +141,7 @@ fn listed(names: &[String]) -> String {
     if names.is_empty() { "nothing".into() } else { names.join(", ") }
 }
 
-/// The innermost message of the library, or the message of the operating system if the library quotes one.
+/// Returns the innermost message of the library, or the message of the operating system if the library quotes one.
 pub(crate) fn reason(error: &hdf5::Error) -> String {
     let text = match error.stack().as_deref().and_then(|frames| frames.last()) {
         Some(innermost) => innermost.desc().to_owned(),

@@ -3,7 +3,7 @@
 use crate::Dimension;
 use gfmd_field::Grid;
 
-/// The dimensions x and y of a grid, with the positions of its points.
+/// Returns the dimensions x and y of a grid, with the positions of its points.
 pub fn axes(grid: &Grid, unit: &str) -> [Dimension; 2] {
     let positions = |axis: usize| (0..grid.points()[axis]).map(|i| i as f64 * grid.spacing()[axis]).collect();
     [

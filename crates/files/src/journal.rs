@@ -2,11 +2,11 @@
 //! moment.
 //!
 //! The first record, the head, identifies the work. Records are appended and never changed; each is on the disk before
-//! [`Journal::append`] returns. An incomplete record at the end is the trace of a kill: opening the journal removes it.
-//! Any other record with a wrong checksum is an error, and the file is not changed.
+//! [`Journal::append`] returns. An incomplete record at the end is left by a killed process; opening the journal
+//! removes it. Any other record with a wrong checksum is an error, and the file is not changed.
 //!
-//! A record is a line of fixed length, `length checksum check` in hexadecimal digits (16, 64 and 8 of them; `check`
-//! guards the two before it), then the bytes, then a line break.
+//! A record is a line of fixed length, `length checksum check` in hexadecimal (16, 64 and 8 digits; `check` guards the
+//! first two), then the bytes, then a line break.
 
 mod records;
 
@@ -22,51 +22,51 @@ use records::{Records, Unusable};
 /// Reason why a journal cannot be opened, read or continued.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// A record that is damaged, or unusable for the reader of the journal.
+    /// A record is damaged, or unusable for the reader of the journal.
     #[error("{}, record {record}: {reason}", path.display())]
     Record {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
-        /// The number of the record; the head is 1.
+        /// Number of the record; the head is 1.
         record: usize,
-        /// The reason in words.
+        /// Reason in words.
         reason: String,
     },
-    /// A file without the head of a journal.
+    /// The file has no head of a journal.
     #[error("{}: this is not a journal", path.display())]
     NoJournal {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A journal of other work.
+    /// The journal belongs to other work.
     #[error(
         "{}: the journal belongs to a run of another configuration, input or version; finish that run, or delete it",
         path.display()
     )]
     Other {
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
     },
     /// The operating system reported an error.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// The attempted operation.
+        /// Attempted operation.
         action: &'static str,
-        /// The journal.
+        /// Path of the journal.
         path: PathBuf,
-        /// The error of the operating system.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// An open journal.
+/// Open journal.
 pub struct Journal {
     path: PathBuf,
     records: Mutex<Records<File>>,
 }
 
 impl Journal {
-    /// Opens the journal at `path` of the work that `head` identifies, or starts one.
+    /// Opens the journal at `path` of the work identified by `head`, or starts one.
     ///
     /// # Errors
     /// A journal of other work, or a damaged one, which is not changed; a file that cannot be read or written.
@@ -77,7 +77,7 @@ impl Journal {
         Self::of(path, Records::open(file, head))
     }
 
-    /// Reads the journal at `path` of the work that `head` identifies, also while another process writes to it, and
+    /// Reads the journal at `path` of the work identified by `head`, even while another process writes to it, and
     /// changes nothing. Nothing can be appended.
     ///
     /// # Errors
@@ -99,22 +99,22 @@ impl Journal {
         Ok(Self { path: path.into(), records: Mutex::new(records) })
     }
 
-    /// The path of the file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The number of records after the head.
+    /// Returns the number of records after the head.
     pub fn len(&self) -> usize {
         self.locked().len()
     }
 
-    /// True if there is no record after the head.
+    /// Returns true if there is no record after the head.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The record `index`, from 0 after the head.
+    /// Reads record `index`, counted from 0 after the head.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -122,12 +122,12 @@ impl Journal {
         self.locked().read(index).map_err(|source| JournalError::Io { action: "read", path: self.path.clone(), source })
     }
 
-    /// The error of a complete record that the reader cannot use.
+    /// Returns the error for a complete record that the reader cannot use.
     pub fn unusable(&self, index: usize, reason: impl Into<String>) -> JournalError {
         JournalError::Record { path: self.path.clone(), record: index + 2, reason: reason.into() }
     }
 
-    /// Writes records at the end; they are on the disk when this returns.
+    /// Appends records; they are on the disk when this function returns.
     ///
     /// # Errors
     /// A file that cannot be written, or that no longer has its name.
@@ -141,7 +141,7 @@ impl Journal {
         written.map_err(|source| JournalError::Io { action: "write", path: self.path.clone(), source })
     }
 
-    /// Removes all records but the first `count` after the head.
+    /// Removes all records after the head except the first `count`.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -150,7 +150,7 @@ impl Journal {
         cut.map_err(|source| JournalError::Io { action: "write", path: self.path.clone(), source })
     }
 
-    /// Removes the file, when the work is complete and stored elsewhere.
+    /// Removes the file after the work is complete and stored elsewhere.
     ///
     /// # Errors
     /// A file that cannot be removed.

@@ -8,7 +8,7 @@
 //! - [`Archive`] and [`Reader`] write and read HDF5 with named dimensions and units.
 //! - [`Journal`] preserves the finished parts of long work if the process is killed; [`Checksum`] identifies files and
 //!   arrays.
-//! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes arrays of NumPy.
+//! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes NumPy arrays.
 //!
 //! ```
 //! use gfmd_files::{Archive, Dimension, Output, Provenance, Reader, Variable};

@@ -1,4 +1,4 @@
-//! Claims of output paths, so that one process at a time writes to a file.
+//! Claims of output paths, so that only one process at a time writes to a file.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{FileError, Memory};
 
-/// A claimed target file. The claim ends when the value is dropped or the process ends.
+/// Claimed target file. The claim ends when the value is dropped or the process ends.
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
@@ -18,9 +18,9 @@ pub struct Output {
 }
 
 impl Output {
-    /// Claims `path`, or the target of a symbolic link, and leaves an existing file unchanged. Fails while another
-    /// process holds the claim, if the folder does not exist or cannot be written, or if `path` exists and is not a
-    /// regular file: renaming a result to a device or a pipe would destroy it.
+    /// Claims `path`, or the target of a symbolic link; an existing file is unchanged. Fails while another process
+    /// holds the claim, if the folder does not exist or cannot be written, or if `path` exists and is not a regular
+    /// file: renaming a result to a device or a pipe would destroy it.
     pub fn claim(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = target(path.as_ref())?;
         for path in [beside(&path, ".lock"), beside(&path, ".part")] {
@@ -50,8 +50,8 @@ impl Output {
         Err(FileError::Busy { path })
     }
 
-    /// Claims `NAME` + `suffix` beside `path` in place of `path` itself, for a process that does part of the work.
-    /// Fails like [`claim`](Self::claim), and if `path` itself could not be claimed later.
+    /// Claims `NAME` + `suffix` beside `path` instead of `path` itself, for a process that does part of the work. Fails
+    /// like [`claim`](Self::claim), and if `path` itself could not be claimed later.
     ///
     /// # Errors
     /// A claim held by another process; paths at which no file can exist.
@@ -59,13 +59,13 @@ impl Output {
         Self::claim(beside(&target(path)?, suffix))
     }
 
-    /// A target in memory: nothing is written to the disk, and an [`Archive`](crate::Archive) puts its variables there.
-    /// Its path is empty.
+    /// Creates a target in memory. Nothing is written to the disk; an [`Archive`](crate::Archive) puts its variables
+    /// into `memory`. The path is empty.
     pub fn memory(memory: &Memory) -> Self {
         Self { path: PathBuf::new(), lock: None, has_values: true, memory: Some(memory.clone()) }
     }
 
-    /// The memory, if it is the target.
+    /// Returns the memory if it is the target.
     pub fn in_memory(&self) -> Option<&Memory> {
         self.memory.as_ref()
     }
@@ -82,17 +82,17 @@ impl Output {
         self.has_values
     }
 
-    /// The path of the target.
+    /// Returns the path of the target.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The path `NAME.part` beside the target.
+    /// Returns the path `NAME.part` beside the target.
     pub fn part(&self) -> PathBuf {
         self.beside(".part")
     }
 
-    /// Checks that files with the names `NAME` + `suffix` can exist, so that long work does not fail because of them.
+    /// Checks that files named `NAME` + `suffix` can exist, so that long work does not fail because of them.
     ///
     /// # Errors
     /// A name that is too long for the file system.
@@ -110,13 +110,13 @@ impl Output {
         Err(FileError::Target { path: self.path.clone(), reason })
     }
 
-    /// The path `NAME` + `suffix` beside the target, for further files under this claim.
+    /// Returns the path `NAME` + `suffix` beside the target, for further files under this claim.
     pub fn beside(&self, suffix: &str) -> PathBuf {
         beside(&self.path, suffix)
     }
 
-    /// Replaces the target by the bytes that `write` produces: they are written to the part, synced, and renamed. After
-    /// an error an older file is unchanged.
+    /// Replaces the target with the bytes that `write` produces: they are written to the part file, synced, and
+    /// renamed. After an error an older file is unchanged.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -124,15 +124,15 @@ impl Output {
         replace(&self.path, write)
     }
 
-    /// Syncs the part to the disk and renames it to the target.
+    /// Syncs the part file to the disk and renames it to the target.
     pub(crate) fn publish(&self) -> Result<(), FileError> {
         publish(&self.part(), &self.path)
     }
 }
 
-/// Replaces the file `path` by the bytes that `write` produces: they are written to `NAME.part`, synced, and renamed.
-/// After an error an older file is unchanged. Use [`Output::write`] for the target itself, and this for files beside
-/// it.
+/// Replaces the file `path` with the bytes that `write` produces: they are written to `NAME.part`, synced, and renamed.
+/// After an error an older file is unchanged. Use [`Output::write`] for the target itself, and this function for files
+/// beside it.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -154,13 +154,13 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Resu
     })
 }
 
-/// Syncs the part to the disk and renames it to the target.
+/// Syncs the part file to the disk and renames it to the target.
 fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
     let io = |action, path: &Path| {
         let path = path.to_path_buf();
         move |source| FileError::Io { action, path, source }
     };
-    // The new file may be read by those who could read the old one.
+    // The new file has the permissions of the old one.
     if let Ok(old) = fs::metadata(path) {
         fs::set_permissions(part, old.permissions()).map_err(io("set the permissions of", part))?;
     }
@@ -172,16 +172,16 @@ fn publish(part: &Path, path: &Path) -> Result<(), FileError> {
 impl Drop for Output {
     fn drop(&mut self) {
         let Some(lock) = &self.lock else { return };
-        // Unlink before unlocking: a process that waits for the lock then finds the name gone and starts over.
+        // Unlink before unlocking: a process waiting for the lock then finds the name gone and starts over.
         let _ = fs::remove_file(beside(&self.path, ".lock"));
         let _ = lock.unlock();
     }
 }
 
-/// The path of a file to be written, which need not exist; of a symbolic link, the file to which it points.
+/// Returns the path of a file to be written, which need not exist. A symbolic link is replaced by its target.
 ///
 /// # Errors
-/// A folder, a device or a pipe; a path in no folder.
+/// A folder, device, pipe or read-only file; a symbolic link without a target; a path in no folder.
 pub fn target(path: &Path) -> Result<PathBuf, FileError> {
     let refuse = |path: &Path, reason: &str| FileError::Target { path: path.into(), reason: reason.into() };
     if path.file_name().is_none() || path.is_dir() {
@@ -196,7 +196,7 @@ pub fn target(path: &Path) -> Result<PathBuf, FileError> {
     Ok(path)
 }
 
-/// The path itself, or the file to which a symbolic link points.
+/// Returns the path itself, or the target of a symbolic link.
 fn followed(path: &Path) -> Result<PathBuf, FileError> {
     match fs::symlink_metadata(path) {
         Ok(metadata) if metadata.file_type().is_symlink() => fs::canonicalize(path).map_err(|_| {
@@ -207,7 +207,7 @@ fn followed(path: &Path) -> Result<PathBuf, FileError> {
     }
 }
 
-/// Refuses an existing object that is not a regular file, or that its owner has protected against writing.
+/// Returns an error for an existing object that is not a regular file or is read-only.
 fn check_replaceable(path: &Path) -> Result<(), FileError> {
     check_regular(path)?;
     if fs::metadata(path).is_ok_and(|metadata| metadata.permissions().readonly()) {
@@ -217,7 +217,7 @@ fn check_replaceable(path: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Refuses an existing object that is not a regular file.
+/// Returns an error for an existing object that is not a regular file.
 fn check_regular(path: &Path) -> Result<(), FileError> {
     let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
     if metadata.is_file() {
@@ -233,12 +233,12 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The folder of a path.
+/// Returns the folder of a path.
 pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// True if both names lead to one existing file, also by links.
+/// Returns true if both names lead to the same existing file, also by links.
 pub fn is_one_file(one: &Path, other: &Path) -> bool {
     gfmd_topography::Input::open(one).and_then(|one| one.handle()).is_ok_and(|one| is_same_file(&one, other))
 }
@@ -276,7 +276,7 @@ mod tests {
 
     use super::*;
 
-    /// A path that is no regular file stays as it is, as a target and under the names beside it.
+    /// A path that is not a regular file is unchanged, as a target and under the names beside it.
     #[test]
     fn special_files_are_refused_and_stay() {
         let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 //!
 //! The values follow the header in binary form. The position of each plane in the file is therefore known in advance,
 //! and no plane is kept in memory. x varies fastest; z varies slowest and points upwards. (The crate `vtkio` needs the
-//! whole volume in memory, and is not maintained since 2022.)
+//! whole volume in memory, and has not been maintained since 2022.)
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -11,18 +11,18 @@ use std::path::PathBuf;
 use crate::vtk::{FOOTER, Header, LENGTH, PointArray, VALUE};
 use crate::{FileError, Output};
 
-/// A regular grid of points.
+/// Regular grid of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Number of points along x, y, z.
     pub points: [usize; 3],
-    /// The first point.
+    /// First point.
     pub origin: [f64; 3],
     /// Distance between neighbours along x, y, z.
     pub spacing: [f64; 3],
 }
 
-/// An image file being written to `NAME.part`; [`Image::finish`] renames it to the target.
+/// Image file being written to `NAME.part`; [`Image::finish`] renames it to the target.
 #[derive(Debug)]
 pub struct Image<'a> {
     output: &'a Output,
@@ -71,7 +71,7 @@ impl<'a> Image<'a> {
     /// A file that cannot be written.
     ///
     /// # Panics
-    /// If there is no such array or plane, or if the number of values is not that of the plane.
+    /// If there is no such array or plane, or if the number of values does not match the plane.
     pub fn write_plane(&mut self, array: usize, level: usize, values: &[f64]) -> Result<(), FileError> {
         let ([nx, ny, nz], (width, begin)) = (self.lattice.points, self.arrays[array]);
         assert!(level < nz && values.len() == nx * ny * width, "a plane of the lattice");
@@ -110,7 +110,7 @@ impl Drop for Image<'_> {
     }
 }
 
-/// The XML header up to the first appended byte, and the length of each array in bytes.
+/// Returns the XML header up to the first appended byte, and the length of each array in bytes.
 fn header(lattice: &Lattice, arrays: &[PointArray]) -> (String, Vec<u64>) {
     let Lattice { points, origin, spacing } = lattice;
     let extent = points.map(|n| format!("0 {}", n - 1)).join(" ");

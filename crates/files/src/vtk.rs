@@ -1,5 +1,5 @@
-//! The common parts of the XML files of VTK: arrays declared in a header, whose values follow it in binary form
-//! ("appended", "raw", little-endian, lengths of 64 bits).
+//! Common parts of the VTK XML files: arrays declared in a header, with their values after it in binary form
+//! ("appended", "raw", little-endian, 64-bit lengths).
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ pub(crate) const LENGTH: u64 = size_of::<u64>() as u64;
 
 pub(crate) const FOOTER: &str = "\n</AppendedData>\n</VTKFile>\n";
 
-/// A quantity at every point.
+/// Quantity at every point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointArray<'a> {
     /// Name of the quantity.
@@ -26,15 +26,15 @@ impl PointArray<'_> {
     }
 }
 
-/// A header that is being written.
+/// Header being written.
 pub(crate) struct Header {
     pub(crate) text: String,
-    /// The length of each array in bytes.
+    /// Length of each array in bytes.
     pub(crate) bytes: Vec<u64>,
 }
 
 impl Header {
-    /// The beginning of a file with data of the `kind`, whose element has these `attributes`.
+    /// Begins a file with data of the `kind`; `attributes` are the attributes of its element.
     pub(crate) fn new(kind: &str, attributes: &str) -> Self {
         let text = format!(
             "<?xml version=\"1.0\"?>\n\
@@ -44,13 +44,13 @@ impl Header {
         Self { text, bytes: Vec::new() }
     }
 
-    /// Adds lines.
+    /// Adds lines to the text.
     pub(crate) fn add(&mut self, lines: &str) {
         self.text += lines;
         self.text.push('\n');
     }
 
-    /// Declares the values at `points` points; programs show the first scalar when they open the file.
+    /// Declares values at `points` points. Programs show the first scalar when they open the file.
     pub(crate) fn point_data(&mut self, arrays: &[PointArray], points: usize) {
         let shown = arrays.iter().find(|array| array.components.is_empty());
         let shown = shown.map_or_else(String::new, |array| format!(" Scalars=\"{}\"", escape(array.name)));
@@ -59,7 +59,7 @@ impl Header {
         self.add("</PointData>");
     }
 
-    /// Declares an array of `count` tuples of a type of eight bytes.
+    /// Declares an array of `count` tuples of an eight-byte type.
     pub(crate) fn declare(&mut self, kind: &str, array: &PointArray, count: usize) {
         let offset: u64 = self.bytes.iter().map(|bytes| LENGTH + bytes).sum();
         let (name, width) = (escape(array.name), array.width());
@@ -79,7 +79,7 @@ impl Header {
         self.bytes.push((count * width * VALUE) as u64);
     }
 
-    /// The header up to the first appended byte, and the length of each array in bytes.
+    /// Returns the header up to the first appended byte, and the length of each array in bytes.
     pub(crate) fn end(mut self, kind: &str) -> (String, Vec<u64>) {
         self.text += &format!("</Piece>\n</{kind}>\n<AppendedData encoding=\"raw\">\n_");
         (self.text, self.bytes)

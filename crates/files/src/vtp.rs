@@ -7,25 +7,25 @@ use std::path::PathBuf;
 use crate::vtk::{FOOTER, Header, PointArray};
 use crate::{FileError, Output};
 
-/// A surface as its points, in rows along x: point `[i, j]` has the number `j nx + i`.
+/// Surface as points in rows along x: point `[i, j]` has the number `j nx + i`.
 #[derive(Clone, Copy)]
 pub struct Sheet<'a> {
-    /// Number of points along x and y, the latter 1 for a line.
+    /// Number of points along x and y, 1 along y for a line.
     pub points: [usize; 2],
-    /// The position of point `[i, j]`.
+    /// Position of point `[i, j]`.
     pub position: &'a dyn Fn(usize, usize) -> [f64; 3],
 }
 
-/// A quantity with its values `[x, y]`, row-major.
+/// Quantity with its values `[x, y]`, row-major.
 pub type Values<'a> = (PointArray<'a>, &'a [f64]);
 
-/// Writes the surface with scalars at its points.
+/// Writes the surface with values at its points.
 ///
 /// # Errors
 /// A file that cannot be written.
 ///
 /// # Panics
-/// If the number of values of an array is not that of the points.
+/// If the number of values of an array does not match the points.
 pub fn write(output: &Output, sheet: &Sheet, arrays: &[Values]) -> Result<PathBuf, FileError> {
     let [nx, ny] = sheet.points;
     assert!(arrays.iter().all(|(_, values)| values.len() == nx * ny), "a value for each point");
@@ -61,7 +61,7 @@ pub fn write(output: &Output, sheet: &Sheet, arrays: &[Values]) -> Result<PathBu
     Ok(output.path().to_path_buf())
 }
 
-/// The cells between the points.
+/// Cells between the points.
 enum Cells {
     /// One line through all points.
     Line,
@@ -74,7 +74,7 @@ fn cells([nx, ny]: [usize; 2]) -> Cells {
 }
 
 impl Cells {
-    /// The number of cells, and of the points of each.
+    /// Returns the number of cells and the number of points per cell.
     fn size(&self, nx: usize) -> (usize, usize) {
         match self {
             Self::Line => (1, nx),
@@ -88,7 +88,7 @@ fn in_order([nx, ny]: [usize; 2], mut visit: impl FnMut(usize, usize) -> io::Res
     (0..ny).try_for_each(|j| (0..nx).try_for_each(|i| visit(i, j)))
 }
 
-/// The header, and the length of each array in bytes: the values, the points, the cells.
+/// Returns the header, and the length of each array in bytes: the values, the points, the cells.
 fn header([nx, ny]: [usize; 2], cells: &Cells, arrays: &[Values]) -> (String, Vec<u64>) {
     let points = nx * ny;
     let (count, corners) = cells.size(nx);
@@ -128,7 +128,7 @@ mod tests {
         (String::from_utf8_lossy(&bytes[..start]).into_owned(), bytes[start..].to_vec())
     }
 
-    /// The words of eight bytes of the array at an offset, after its length.
+    /// Returns the eight-byte words of the array at an offset, after its length.
     fn array(bytes: &[u8], offset: usize) -> Vec<[u8; 8]> {
         let word = |place: usize| -> [u8; 8] { bytes[place..][..8].try_into().unwrap() };
         let length = u64::from_le_bytes(word(offset)) as usize;
@@ -151,7 +151,7 @@ mod tests {
             assert!(header.contains(expected), "{expected}: {header}");
         }
         let numbers = |offset| array(&bytes, offset).into_iter().map(f64::from_le_bytes).collect::<Vec<_>>();
-        // x varies fastest, and the values are those of [i, j].
+        // x varies fastest, and the values are in the order of [i, j].
         assert_eq!(numbers(0), [0.0, 2.0, 4.0, 1.0, 3.0, 5.0]);
         assert_eq!(numbers(56)[3..6], [1.0, 0.0, -0.5]);
         assert_eq!(numbers(56)[15..], [2.0, 10.0, -0.5]);

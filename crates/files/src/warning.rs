@@ -2,17 +2,16 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A warning on a result.
+/// Warning on a result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// A short name that does not change, for programs.
+    /// Short stable name, for programs.
     pub code: &'static str,
-    /// The warning in words, one line.
+    /// Warning in words, one line.
     pub text: String,
 }
 
-/// The warnings of a run, in order. Clones share the list, so that a file contains all warnings made before it is
-/// finished.
+/// Warnings of a run, in order. Clones share the list, so a file contains all warnings added before it is finished.
 #[derive(Clone, Debug, Default)]
 pub struct Warnings(Arc<Mutex<Vec<Warning>>>);
 
@@ -22,12 +21,12 @@ impl Warnings {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     }
 
-    /// The warnings so far.
+    /// Returns the warnings so far.
     pub fn list(&self) -> Vec<Warning> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// The warnings so far as text, one line `code: text` each.
+    /// Returns the warnings so far as text, one line `code: text` each.
     pub fn lines(&self) -> String {
         self.list().iter().map(|Warning { code, text }| format!("{code}: {text}\n")).collect()
     }

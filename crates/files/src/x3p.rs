@@ -1,4 +1,4 @@
-//! Writing of X3P: heights as double precision in metres.
+//! Writing of X3P files: heights in double precision in metres.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use zip::write::SimpleFileOptions;
 use crate::{FileError, Output};
 use gfmd_topography::unit::{Conversion, is_length};
 
-/// A height map to be written as X3P.
+/// Height map to be written as X3P.
 #[derive(Clone, Copy, Debug)]
 pub struct X3p<'a> {
     /// Heights `[x, y]`; NaN where undefined.
@@ -21,14 +21,14 @@ pub struct X3p<'a> {
     pub unit: Option<&'a str>,
     /// Date of the file.
     pub date: &'a str,
-    /// Program that made the heights, with its version.
+    /// Program and version that made the heights.
     pub creator: &'a str,
     /// Origin of the heights.
     pub comment: &'a str,
 }
 
 impl X3p<'_> {
-    /// Writes the file, whose unit is always metres, and returns a description of the conversion.
+    /// Writes the file, always in metres, and returns a description of the conversion.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -145,13 +145,13 @@ impl X3p<'_> {
     }
 }
 
-/// An entry of the archive with its MD5 checksum.
+/// Entry of the archive with its MD5 checksum.
 struct Checked {
     name: &'static str,
     sum: String,
 }
 
-/// The spacing whose product with the number of points is exactly the length, if there is such a number.
+/// Returns a spacing that, times the number of points, is exactly the length, or else the nearest one.
 fn spacing(length: f64, points: usize) -> f64 {
     let count = points as f64;
     let nearest = length / count;
@@ -159,7 +159,7 @@ fn spacing(length: f64, points: usize) -> f64 {
     close.into_iter().find(|spacing| spacing * count == length).unwrap_or(nearest)
 }
 
-/// A text without the characters that XML reserves or forbids.
+/// Escapes the characters that XML reserves, and drops control characters except line breaks.
 fn escaped(text: &str) -> String {
     let kept = text.chars().filter(|character| !character.is_control() || *character == '\n');
     kept.fold(String::new(), |mut escaped, character| {

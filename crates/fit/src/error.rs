@@ -20,9 +20,9 @@ pub enum FitError {
     BadKappa {
         /// Index of the datum.
         datum: usize,
-        /// The seed.
+        /// Seed of the realisation.
         seed: u64,
-        /// The kappa.
+        /// Value of kappa.
         found: f64,
     },
     /// An eps is not positive and finite.
@@ -30,56 +30,56 @@ pub enum FitError {
     BadEps {
         /// Index of the datum.
         datum: usize,
-        /// The axis.
+        /// Axis of the eps.
         axis: Axis,
-        /// The eps.
+        /// Value of eps.
         found: f64,
     },
     /// Two data have equal eps on all axes.
     #[error("data {first} and {second} have equal eps_t, eps_f and eps_c; merge their realisations into one datum")]
     SameDatum {
-        /// Index of the first.
+        /// Index of the first datum.
         first: usize,
-        /// Index of the second.
+        /// Index of the second datum.
         second: usize,
     },
     /// An exponent or its bounds are out of range.
     #[error("the range of alpha_{axis} is [{min}, {max}]; it must be increasing, above 0 and at most 16")]
     BadExponent {
-        /// The axis.
+        /// Axis of the term.
         axis: Axis,
         /// Lower bound.
         min: f64,
         /// Upper bound.
         max: f64,
     },
-    /// The model has both a term in eps_c and one of the measured edge.
+    /// The model has terms in both eps_c and the measured edge.
     #[error("the model has a term in eps_c and one of the measured edge; it must have at most one of them")]
     TwoContinuumTerms,
-    /// A realisation has no measured edge, and the model has the term of the edge.
+    /// A realisation has no measured edge, but the model has the edge term.
     #[error("datum {datum} has no edge for some of its seeds; every realisation must have one")]
     NoEdge {
         /// Index of the datum.
         datum: usize,
     },
-    /// The expected factor of the edge is not finite, its standard error not above zero, or that of f' negative or
-    /// infinite.
+    /// The expected edge factor is not finite, its standard error is not positive, or the standard error of f' is
+    /// negative or infinite.
     #[error(
         "the expected factor of the edge is {factor} ± {standard_error}, and on coarse grids ± {coarse} more; it must \
          be finite, its standard error above zero, the other one finite and not negative"
     )]
     BadEdge {
-        /// The factor.
+        /// Expected factor f.
         factor: f64,
-        /// Its standard error.
+        /// Standard error of f.
         standard_error: f64,
-        /// The standard error of f'.
+        /// Standard error of f'.
         coarse: f64,
     },
     /// A prior is negative or not finite.
     #[error("the weighting prior is {found}; it must be finite and not negative")]
     BadPrior {
-        /// The prior.
+        /// Value of the prior.
         found: f64,
     },
     /// There are fewer data than parameters.

@@ -1,4 +1,4 @@
-//! The fit: limit, terms and their intervals from data and settings.
+//! Fit of the limit, the terms and their intervals from data and settings.
 
 #[cfg(test)]
 mod tests;
@@ -15,12 +15,12 @@ use crate::{
     Weighting,
 };
 
-/// The number of fits after which the factor of the measured edge, which the scatter depends on, no longer changes.
+/// Number of fits after which the factor of the measured edge, which affects the scatter, no longer changes.
 const EDGE_FITS: usize = 4;
 
 /// Fits the model to the data.
 ///
-/// Equal data and settings give equal bits for any number of threads.
+/// Equal data and settings give bitwise identical results for any number of threads.
 ///
 /// # Errors
 /// Invalid data or settings; data that do not determine the model.
@@ -122,7 +122,7 @@ fn check(data: &[Datum], settings: &Settings) -> Result<(), FitError> {
     }
 }
 
-/// The terms that the levels determine, and the axes whose levels do not determine the free exponent.
+/// Returns the terms that the levels determine, and the axes with too few levels for the free exponent.
 fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Shape>, Vec<Axis>) {
     let (mut shapes, mut held) = (Vec::new(), Vec::new());
     for axis in Axis::ALL {
@@ -156,13 +156,13 @@ fn shapes(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> (Vec<Sh
     (shapes, held)
 }
 
-/// The number of parameters that the data must determine; an expected factor of the edge is a datum of its own.
+/// Returns the number of parameters that the data must determine, except an edge factor with an expected value.
 fn parameters(shapes: &[Shape], edge: Option<Edge>) -> usize {
     let free = shapes.iter().filter(|shape| shape.is_free()).count();
     1 + shapes.len() + free + usize::from(edge.is_some_and(|edge| !edge.is_known()))
 }
 
-/// The measured edge, if the levels of eps_c determine its factor or it is expected.
+/// Returns the measured edge if the levels of eps_c determine its factor or it is expected.
 fn edge_column(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> Option<Edge> {
     let levels = levels(data, Axis::Continuum);
     let edge = model.edge?;
@@ -173,7 +173,7 @@ fn edge_column(data: &[Datum], model: &Model, warnings: &mut Vec<Warning>) -> Op
     Some(edge)
 }
 
-/// The rows and the least sum of squares.
+/// Returns the rows and the least sum of squares.
 fn minimise(
     data: &[Datum],
     settings: &Settings,
@@ -193,7 +193,7 @@ fn minimise(
     Ok(found)
 }
 
-/// chi^2 and kappa_TFC against the exponent of term `k`, with all other parameters refitted.
+/// Computes chi^2 and kappa_TFC against the exponent of term `k`, with all other parameters refitted.
 fn profile(means: &Means, shapes: &[Shape], k: usize, minimum: &Minimum) -> Vec<ProfilePoint> {
     const NODES: usize = 41;
     let (min, max) = if shapes[k].is_free() { (shapes[k].min, shapes[k].max) } else { (0.25, 4.0) };

@@ -2,7 +2,7 @@
 
 use crate::Axis;
 
-/// The exponent of a term: fixed or fitted.
+/// Exponent of a term, fixed or fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
     /// Fixed at a value.
@@ -17,11 +17,11 @@ pub enum Exponent {
 }
 
 impl Exponent {
-    /// A free exponent with the default bounds [1/4, 4].
+    /// Free exponent with the default bounds [1/4, 4].
     pub const FREE: Self = Self::Free { min: 0.25, max: 4.0 };
 }
 
-/// The terms of the model. `None` leaves the term of an axis out even if the axis has several levels.
+/// Terms of the model. `None` omits the term of an axis even if the axis has several levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
     /// Term in eps_t.
@@ -30,46 +30,46 @@ pub struct Model {
     pub f: Option<Exponent>,
     /// Term in eps_c.
     pub c: Option<Exponent>,
-    /// If true, the term in eps_t is multiplied by the power of eps_f: C_t eps_t^alpha_t eps_f^alpha_f. Without a term
+    /// True if the term in eps_t is multiplied by the power of eps_f: C_t eps_t^alpha_t eps_f^alpha_f. Without a term
     /// in eps_f it is C_t eps_t^alpha_t.
     pub crossed: bool,
-    /// The continuum error as a multiple of the measured edge of every realisation ([`crate::Datum::edge`]): unlike a
-    /// constant times eps_c, it grows and falls with the perimeter of the contact. `c` must then be `None`.
+    /// Continuum error as a multiple of the measured edge of every realisation ([`crate::Datum::edge`]). Unlike a
+    /// constant times eps_c, it scales with the perimeter of the contact. `c` must then be `None`.
     pub edge: Option<Edge>,
 }
 
-/// The expected factor of the measured edge, f + f' (eps_c/[`COARSE`])²: f, and f' if it may differ from zero, are
-/// observations beside the data.
+/// Expected factor of the measured edge, f + f' (eps_c/[`COARSE`])². The expected f, and a nonzero f', are observations
+/// in addition to the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
-    /// The expected f.
+    /// Expected f.
     pub factor: f64,
-    /// The standard error of f, above zero; infinite without prior knowledge.
+    /// Standard error of f, above zero; infinite without prior knowledge.
     pub standard_error: f64,
-    /// The standard error of f', whose expected value is zero; zero fixes f' = 0.
+    /// Standard error of f', which has the expected value zero; zero fixes f' = 0.
     pub coarse: f64,
 }
 
-/// The eps_c at which f' is added once: four points per shortest wave.
+/// Value of eps_c at which f' is added once: four points per shortest wave.
 pub const COARSE: f64 = 0.25;
 
 impl Edge {
-    /// No prior: the factor follows from the data alone and does not depend on eps_c.
+    /// No prior: the data alone determine the factor, which does not depend on eps_c.
     pub const UNKNOWN: Self = Self { factor: 1.0, standard_error: f64::INFINITY, coarse: 0.0 };
 
-    /// The number of columns.
+    /// Returns the number of columns.
     pub(crate) fn columns(&self) -> usize {
         1 + usize::from(self.coarse > 0.0)
     }
 
-    /// True if the expected factor is an observation.
+    /// Returns true if the expected factor is an observation.
     pub(crate) fn is_known(&self) -> bool {
         self.standard_error.is_finite()
     }
 }
 
 impl Default for Model {
-    /// All three exponents fixed at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels; the
+    /// Fixes all three exponents at one. alpha_c = 1 is the perimeter error of a contact area counted in pixels. The
     /// exponents of the other two axes are conventions; check them against a fit with [`Model::free`].
     fn default() -> Self {
         Self {
@@ -83,7 +83,7 @@ impl Default for Model {
 }
 
 impl Model {
-    /// All three exponents fitted within [1/4, 4].
+    /// Fits all three exponents within [1/4, 4].
     pub fn free() -> Self {
         Self { t: Some(Exponent::FREE), f: Some(Exponent::FREE), c: Some(Exponent::FREE), ..Self::default() }
     }
@@ -93,18 +93,18 @@ impl Model {
     }
 }
 
-/// The variance assigned to one realisation of a datum that has no surfaces in common with another one. The weight of
-/// such a datum is its number of realisations over this variance.
+/// Variance assigned to one realisation of a datum without common surfaces. The weight of the datum is its number of
+/// realisations divided by this variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
-    /// The average of the datum's own variance and the variance pooled over all data, weighted by degrees of freedom,
-    /// with `prior` degrees of freedom for the pooled one. The pooled variance dominates for few realisations, the
-    /// datum's own for many.
+    /// Average of the datum's own variance and the variance pooled over all data, weighted by degrees of freedom, with
+    /// `prior` degrees of freedom for the pooled one. The pooled variance dominates for few realisations, the datum's
+    /// own for many.
     Shrunk {
         /// Degrees of freedom assigned to the pooled variance.
         prior: f64,
     },
-    /// The pooled variance for all data.
+    /// Pooled variance for all data.
     Pooled,
     /// Equal weights for all data, for any number of realisations.
     Equal,
@@ -113,15 +113,15 @@ pub enum Weighting {
 /// Settings of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// The terms and their exponents.
+    /// Terms and their exponents.
     pub model: Model,
-    /// The weights of the data.
+    /// Weights of the data.
     pub weighting: Weighting,
     /// Number of resamples of the means from their errors; 0 for none.
     pub resamples: usize,
     /// Seed of the resamples.
     pub seed: u64,
-    /// If true, data with common seeds are compared surface by surface. False is only for tests of the method.
+    /// True to compare data with common seeds surface by surface. False is only for tests of the method.
     pub paired: bool,
 }
 

@@ -2,27 +2,27 @@
 //!
 //! Variable projection: for given exponents the coefficients follow from one QR decomposition, so the search runs over
 //! the exponents alone. It starts from the best node of a grid over the whole box, because the sum of squares may have
-//! several minima, and ends with damped Gauss-Newton steps that respect the bounds.
+//! several minima, and ends with damped Gauss–Newton steps that respect the bounds.
 
 use crate::{Axis, COARSE};
 
-/// The largest number of terms: one per axis.
+/// Largest number of terms: one per axis.
 pub(crate) const AXES: usize = 3;
 
-/// Columns count as dependent if a pivot is below this fraction of the column's length.
+/// Fraction of a column's length below which a pivot makes the columns dependent.
 const DEPENDENT: f64 = 1e-10;
 
-/// The search ends with a step of the exponents below this length. Steps shrink at least tenfold, so that the next step
+/// Length of a step of the exponents below which the search ends. Steps shrink at least tenfold, so that the next step
 /// would be negligible.
 const SHORT: f64 = 1e-10;
 
-/// One term C eps^alpha of the sum, with alpha fixed (`min == max`) or fitted.
+/// Term C eps^alpha of the sum, with alpha fixed (`min == max`) or fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     pub(crate) axis: usize,
     pub(crate) min: f64,
     pub(crate) max: f64,
-    /// The index of the shape whose power multiplies this one.
+    /// Index of the shape with the power that multiplies this one.
     pub(crate) times: Option<usize>,
 }
 
@@ -48,17 +48,17 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// kappa of the model at `eps` = (eps_t, eps_f, eps_c), for contacts without an edge.
+    /// Returns kappa of the model at `eps` = (eps_t, eps_f, eps_c), for contacts without an edge.
     pub fn predict(&self, eps: [f64; AXES]) -> f64 {
         self.kappa_tfc + (0..AXES).map(|axis| self.term(axis, eps)).sum::<f64>()
     }
 
-    /// The part of kappa that a measured mean edge adds at `eps_c`.
+    /// Returns the contribution of a measured mean edge to kappa at `eps_c`.
     pub fn excess(&self, eps_c: f64, edge: f64) -> f64 {
         factor(self.edge, eps_c) * edge
     }
 
-    /// The function of `eps` that the coefficient of an axis multiplies.
+    /// Returns the function of `eps` that the coefficient of an axis multiplies.
     pub fn power(&self, axis: Axis, eps: [f64; AXES]) -> f64 {
         let power = |axis: usize| eps[axis].powf(self.exponents[axis]);
         let [t, f] = [Axis::Thermodynamic as usize, Axis::Fractal as usize];
@@ -76,11 +76,11 @@ impl Parameters {
     }
 }
 
-/// The comparison of a datum with its parent: index of the parent, and b.
+/// Comparison of a datum with its parent: index of the parent, and b.
 pub(crate) type Parent = (usize, f64);
 
-/// The rows to fit: abscissae, parents, ordinates, measured edges, square roots of the weights. An expected factor of
-/// the edge is one more row, which has an ordinate, an edge of one and a weight.
+/// Rows of the fit: abscissae, parents, ordinates, measured edges, square roots of the weights. An expected edge factor
+/// is an additional row with an ordinate, an edge of one and a weight.
 #[derive(Clone, Debug)]
 pub(crate) struct Means {
     pub(crate) eps: Vec<[f64; AXES]>,
@@ -90,28 +90,28 @@ pub(crate) struct Means {
     pub(crate) root_weight: Vec<f64>,
 }
 
-/// The minimum of the weighted sum of squares.
+/// Minimum of the weighted sum of squares.
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub(crate) parameters: Parameters,
     pub(crate) sum_of_squares: f64,
 }
 
-/// Error: the columns of the design matrix are linearly dependent.
+/// Error for a design matrix with linearly dependent columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dependent;
 
 /// Density of the grid over the box of exponents that is searched before the descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Search {
-    /// For a first fit.
+    /// Dense grid, for a first fit.
     Thorough,
-    /// For a refit of similar data, which also has a good guess.
+    /// Sparse grid, for a refit of similar data with a good guess.
     Near,
 }
 
-/// The nodes of a grid over the free exponents with their factorised columns. They do not depend on the ordinates and
-/// are therefore shared by all resamples.
+/// Nodes of a grid over the free exponents with their factorised columns. They do not depend on the ordinates and are
+/// shared by all resamples.
 pub(crate) struct Nodes {
     shapes: Vec<Shape>,
     free: Vec<usize>,
@@ -169,7 +169,7 @@ impl Nodes {
 }
 
 impl Means {
-    /// Minimises once, with nodes of its own.
+    /// Minimises once, with separate nodes.
     pub(crate) fn minimise(
         &self,
         shapes: &[Shape],
@@ -183,7 +183,7 @@ impl Means {
         self.kappa.iter().zip(&self.root_weight).map(|(k, w)| k * w).collect()
     }
 
-    /// The weighted column of a function of eps, in comparison with the parent of each row.
+    /// Returns the weighted column of a function of eps, compared with the parent of each row.
     fn column(&self, f: impl Fn(&[f64; AXES]) -> f64) -> Vec<f64> {
         let above = |parent: &Option<Parent>| parent.map_or(0.0, |(index, b)| b * f(&self.eps[index]));
         let rows = self.eps.iter().zip(&self.parents).zip(&self.root_weight);
@@ -192,13 +192,13 @@ impl Means {
         column
     }
 
-    /// The weighted columns 1, eps^alpha of each term, and the measured edge.
+    /// Returns the weighted columns 1, eps^alpha of each term, and the measured edge.
     fn columns(&self, shapes: &[Shape], exponents: &[f64]) -> Vec<Vec<f64>> {
         let terms = (0..shapes.len()).map(|k| self.column(|eps| power(shapes, exponents, k, eps)));
         std::iter::once(self.column(|_| 1.0)).chain(terms).chain(self.weighted_edges()).collect()
     }
 
-    /// The weighted derivative of all terms with respect to the exponent of term `k`.
+    /// Returns the weighted derivative of all terms with respect to the exponent of term `k`.
     fn slope(&self, shapes: &[Shape], exponents: &[f64], coefficients: &[f64], k: usize) -> Vec<f64> {
         let depends = |term: usize| term == k || shapes[term].times == Some(k);
         self.column(|eps| {
@@ -212,12 +212,12 @@ impl Means {
         self.edges.iter().map(|edge| edge.iter().zip(&self.root_weight).map(|(e, w)| e * w).collect())
     }
 
-    /// Rows with fixed factors of the edge.
+    /// Returns the rows for fixed edge factors.
     pub(crate) fn without_edges(&self) -> Self {
         Self { edges: Vec::new(), root_weight: self.root_weight[..self.eps.len()].to_vec(), ..self.clone() }
     }
 
-    /// Damped Gauss-Newton steps from `exponents`, inside the bounds.
+    /// Performs damped Gauss–Newton steps from `exponents`, inside the bounds.
     fn descend(&self, shapes: &[Shape], free: &[usize], mut exponents: Vec<f64>) -> Result<Minimum, Dependent> {
         let mut here = self.project(shapes, &exponents)?;
         let mut damping = 1e-3;
@@ -250,7 +250,7 @@ impl Means {
         Ok(here.into_minimum(shapes, &exponents))
     }
 
-    /// The optimal coefficients at given exponents.
+    /// Returns the optimal coefficients at given exponents.
     fn project(&self, shapes: &[Shape], exponents: &[f64]) -> Result<Projection, Dependent> {
         let qr = Qr::new(self.columns(shapes, exponents))?;
         let rotated = qr.rotate(self.weighted_values());
@@ -258,8 +258,8 @@ impl Means {
         Ok(Projection { qr, rotated, coefficients })
     }
 
-    /// The rows d(parameter)/d(kappa of each row) of kappa_TFC, the coefficients, the factors of the edge, and the free
-    /// exponents that are not at a bound.
+    /// Returns the rows d(parameter)/d(kappa of each row) of kappa_TFC, the coefficients, the edge factors, and the
+    /// free exponents that are not at a bound.
     pub(crate) fn sensitivities(&self, shapes: &[Shape], at: &Parameters) -> Result<Vec<Vec<f64>>, Dependent> {
         let exponents: Vec<f64> = shapes.iter().map(|s| at.exponents[s.axis]).collect();
         let mut columns = self.columns(shapes, &exponents);
@@ -282,23 +282,23 @@ impl Means {
     }
 }
 
-/// The factor of an edge measured at `eps_c`.
+/// Returns the factor of an edge measured at `eps_c`.
 pub(crate) fn factor([f, coarse]: [f64; 2], eps_c: f64) -> f64 {
     f + coarse * (eps_c / COARSE).powi(2)
 }
 
-/// The function of eps that the coefficient of term `k` multiplies.
+/// Returns the function of eps that the coefficient of term `k` multiplies.
 fn power(shapes: &[Shape], exponents: &[f64], k: usize, eps: &[f64; AXES]) -> f64 {
     let own = |k: usize| eps[shapes[k].axis].powf(exponents[k]);
     own(k) * shapes[k].times.map_or(1.0, own)
 }
 
-/// True for a free exponent that did not stop at its bound.
+/// Returns true for a free exponent that did not stop at its bound.
 pub(crate) fn is_interior(shape: &Shape, exponent: f64) -> bool {
     shape.is_free() && exponent > shape.min && exponent < shape.max
 }
 
-/// Node `index` of `nodes` from `min` to `max`, equally spaced in the logarithm.
+/// Returns node `index` of `nodes` from `min` to `max`, equally spaced in the logarithm.
 pub(crate) fn log_node(min: f64, max: f64, index: usize, nodes: usize) -> f64 {
     match index {
         0 => min,
@@ -307,7 +307,7 @@ pub(crate) fn log_node(min: f64, max: f64, index: usize, nodes: usize) -> f64 {
     }
 }
 
-/// A solved linear problem, in coordinates rotated by Q.
+/// Solved linear problem, in coordinates rotated by Q.
 struct Projection {
     qr: Qr,
     rotated: Vec<f64>,
@@ -323,8 +323,8 @@ impl Projection {
         square(self.residual())
     }
 
-    /// d(residual)/d(exponent of term `k`) in Kaufman's approximation, for which the gradient of the sum of squares is
-    /// exact.
+    /// Returns d(residual)/d(exponent of term `k`) in Kaufman's approximation, which leaves the gradient of the sum of
+    /// squares exact.
     fn slope(&self, means: &Means, shapes: &[Shape], exponents: &[f64], k: usize) -> Vec<f64> {
         let mut column = means.slope(shapes, exponents, &self.coefficients[1..=shapes.len()], k);
         column.iter_mut().for_each(|value| *value = -*value);
@@ -409,7 +409,7 @@ impl Qr {
         Ok(qr)
     }
 
-    /// Q^T v.
+    /// Returns Q^T v.
     fn rotate(&self, mut v: Vec<f64>) -> Vec<f64> {
         for (k, reflector) in self.reflectors.iter().enumerate() {
             let twice = 2.0 * dot(reflector, &v[k..]);
@@ -435,7 +435,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Σ a², which is +0 without a value.
+/// Returns Σ a², which is +0 without values.
 fn square(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |sum, a| sum + a * a)
 }

@@ -1,4 +1,4 @@
-//! The result of a fit, with its diagnostics and warnings.
+//! Result of a fit, with its diagnostics and warnings.
 
 use std::fmt;
 
@@ -6,13 +6,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::{Axis, Datum, Parameters, Richardson};
 
-/// A fitted number with its uncertainty.
+/// Fitted value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Value from the fit to the means.
     pub value: f64,
-    /// Standard error by linear propagation of the scatter (or misfit), times √(χ²/degrees of freedom) where that is
-    /// above one; `None` if the number is fixed or at its bound, or if its error is unknown.
+    /// Standard error by linear propagation of the scatter (or misfit), times √(χ²/degrees of freedom) where it is
+    /// above one; `None` if the value is fixed or at its bound, or if its error is unknown.
     pub standard_error: Option<f64>,
     /// 95 % interval; see [`Uncertainty`] for its source.
     pub ci95: Option<[f64; 2]>,
@@ -21,13 +21,13 @@ pub struct Estimate {
 /// Source of the intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertainty {
-    /// The means of the realisations resampled from their errors, and all parameters refitted.
+    /// Means of the realisations resampled from their errors, with all parameters refitted.
     Realisations,
     /// Linear propagation of the scatter of realisations (no resamples were requested, or all refits failed).
     Propagated,
-    /// Misfit of the model, in place of the noise: there is one realisation per datum.
+    /// Misfit of the model in place of the noise, since there is one realisation per datum.
     Misfit,
-    /// No source: there is one realisation per datum and there are as many parameters as data.
+    /// No source: there is one realisation per datum, and there are as many parameters as data.
     None,
 }
 
@@ -42,16 +42,16 @@ impl fmt::Display for Uncertainty {
     }
 }
 
-/// One term C eps^alpha of the model.
+/// Term C eps^alpha of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
     /// Axis of the term.
     pub axis: Axis,
     /// Number of levels of the axis in the data.
     pub levels: usize,
-    /// C, in units of kappa.
+    /// Coefficient C, in units of kappa.
     pub coefficient: Estimate,
-    /// alpha.
+    /// Exponent alpha.
     pub exponent: Estimate,
     /// True if the exponent was fitted.
     pub free: bool,
@@ -63,36 +63,36 @@ pub struct Term {
     pub profile: Vec<ProfilePoint>,
 }
 
-/// The term of the measured edge, a factor times the edge of every realisation ([`crate::Edge`]).
+/// Term of the measured edge, a factor times the edge of every realisation ([`crate::Edge`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeTerm {
-    /// f, from the data and from its expected value.
+    /// Factor f, from the data and from its expected value.
     pub factor: Estimate,
-    /// f', from the data and from its expected value; `None` if it is fixed at zero.
+    /// Factor f', from the data and from its expected value; `None` if it is fixed at zero.
     pub coarse: Option<Estimate>,
-    /// The fraction of the standard error of kappa_TFC that stems from the factors; `None` without errors.
+    /// Standard error of kappa_TFC due to the factors, in units of kappa; `None` without errors.
     pub share: Option<f64>,
 }
 
-/// One point of a profile likelihood.
+/// Point of a profile likelihood.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {
-    /// The fixed exponent.
+    /// Fixed exponent.
     pub exponent: f64,
-    /// The least chi^2 with this exponent.
+    /// Least chi^2 with this exponent.
     pub chi_squared: f64,
     /// kappa_TFC at the least chi^2.
     pub kappa_tfc: f64,
 }
 
-/// The part of one datum in the fit.
+/// Result of the fit for one datum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DatumReport {
     /// Mean over realisations.
     pub mean: f64,
     /// Standard error of the mean from the datum's own scatter; `None` for a single realisation.
     pub standard_error: Option<f64>,
-    /// Weight in the sum of squares, of the datum or of its comparison with its parent.
+    /// Weight in the sum of squares, for the datum or for its comparison with its parent.
     pub weight: f64,
     /// Value of the fitted model, for the mean edge of the datum.
     pub fitted: f64,
@@ -100,39 +100,38 @@ pub struct DatumReport {
     pub kappa_tfc_without: Option<f64>,
 }
 
-/// The result of resampling.
+/// Result of resampling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BootstrapReport {
     /// Number of requested resamples.
     pub resamples: usize,
-    /// Number of resamples without a fit: the terms could not be separated.
+    /// Number of resamples without a fit because the terms could not be separated.
     pub failed: usize,
     /// For each free exponent, the number of resamples in which it stopped at a bound.
     pub at_bound: Vec<(Axis, usize)>,
     /// Seed of the draws.
     pub seed: u64,
-    /// Student's factor on the deviations of the percentiles of kappa_TFC; it is above one for few realisations and
+    /// Student's factor on the deviations of the percentiles of kappa_TFC. It is above one for few realisations and
     /// tends to one for many.
     pub stretch: f64,
-    /// The refitted parameters of the successful resamples, in the order of the draws.
+    /// Refitted parameters of the successful resamples, in the order of the draws.
     pub samples: Vec<Parameters>,
 }
 
-/// The result of [`crate::fit()`].
+/// Result of [`crate::fit()`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// kappa in the thermodynamic, fractal and continuum limit.
     pub kappa_tfc: Estimate,
-    /// The fitted terms, in the order t, f, c.
+    /// Fitted terms, in the order t, f, c.
     pub terms: Vec<Term>,
-    /// The term of the measured edge, if the model has it and eps_c has several levels.
+    /// Term of the measured edge, if the model has it and eps_c has several levels.
     pub edge: Option<EdgeTerm>,
-    /// All fitted numbers as arrays over the axes.
+    /// All fitted values as arrays over the axes.
     pub parameters: Parameters,
-    /// The weighted sum of squares; if `noise_known` is false, it is the unweighted sum of squares in units of kappa^2.
+    /// Weighted sum of squares; if `noise_known` is false, unweighted sum of squares in units of kappa^2.
     pub chi_squared: f64,
-    /// True if the weights are inverse variances. False for equal weights, and if there is no scatter to estimate
-    /// variances from.
+    /// True if the weights are inverse variances. False for equal weights, and without scatter to estimate variances.
     pub noise_known: bool,
     /// Number of data minus number of parameters.
     pub degrees_of_freedom: usize,
@@ -142,25 +141,25 @@ pub struct Fit {
     pub richardson: Vec<Richardson>,
     /// Source of the intervals.
     pub uncertainty: Uncertainty,
-    /// The bootstrap, if one was made.
+    /// Bootstrap result, if a bootstrap was made.
     pub bootstrap: Option<BootstrapReport>,
     /// Limitations of the result.
     pub warnings: Vec<Warning>,
 }
 
 impl Fit {
-    /// The fitted term of an axis, if any.
+    /// Returns the fitted term of an axis, if any.
     pub fn term(&self, axis: Axis) -> Option<&Term> {
         self.terms.iter().find(|term| term.axis == axis)
     }
 
-    /// kappa of the fitted model at (eps_t, eps_f, eps_c).
+    /// Returns kappa of the fitted model at (eps_t, eps_f, eps_c).
     pub fn predict(&self, eps: [f64; 3]) -> f64 {
         self.parameters.predict(eps)
     }
 
-    /// The mean of a datum minus the terms of all axes but `axis`, for a plot against the function of eps that belongs
-    /// to this axis ([`Parameters::power`]), or against the mean edge.
+    /// Returns the mean of a datum minus the terms of all axes but `axis`, for a plot against the function of eps on
+    /// this axis ([`Parameters::power`]), or against the mean edge.
     pub fn isolate(&self, datum: &Datum, axis: Axis) -> f64 {
         let others = Axis::ALL.iter().filter(|&&other| other != axis);
         let terms: f64 = others.map(|&other| self.parameters.term(other as usize, datum.all_eps())).sum();
@@ -206,41 +205,41 @@ impl Fit {
     }
 }
 
-/// A limitation of the result.
+/// Limitation of the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
     /// The axis has one level and thus no term; kappa_TFC contains the correction of this axis.
     SingleLevel {
-        /// The axis.
+        /// Axis with a single level.
         axis: Axis,
-        /// The level.
+        /// Value of eps.
         eps: f64,
     },
-    /// The model leaves the term out although the axis has several levels.
+    /// The model omits the term although the axis has several levels.
     TermLeftOut {
-        /// The axis.
+        /// Axis without a term.
         axis: Axis,
         /// Number of levels of the axis.
         levels: usize,
     },
     /// Two levels do not determine an exponent.
     ExponentHeld {
-        /// The axis.
+        /// Axis of the term.
         axis: Axis,
-        /// The value at which the exponent is fixed.
+        /// Value of the fixed exponent.
         alpha: f64,
     },
     /// A free exponent stopped at its bound.
     ExponentAtBound {
-        /// The axis.
+        /// Axis of the term.
         axis: Axis,
-        /// The bound.
+        /// Value of the bound.
         alpha: f64,
     },
     /// A free exponent stopped at its bound in more than 5 % of the resamples: the intervals depend on the bounds.
     RefitsAtBound {
-        /// The axis.
+        /// Axis of the term.
         axis: Axis,
         /// Number of resamples at a bound.
         stuck: usize,
@@ -249,16 +248,16 @@ pub enum Warning {
     },
     /// The interval of a coefficient contains zero.
     NotSignificant {
-        /// The axis.
+        /// Axis of the term.
         axis: Axis,
-        /// The interval of the coefficient.
+        /// Interval of the coefficient.
         ci95: [f64; 2],
     },
     /// There are as many parameters as data.
     Interpolation,
     /// chi^2 is larger than the noise explains.
     Misfit {
-        /// The weighted sum of squares.
+        /// Weighted sum of squares.
         chi_squared: f64,
         /// Number of data minus number of parameters.
         degrees_of_freedom: usize,
@@ -272,12 +271,12 @@ pub enum Warning {
     },
     /// Some datum has fewer than four realisations.
     FewRealisations {
-        /// The smallest number of realisations.
+        /// Smallest number of realisations.
         least: usize,
     },
     /// The fractal limit is extrapolated by a power of eps_f, which no theory determines beyond the first terms. For H
     /// near 1 convergence is slow, and the interval may be too narrow. [`fit`](crate::fit()) does not give this
-    /// warning; callers that know the physics add it.
+    /// warning; callers with knowledge of the physics add it.
     PowerOfEpsF,
     /// Some resamples gave no fit.
     FailedRefits {
@@ -289,7 +288,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// The short name of the warning, for programs.
+    /// Returns the short name of the warning, for programs.
     pub fn code(&self) -> &'static str {
         match self {
             Self::SingleLevel { .. } => "single-level",
@@ -355,7 +354,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The probability of a chi^2 at least this large if the model and the noise are correct.
+/// Returns the probability of a chi^2 at least this large if the model and the noise are correct.
 fn chance_of_misfit(chi_squared: f64, degrees_of_freedom: usize) -> Option<f64> {
     ChiSquared::new(degrees_of_freedom as f64).ok().map(|distribution| distribution.sf(chi_squared))
 }

@@ -6,7 +6,7 @@ use crate::{Axis, Datum};
 /// Three data that differ in one eps only, with a constant ratio of levels, and their extrapolation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Richardson {
-    /// The axis along which the levels differ.
+    /// Axis with different levels.
     pub axis: Axis,
     /// Indices of the data, coarse to fine.
     pub data: [usize; 3],
@@ -16,18 +16,18 @@ pub struct Richardson {
     pub limit: Option<RichardsonLimit>,
 }
 
-/// The power law through three levels.
+/// Power law through three levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RichardsonLimit {
     /// kappa for eps -> 0 along this axis only; it still contains the terms of the other axes.
     pub kappa: f64,
-    /// The exponent ln rho / ln r, with r the ratio of levels.
+    /// Exponent ln rho / ln r, with r the ratio of levels.
     pub exponent: f64,
     /// Standard error of `kappa`, from the scatter of the realisations common to all three levels (at least two).
     pub standard_error: Option<f64>,
 }
 
-/// All triples along `axis`, in the order of the data.
+/// Returns all triples along `axis`, in the order of the data.
 pub(crate) fn triples(data: &[Datum], axis: Axis) -> Vec<Richardson> {
     let mut found = Vec::new();
     let others = |a: &Datum, b: &Datum| Axis::ALL.iter().all(|&o| o == axis || same_level(a.eps(o), b.eps(o)));
@@ -40,7 +40,7 @@ pub(crate) fn triples(data: &[Datum], axis: Axis) -> Vec<Richardson> {
             let third = data
                 .iter()
                 .position(|fine| same_level(middle.eps(axis) / fine.eps(axis), ratio) && others(coarse, fine));
-            // Only neighbouring levels are used, 1, 1/2, 1/4 but not 1, 1/4, 1/16.
+            // Only neighbouring levels are used: 1, 1/2, 1/4 but not 1, 1/4, 1/16.
             let skips = data.iter().any(|between| {
                 others(coarse, between)
                     && between.eps(axis) < coarse.eps(axis) * (1.0 - 1e-9)

@@ -1,10 +1,10 @@
-//! The rows of the fit: data with common surfaces are replaced by independent comparisons.
+//! Rows of the fit: data with common surfaces are replaced by independent comparisons.
 //!
-//! kappa of one surface at two discretisations differs much less than kappa of two surfaces. A datum whose surfaces are
-//! among those of another one, its parent, therefore enters the fit as the mean of kappa - b kappa_parent over these
-//! surfaces, with b the coefficient of their regression. The residual of the regression does not correlate with
-//! kappa_parent, so that all rows are independent, and the many surfaces of a coarse parent improve its finer children
-//! (the regression estimator of double sampling; for nested surfaces it is the estimate of maximum likelihood: T. W.
+//! kappa of one surface at two discretisations differs much less than kappa of two surfaces. If the surfaces of a datum
+//! are among the surfaces of another one, its parent, it therefore enters the fit as the mean of kappa - b kappa_parent
+//! over these surfaces, with b the coefficient of their regression. The residual of the regression does not correlate
+//! with kappa_parent, so that all rows are independent, and the many surfaces of a coarse parent improve its finer
+//! children (the regression estimator of double sampling; for nested surfaces the maximum-likelihood estimate: T. W.
 //! Anderson, J. Am. Stat. Assoc. 52, 200, 1957).
 
 use rand::{RngExt, SeedableRng};
@@ -14,25 +14,25 @@ use crate::projection::{Means, Parent, factor};
 use crate::student::stretch;
 use crate::{Axis, Datum, Edge, Settings, Weighting};
 
-/// The smallest number of common surfaces from which b is computed; with fewer, b = 1.
+/// Smallest number of common surfaces to compute b; with fewer, b = 1.
 const LEAST_REGRESSION: usize = 4;
 
-/// The variance of a realisation in a row is at least this fraction of the pooled one: a few realisations that agree by
-/// chance must not dominate the fit.
+/// Lower bound of the variance of a realisation in a row, as a fraction of the pooled one: a few realisations that
+/// agree by chance must not dominate the fit.
 const LEAST_VARIANCE: f64 = 1e-6;
 
-/// The weight of the pooled variance of comparisons, in parts of that of the data without a parent: the variances of
+/// Weight of the pooled variance of comparisons, relative to the weight for data without a parent: the variances of
 /// comparisons differ more.
 const COMPARED_PRIOR: f64 = 0.25;
 
-/// The independent rows of a fit, in the order of the data.
+/// Independent rows of a fit, in the order of the data.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
-    /// The values that are fitted.
+    /// Fitted values.
     pub(crate) means: Means,
-    /// The standard error of each row.
+    /// Standard error of each row.
     errors: Vec<f64>,
-    /// Degrees of freedom of each error; zero if it is taken from the other rows.
+    /// Degrees of freedom of each error; zero if it is estimated from the other rows.
     freedom: Vec<f64>,
     /// True if the weights are inverse variances.
     pub(crate) noise_known: bool,
@@ -40,17 +40,17 @@ pub(crate) struct Rows {
     pub(crate) single: usize,
 }
 
-/// The standard error of a linear combination of the rows, and its accuracy.
+/// Standard error of a linear combination of the rows, and its accuracy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spread {
     pub(crate) standard_error: f64,
-    /// Student's t over the normal quantile, with the degrees of freedom of Welch and Satterthwaite.
+    /// Student's t divided by the normal quantile, with the degrees of freedom of Welch and Satterthwaite.
     pub(crate) stretch: f64,
 }
 
 impl Rows {
     /// Makes the rows of the data, with the columns of the measured edge if the model has `edge`. `factors` are the
-    /// current estimates of f and f', with which the scatter is computed.
+    /// current estimates of f and f' for the scatter.
     pub(crate) fn new(data: &[Datum], settings: &Settings, edge: Option<Edge>, factors: [f64; 2]) -> Self {
         let paired = settings.paired && settings.weighting != Weighting::Equal;
         let scatter: Vec<Scatter> = (0..data.len()).map(|index| Scatter::of(data, index, paired, factors)).collect();
@@ -90,12 +90,12 @@ impl Rows {
         Self { means, errors, freedom, noise_known, single }
     }
 
-    /// True if some datum has at least two realisations.
+    /// Returns true if some datum has at least two realisations.
     pub(crate) fn have_scatter(&self) -> bool {
         self.single < self.means.eps.len()
     }
 
-    /// The rows with one draw of their errors added, which depends only on `seed` and `index`.
+    /// Returns the rows with one draw of their errors added. The draw depends only on `seed` and `index`.
     pub(crate) fn draw(&self, seed: u64, index: u64) -> Vec<f64> {
         let mut rng = Pcg64::seed_from_u64(seed.wrapping_add(index.wrapping_mul(0x9E37_79B9_7F4A_7C15)));
         let mut normal = || {
@@ -105,7 +105,7 @@ impl Rows {
         self.means.kappa.iter().zip(&self.errors).map(|(kappa, error)| kappa + error * normal()).collect()
     }
 
-    /// The spread of the sum of a_i times row i; `None` without scatter.
+    /// Returns the spread of the sum of a_i times row i; `None` without scatter.
     pub(crate) fn spread(&self, combination: &[f64]) -> Option<Spread> {
         let parts = || combination.iter().zip(&self.errors).map(|(a, error)| (a * error).powi(2));
         let variance: f64 = parts().sum();
@@ -115,15 +115,15 @@ impl Rows {
     }
 }
 
-/// The scatter of one row.
+/// Scatter of one row.
 #[derive(Clone, Copy, Debug)]
 struct Scatter {
     parent: Option<Parent>,
-    /// The number of realisations.
+    /// Number of realisations.
     count: f64,
-    /// The variance of the row times the number of realisations.
+    /// Variance of the row times the number of realisations.
     of_one: f64,
-    /// The degrees of freedom of this variance; zero for a single realisation.
+    /// Degrees of freedom of this variance; zero for a single realisation.
     freedom: f64,
 }
 
@@ -154,7 +154,7 @@ impl Scatter {
         let regression = datum.kappa.len() >= LEAST_REGRESSION;
         let (b, freedom) = if regression { (crossed / own, count - 2.0) } else { (1.0, count - 1.0) };
         let residual = (squares - 2.0 * b * crossed + b * b * own).max(0.0) / freedom;
-        // The error of b counts by the distance of the surfaces in common from all surfaces of the parent.
+        // The error of b is weighted by the distance between the means of the common surfaces and of the parent.
         let leverage = if regression { (mean(above, above) - common).powi(2) / own } else { 0.0 };
         Self { parent: Some((parent, b)), count, of_one: residual * (1.0 + count * leverage), freedom }
     }
@@ -163,9 +163,9 @@ impl Scatter {
 /// Variances pooled over the data.
 #[derive(Clone, Copy, Debug)]
 struct Pool {
-    /// The mean over the data without a parent.
+    /// Mean over the data without a parent.
     alone: f64,
-    /// The geometric mean over the comparisons, whose variances differ by orders of magnitude.
+    /// Geometric mean over the comparisons, since their variances differ by orders of magnitude.
     compared: f64,
 }
 
@@ -181,7 +181,7 @@ impl Pool {
         Self { alone, compared: mean(&mut compared.map(|row| (row.freedom, row.of_one.ln()))).exp() }
     }
 
-    /// The variance of one realisation in a row.
+    /// Returns the variance of one realisation in a row.
     fn variance(&self, row: &Scatter, weighting: Weighting) -> f64 {
         let Scatter { of_one: own, freedom, .. } = *row;
         let found = match (weighting, row.parent) {
@@ -199,7 +199,7 @@ impl Pool {
     }
 }
 
-/// The datum with which datum `index` is compared: the one nearest in the logarithms of eps, among those before it
+/// Returns the datum to compare with datum `index`: the one nearest in the logarithms of eps, among the preceding data
 /// (more surfaces, or a coarser grid) that have all its surfaces.
 fn parent(data: &[Datum], index: usize) -> Option<usize> {
     let datum = &data[index];
@@ -218,7 +218,7 @@ fn parent(data: &[Datum], index: usize) -> Option<usize> {
         .min_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(order(a).cmp(&order(b))))
 }
 
-/// The mean of value - b value_parent over the surfaces of a datum.
+/// Returns the mean of value - b value_parent over the surfaces of a datum.
 fn comparison(data: &[Datum], datum: &Datum, parent: Option<Parent>, value: &dyn Fn(&Datum, u64) -> f64) -> f64 {
     let one = |seed: u64| match parent {
         Some((above, b)) => value(datum, seed) - b * value(&data[above], seed),

@@ -2,10 +2,10 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// The 97.5 % quantile of the standard normal distribution.
+/// Quantile 97.5 % of the standard normal distribution.
 pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
 
-/// The 97.5 % quantile of Student's t, whose degrees of freedom (at least one) need not be whole.
+/// Returns the 97.5 % quantile of Student's t. The degrees of freedom (at least one) need not be an integer.
 pub fn student_975(freedom: f64) -> f64 {
     if freedom > 100.0 {
         // Fisher's expansion about the normal quantile is accurate to 2e-6 here; `statrs` does not terminate for large
@@ -19,12 +19,12 @@ pub fn student_975(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
-/// The factor on deviations with `freedom` degrees of freedom: Student's t over the normal quantile.
+/// Returns the factor on deviations with `freedom` degrees of freedom: Student's t divided by the normal quantile.
 pub(crate) fn stretch(freedom: f64) -> f64 {
     student_975(freedom) / NORMAL_975
 }
 
-/// The `level` quantile of sorted values, linear between neighbours.
+/// Returns the `level` quantile of sorted values, linear between neighbours.
 pub(crate) fn quantile(sorted: &[f64], level: f64) -> f64 {
     let position = level * (sorted.len() - 1) as f64;
     let below = position.floor() as usize;

@@ -7,24 +7,24 @@ use crate::rows::{Rows, Spread};
 use crate::student::{NORMAL_975, quantile, student_975};
 use crate::{Axis, BootstrapReport, Estimate, FitError, Parameters, Settings, Uncertainty};
 
-/// One of the fitted numbers; terms are numbered in the order of the shapes.
+/// Fitted quantity; terms are numbered in the order of the shapes.
 #[derive(Clone, Copy)]
 pub(crate) enum Quantity {
     Limit,
     Coefficient(usize),
     Exponent(usize),
-    /// f (0) or f' (1) of the measured edge.
+    /// Factor f (0) or f' (1) of the measured edge.
     Edge(usize),
 }
 
-/// The source of the uncertainties, with the data needed to evaluate them for each quantity.
+/// Source of the uncertainties, with the data needed to evaluate them for each quantity.
 pub(crate) struct Errors<'a> {
     rows: &'a Rows,
     shapes: &'a [Shape],
     minimum: &'a Minimum,
     sensitivities: Vec<Vec<f64>>,
     degrees_of_freedom: usize,
-    /// The factor on standard errors, √(χ²/degrees of freedom) if chi^2 exceeds the scatter; at least one.
+    /// Factor on standard errors, √(χ²/degrees of freedom) if chi^2 exceeds the scatter; at least one.
     inflation: f64,
     pub(crate) source: Uncertainty,
     pub(crate) bootstrap: Option<BootstrapReport>,
@@ -39,7 +39,7 @@ impl<'a> Errors<'a> {
         degrees_of_freedom: usize,
     ) -> Result<Self, FitError> {
         let means = &rows.means;
-        // Where parameters depend on each other at the minimum, no estimate has an error.
+        // If parameters depend on each other at the minimum, no estimate has an error.
         let sensitivities = means.sensitivities(shapes, &minimum.parameters).unwrap_or_default();
         let nodes = Nodes::new(means, shapes, Search::Near).map_err(|_| FitError::Dependent)?;
         let bootstrap = (rows.have_scatter() && settings.resamples > 0).then(|| {
@@ -113,8 +113,8 @@ impl<'a> Errors<'a> {
         Estimate { value, standard_error, ci95 }
     }
 
-    /// The fraction of the standard error of the limit that stems from the factors of the edge: its excess over that of
-    /// a fit with fixed factors.
+    /// Returns the standard error of the limit due to the edge factors: the root of the difference of the squared
+    /// standard errors with fitted and with fixed factors.
     pub(crate) fn share_of_edge(&self) -> Option<f64> {
         let held = self.rows.means.without_edges().sensitivities(self.shapes, &self.minimum.parameters).ok()?;
         let without = self.inflation * self.rows.spread(held.first()?)?.standard_error;
@@ -122,7 +122,7 @@ impl<'a> Errors<'a> {
         Some((whole * whole - without * without).max(0.0).sqrt())
     }
 
-    /// The stretched percentile interval.
+    /// Returns the stretched percentile interval.
     fn percentiles(&self, quantity: Quantity, value: f64, stretch: f64) -> Option<[f64; 2]> {
         let samples = &self.bootstrap.as_ref()?.samples;
         let mut values: Vec<f64> = samples.iter().map(|p| self.value(p, quantity)).collect();
@@ -143,7 +143,7 @@ impl<'a> Errors<'a> {
         }
     }
 
-    /// The row d(quantity)/d(kappa of each row of the fit); `None` for an exponent that is fixed or at its bound.
+    /// Returns the row d(quantity)/d(kappa of each row of the fit); `None` for an exponent that is fixed or at a bound.
     fn sensitivity(&self, quantity: Quantity) -> Option<&Vec<f64>> {
         let row = match quantity {
             Quantity::Limit => 0,

@@ -1,4 +1,4 @@
-//! The cells of a grid with their faces, and the equations of those through which something flows.
+//! Cells of a grid with their faces, and the equations of the open cells, through which something flows.
 
 use gfmd_field::Grid;
 use gfmd_measure::{Boundary, Patches};
@@ -8,22 +8,22 @@ use rayon::prelude::*;
 use crate::PART;
 use crate::numbering::{CLOSED, Numbering};
 
-/// A face of a cell.
+/// Face of a cell.
 struct Face {
-    /// The number of the cell on the other side; none at the edge of a field that ends.
+    /// Number of the cell on the other side; `None` at the edge of a non-periodic field.
     beside: Option<u32>,
-    /// Conductance: flow over the difference of the potential.
+    /// Conductance: flow divided by potential difference.
     conductance: f64,
-    /// Distance from the cell's point to that on the other side, or to the edge.
+    /// Distance from the point of the cell to the point on the other side, or to the edge.
     distance: f64,
 }
 
-/// The neighbours of a cell.
+/// Neighbours of a cell.
 pub(crate) struct Links {
-    /// Their numbers, with the conductances of the faces.
+    /// Numbers of the neighbours, with the conductances of the faces.
     beside: [(u32, f64); 4],
     count: usize,
-    /// The conductance to the edges of the field.
+    /// Conductance to the edges of the field.
     pub(crate) outside: f64,
 }
 
@@ -33,31 +33,31 @@ impl Links {
     }
 }
 
-/// The flow with a potential.
+/// Flow caused by a potential.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Balance {
     /// Mean flux along x and y.
     pub(crate) flux: [f64; 2],
-    /// Power per area, which is the conductivity along the axis.
+    /// Power per area, equal to the conductivity along the axis.
     pub(crate) power: f64,
-    /// The residual of the balance of a cell over the mean flow through a face, the deviation of the flow through a
-    /// section from their mean, and of the power from the flux: the largest of all, relative.
+    /// Largest of three relative deviations: the flow missing in a cell, divided by the mean flow through a face; the
+    /// flow through a section from the mean flow; the flux from the power.
     pub(crate) residual: f64,
-    /// The flow into each cell, if all is not in balance.
+    /// Flow into each cell, zero in balance.
     pub(crate) missing: Vec<f64>,
 }
 
-/// The flow in a part of the cells.
+/// Flow in a part of the cells.
 struct Sums {
     flux: [f64; 2],
     power: f64,
-    /// Flows through sections, from the first one that a cell of the part touches.
+    /// Flows through sections, from the first section that a cell of the part touches.
     sections: Vec<f64>,
     first: usize,
     missing: Vec<f64>,
 }
 
-/// The deviation of the potential from its mean gradient at a cell, as the sum of a number and a small one.
+/// Deviation of the potential from its mean gradient at a cell, as the sum of a number and a small correction.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Potential([f64; 2]);
 
@@ -69,11 +69,11 @@ impl Potential {
         *self = Self([sum, low - (sum - high)]);
     }
 
-    /// The difference to another potential, and `drop`, which may cancel each other.
+    /// Returns the difference from another potential plus `drop`, where both may nearly cancel.
     fn over(self, Self([high, low]): Self, drop: f64) -> f64 {
         let Self([here, rest]) = self;
         let difference = here - high;
-        // The part that is lost by its rounding (Knuth).
+        // The rounding error of the difference (Knuth).
         let part = difference - here;
         let lost = (here - (difference - part)) - (high + part);
         (difference + drop) + ((rest - low) + lost)
@@ -87,11 +87,11 @@ pub(crate) struct Cells<'a> {
     spacing: [f64; 2],
     conductivity: &'a [f64],
     boundary: Boundary,
-    /// The axis of the gradient.
+    /// Axis of the gradient.
     axis: usize,
-    /// The cells through which something flows.
+    /// Numbers of the open cells.
     numbering: &'a Numbering,
-    /// Width of a face along x and along y over the distance of the cells.
+    /// Width of a face divided by the distance between cells, along x and along y.
     shape: [f64; 2],
 }
 
@@ -108,7 +108,7 @@ impl<'a> Cells<'a> {
         Self { points, lengths, spacing, conductivity, boundary, axis, numbering, shape }
     }
 
-    /// The width of a face across the gradient.
+    /// Returns the width of a face across the gradient.
     pub(crate) fn width(&self) -> f64 {
         self.spacing[1 - self.axis]
     }
@@ -129,13 +129,13 @@ impl<'a> Cells<'a> {
         self.numbering.len()
     }
 
-    /// The face of a cell along `axis`, on its far side or on its near one; none if nothing passes.
+    /// Returns the face of a cell along `axis`, on its far or near side; `None` if nothing passes through it.
     fn face(&self, cell: usize, index: usize, axis: usize, far: bool) -> Option<Face> {
         let (n, stride) = if axis == 0 { (self.points[0], self.points[1]) } else { (self.points[1], 1) };
         let at_edge = if far { index + 1 == n } else { index == 0 };
         let (here, distance) = (self.conductivity[cell], self.spacing[axis]);
         if at_edge && self.boundary == Boundary::Free {
-            // The reservoirs lie at the edges along the gradient.
+            // The reservoirs lie at the two edges along the gradient.
             let face = Face { beside: None, conductance: 2.0 * here * self.shape[axis], distance: 0.5 * distance };
             return (axis == self.axis).then_some(face);
         }
@@ -153,7 +153,7 @@ impl<'a> Cells<'a> {
         Some(Face { beside: Some(number), conductance, distance })
     }
 
-    /// The indices of a cell. Numbers of cells have 32 bits, whose division is the faster one.
+    /// Returns the indices of a cell. Cell numbers have 32 bits, since 32-bit division is faster.
     fn place(&self, cell: u32) -> [usize; 2] {
         let columns = self.points[1] as u32;
         [cell / columns, cell % columns].map(|index| index as usize)
@@ -167,7 +167,7 @@ impl<'a> Cells<'a> {
             .filter_map(move |(axis, far)| self.face(cell, place[axis], axis, far).map(|face| (axis, far, face)))
     }
 
-    /// The neighbours of the cell with this number.
+    /// Returns the neighbours of the cell with this number.
     pub(crate) fn links(&self, number: usize) -> Links {
         let mut links = Links { beside: [(0, 0.0); 4], count: 0, outside: 0.0 };
         for (_, _, face) in self.faces(self.numbering.open[number] as usize) {
@@ -182,19 +182,19 @@ impl<'a> Cells<'a> {
         links
     }
 
-    /// The fall of the potential out of a cell through one of its faces.
+    /// Returns the potential drop from a cell through one of its faces.
     fn fall(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
         let beside = face.beside.map_or(Potential::default(), |beside| potential[beside as usize]);
         let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
         potential[number].over(beside, drop)
     }
 
-    /// True if the equations of other cells are the same, but for the gradient.
+    /// Returns true if other cells have the same equations, except for the gradient.
     pub(crate) fn has_equations_of(&self, other: &Self) -> bool {
         self.boundary == Boundary::Periodic && std::ptr::eq(self.numbering, other.numbering)
     }
 
-    /// The flow in the part of cells with the numbers from `start`.
+    /// Computes the flow in a part of the cells with the numbers from `start` on.
     fn sums(&self, potential: &[Potential], start: usize, cells: &[u32]) -> Sums {
         let index = |cell: u32| self.place(cell)[self.axis];
         let (first, last) =
@@ -209,7 +209,7 @@ impl<'a> Cells<'a> {
                 let (axis, far, face) = part;
                 let out = face.conductance * fall;
                 sum += out;
-                // Each inner face belongs to two cells, each with half of the way.
+                // An inner face belongs to two cells, and each counts half of the distance.
                 let share = if face.beside.is_some() { 0.5 } else { 1.0 };
                 sums.flux[axis] += share * face.distance * if far { out } else { -out };
                 sums.power += share * out * fall;
@@ -224,7 +224,7 @@ impl<'a> Cells<'a> {
         sums
     }
 
-    /// The flow with a potential, from each cell's faces anew.
+    /// Computes the flow caused by a potential from the faces of all cells.
     pub(crate) fn balance(&self, potential: &[Potential]) -> Balance {
         let Self { lengths, points, .. } = *self;
         let parts = self.numbering.open.par_chunks(PART).enumerate();
@@ -252,7 +252,7 @@ impl<'a> Cells<'a> {
         Balance { flux, power, residual, missing }
     }
 
-    /// The magnitude of the flux at every cell: flow per width, averaged over opposite faces; zero where nothing flows.
+    /// Computes the flux magnitude at every cell: flow per width, averaged over opposite faces; zero in closed cells.
     pub(crate) fn flux(&self, potential: &[Potential]) -> Vec<f64> {
         self.at_every_cell(|cell, number| {
             let mut flux = [0.0; 2];
@@ -265,7 +265,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// The potential less its mean gradient at every cell, zero where nothing flows.
+    /// Returns the deviation of the potential from its mean gradient at every cell; zero where nothing flows.
     pub(crate) fn spread(&self, potential: &[Potential]) -> Vec<f64> {
         self.at_every_cell(|_, number| {
             let Potential([high, low]) = potential[number];
@@ -273,25 +273,25 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// A value for every cell, from its place and its number; zero where nothing flows.
+    /// Evaluates `value` for every cell from its index and its number; zero where nothing flows.
     fn at_every_cell(&self, value: impl Fn(usize, usize) -> f64 + Sync) -> Vec<f64> {
         let of = |(cell, number): (usize, &u32)| if *number == CLOSED { 0.0 } else { value(cell, *number as usize) };
         self.numbering.numbers.par_iter().enumerate().with_min_len(PART).map(of).collect()
     }
 }
 
-/// The larger of two numbers, NaN if one is.
+/// Returns the larger of two numbers; NaN if either is NaN.
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// The harmonic mean, which is that of two layers in series.
+/// Returns the harmonic mean, the conductivity of two layers in series.
 fn mean(a: f64, b: f64) -> f64 {
     let (less, more) = (a.min(b), a.max(b));
     if less > 0.0 { less * (2.0 * more / (more + less)) } else { 0.0 }
 }
 
-/// The patches of cells that conduct.
+/// Finds the patches of conducting cells.
 pub(crate) fn conducting(conductivity: ArrayView2<f64>, boundary: Boundary) -> Patches {
     Patches::of(conductivity.mapv(|k| k > 0.0).view(), boundary)
 }

@@ -1,8 +1,8 @@
-//! Approximate elimination of the nodes of a weighted graph, a preconditioner for its Laplacian: where an exact
-//! elimination connects all neighbours of a node with each other, a few edges are sampled that have the same weights on
+//! Approximate elimination of the nodes of a weighted graph, a preconditioner for its Laplacian. An exact elimination
+//! connects all neighbours of a node with each other; here a few edges are sampled that have the same weights on
 //! average (Kyng and Sachdeva, FOCS 2016, 573; ordering, merging and sampling as Gao, Kyng and Spielman, arXiv
-//! 2303.00709). Weights may differ by any number of decades. The nodes inside of blocks come first, block by block,
-//! each by one thread and in its cache; the borders between them come last.
+//! 2303.00709). Weights may differ by any number of decades. The nodes inside blocks come first, each block on one
+//! thread and in its cache; the borders between blocks come last.
 
 use std::ops::Range;
 
@@ -12,38 +12,37 @@ use crate::graph::{Graph, total};
 use crate::numbering::Numbering;
 use crate::remaining::{KeptEdge, Remaining};
 
-/// The factors of the elimination of some nodes, which have the numbers from 0 on; further numbers are those of other
-/// nodes.
+/// Factors of the elimination of some nodes, numbered from 0; higher numbers refer to further nodes outside.
 #[derive(Default)]
 struct Factors {
-    /// The nodes in the order in which they are eliminated.
+    /// Nodes in the order of elimination.
     order: Vec<u32>,
-    /// The shares of the k-th node are `starts[k]..starts[k + 1]`.
+    /// Starts of the shares of each node; the k-th node has the shares `starts[k]..starts[k + 1]`.
     starts: Vec<u32>,
-    /// The neighbours of a node, and the part of it that goes to each of them; the last gets the rest.
+    /// Neighbours of a node, and the share of its flow that goes to each of them; the last neighbour gets the rest.
     shares: Vec<(u32, f32)>,
-    /// The reciprocal of the weight of each node when it is eliminated; zero for the last of its part of the graph.
+    /// Reciprocal weight of each node at its elimination; zero for the last node of a connected part.
     inverses: Vec<f64>,
 }
 
-/// The factors of a block.
+/// Factors of a block.
 struct Block {
     nodes: Range<usize>,
     factors: Factors,
-    /// The places on the border that its further numbers mean.
+    /// Places on the border of the further nodes of the block.
     border: Vec<u32>,
 }
 
-/// The factors of the approximate elimination of a graph. The reservoir has the potential zero.
+/// Factors of the approximate elimination of a graph. The reservoir has zero potential.
 pub(crate) struct Elimination {
     blocks: Vec<Block>,
-    /// The factors of the border, whose one further number is that of the reservoir.
+    /// Factors of the border; the reservoir is its only further node.
     border: Factors,
-    /// The first node on the border.
+    /// First node on the border.
     start: usize,
 }
 
-/// Memory of [`Elimination::solve`]: what blocks pass to the border.
+/// Memory of [`Elimination::solve`]: the flows that blocks pass to the border.
 pub(crate) struct Work<const N: usize>(Vec<Vec<[f64; N]>>);
 
 impl Elimination {
@@ -71,7 +70,7 @@ impl Elimination {
         Work(self.blocks.iter().map(|block| vec![[0.0; N]; block.border.len()]).collect())
     }
 
-    /// `out` ← about A⁻¹ `residual`. Returns the products of their columns.
+    /// Computes `out` ≈ A⁻¹ `residual`. Returns the products of the columns of both.
     pub(crate) fn solve<const N: usize>(
         &self,
         residual: &[[f64; N]],
@@ -106,7 +105,7 @@ impl Elimination {
         let border = &*border;
         let of_blocks = tasks.par_iter_mut().map(|(block, own, further)| {
             for (place, value) in block.border.iter().zip(further.iter_mut()) {
-                // The place behind the border is that of the reservoir, where the potential is zero.
+                // The place after the border is the reservoir, where the potential is zero.
                 *value = border.get(*place as usize).copied().unwrap_or([0.0; N]);
             }
             block.factors.backward(own, further);
@@ -117,7 +116,7 @@ impl Elimination {
 }
 
 impl Block {
-    /// Eliminates some nodes; also returns the edges between places on the border, which begins at the node `start`.
+    /// Eliminates some nodes. Also returns the edges between places on the border, which begins at node `start`.
     fn of(graph: &Graph, nodes: Range<usize>, start: usize, seed: u64) -> (Self, Vec<KeptEdge>) {
         let reservoir = (graph.len() - start) as u32;
         let to_border = |node: usize| {
@@ -167,8 +166,7 @@ impl Factors {
         factors
     }
 
-    /// Passes what flows into each node to its neighbours, those of other nodes to `further`, and divides it by the
-    /// weights.
+    /// Passes the flow into each node to its neighbours, in `further` for further nodes, and divides it by the weight.
     fn forward<const N: usize>(&self, own: &mut [[f64; N]], further: &mut [[f64; N]]) {
         for (place, node) in self.order.iter().enumerate() {
             let node = *node as usize;
@@ -193,7 +191,7 @@ impl Factors {
         }
     }
 
-    /// Adds to the value of each node the mean of those of its neighbours.
+    /// Adds to the value of each node the weighted mean of its neighbours' values.
     fn backward<const N: usize>(&self, own: &mut [[f64; N]], further: &[[f64; N]]) {
         for (place, node) in self.order.iter().enumerate().rev() {
             let Some((last, others)) = self.entries(place).split_last() else { continue };
@@ -216,7 +214,7 @@ impl Factors {
     }
 }
 
-/// The products of the columns of two vectors.
+/// Returns the products of the columns of two vectors.
 fn products<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> [f64; N] {
     gfmd_vector::pass(
         (a, b),

@@ -6,10 +6,10 @@ use crate::cells::{Balance, Cells, conducting};
 use crate::numbering::Numbering;
 use crate::search::{Found, TOLERANCE, search};
 
-/// The flow under a unit mean gradient along one axis.
+/// Flow under a unit mean gradient along one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Deviation of the potential from its mean gradient −1 along the axis, times length; zero where nothing flows.
+    /// Deviation of the potential from its mean gradient −1 along the axis, in length; zero where nothing flows.
     pub potential: Array2<f64>,
     /// Magnitude of the flux: flow per width.
     pub flux: Array2<f64>,
@@ -17,63 +17,63 @@ pub struct Path {
     pub iterations: usize,
 }
 
-/// The flow through a field of conductivities.
+/// Flow through a field of conductivities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flow {
-    /// The mean flux along x and y (rows) under a unit mean gradient along x and y (columns), in the unit of the
-    /// conductivities. It is exactly zero for an axis along which no patch of conducting cells percolates.
+    /// Mean flux along x and y (rows) under a unit mean gradient along x and y (columns), in the unit of the
+    /// conductivities. Exactly zero for an axis along which no patch of conducting cells percolates.
     pub conductivity: [[f64; 2]; 2],
-    /// True along x (y) if something flows.
+    /// True along x (y) if something flows along this axis.
     pub percolates: [bool; 2],
-    /// The largest of three relative deviations, computed from the potential face by face: what is missing in the
-    /// balance of a cell, over the mean flow through a face of a section; the flow through a section x = const (of a
-    /// gradient along y: y = const) from the mean flow; the dissipated power from the flow.
+    /// Largest of three relative deviations, computed from the potential face by face: the flow missing in the balance
+    /// of a cell, divided by the mean flow through a face of a section; the flow through a section x = const (y = const
+    /// for a gradient along y) from the mean flow; the dissipated power from the flow.
     pub residual: f64,
-    /// The flow along x and along y; none without percolation.
+    /// Flow along x and along y; `None` without percolation.
     pub paths: [Option<Path>; 2],
 }
 
-/// Reasons why there is no flow.
+/// Error of a flow computation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
-    /// Conductivities of another shape than the grid.
+    /// Conductivities with a different shape than the grid.
     #[error("the conductivities have {found:?} points; they must have {expected:?} as the grid")]
     Shape {
-        /// The shape.
+        /// Shape of the conductivities.
         found: [usize; 2],
-        /// The shape of the grid.
+        /// Shape of the grid.
         expected: [usize; 2],
     },
-    /// Too few or too many points along an axis.
+    /// Too few points along an axis, or too many points in all.
     #[error("the grid has {0:?} points; a flow needs at least 2 along each axis, and less than 2^32 in all")]
     Points([usize; 2]),
-    /// A conductivity that is negative or not finite.
+    /// Negative or non-finite conductivity.
     #[error("the conductivity at {index:?} is {value}; it must be finite and not negative")]
     Conductivity {
-        /// Its indices.
+        /// Indices of the point.
         index: [usize; 2],
-        /// Its value.
+        /// Conductivity at this point.
         value: f64,
     },
-    /// The balance is not good enough.
+    /// Balance that does not meet [`TOLERANCE`].
     #[error(
         "the flow did not converge to {TOLERANCE:e} in {iterations} iterations: its residual is {:.1e}",
         state.residual
     )]
     NotConverged {
-        /// The flow reached.
+        /// Flow reached.
         state: Box<Flow>,
         /// Number of iterations.
         iterations: usize,
     },
 }
 
-/// The flow through `conductivity` `[x, y]`, any unit, zero where nothing passes. A field that ends has reservoirs at
-/// two opposite edges and walls at the two others.
+/// Computes the flow through `conductivity` `[x, y]`, in any unit, zero where nothing passes. A non-periodic field has
+/// reservoirs at two opposite edges and walls at the other two.
 ///
 /// # Errors
-/// Unusable conductivities; a balance that is not met to [`TOLERANCE`].
+/// Returns an error if conductivities are unusable or if the balance does not meet [`TOLERANCE`].
 pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary) -> Result<Flow, FlowError> {
     let (found, expected) = (conductivity.dim().into(), grid.points());
     if found != expected {
@@ -85,7 +85,7 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary) -> R
     if let Some(((i, j), &value)) = conductivity.indexed_iter().find(|(_, k)| !(k.is_finite() && **k >= 0.0)) {
         return Err(FlowError::Conductivity { index: [i, j], value });
     }
-    // The largest is the unit.
+    // The largest conductivity is the unit.
     let unit = conductivity.iter().copied().fold(0.0, f64::max);
     let scaled: Vec<f64> = conductivity.iter().map(|k| if *k > 0.0 { k / unit } else { 0.0 }).collect();
     let scaled_field = ArrayView2::from_shape(expected, &scaled).map_err(|_| FlowError::Shape { found, expected })?;
@@ -126,7 +126,7 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary) -> R
     }
 }
 
-/// The flow along one axis.
+/// Flow along one axis.
 struct Solved {
     flux: [f64; 2],
     residual: f64,

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::PART;
 
-/// A graph with weights on its edges, and conductances of its nodes to a reservoir.
+/// Graph with weighted edges, and conductances of its nodes to a reservoir.
 #[derive(Clone, Debug)]
 pub(crate) struct Graph {
     parts: Vec<Part>,
@@ -14,17 +14,17 @@ pub(crate) struct Graph {
 /// Consecutive nodes of a graph.
 #[derive(Clone, Debug, Default)]
 struct Part {
-    /// The edges of the node i of the part are `starts[i]..starts[i + 1]`.
+    /// Starts of the edges of each node; node i of the part has the edges `starts[i]..starts[i + 1]`.
     starts: Vec<u32>,
     ends: Vec<u32>,
     weights: Vec<f64>,
-    /// The weight of each node to the reservoir.
+    /// Weight of each node to the reservoir.
     outside: Vec<f64>,
 }
 
 impl Graph {
-    /// The graph of nodes that `edges` gives one by one, for each node its neighbours with weights, and its weight to
-    /// the reservoir.
+    /// Builds a graph. For each node, `edges` appends the neighbours with their weights and returns the weight to the
+    /// reservoir.
     pub(crate) fn new(nodes: usize, edges: impl Fn(usize, &mut Vec<(u32, f64)>) -> f64 + Sync) -> Self {
         let made = |part: usize| {
             let mut made = Part { starts: vec![0], ..Part::default() };
@@ -45,17 +45,17 @@ impl Graph {
         self.nodes
     }
 
-    /// The neighbours of a node, and the weights of the edges to them.
+    /// Returns the neighbours of a node with the weights of the edges.
     pub(crate) fn row(&self, node: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.parts[node / PART].row(node % PART)
     }
 
-    /// The weight of a node to the reservoir.
+    /// Returns the weight of a node to the reservoir.
     pub(crate) fn outside(&self, node: usize) -> f64 {
         self.parts[node / PART].outside[node % PART]
     }
 
-    /// `out` ← A x, which is what flows out of each node: of differences, which are exact where x varies little.
+    /// Computes `out` = A x, the flow out of each node. It uses differences, which are exact where x varies little.
     /// Returns the products of the columns of x and A x.
     pub(crate) fn apply<const N: usize>(&self, x: &[[f64; N]], out: &mut [[f64; N]]) -> [f64; N] {
         let of_part = |(place, (part, rows)): (usize, (&Part, &mut [[f64; N]]))| {
@@ -84,7 +84,7 @@ impl Part {
     }
 }
 
-/// The sum of those of parts, in their order.
+/// Adds the sums of the parts in order.
 pub(crate) fn total<const N: usize>(parts: Vec<[f64; N]>) -> [f64; N] {
     parts.into_iter().fold([0.0; N], |sum, part| std::array::from_fn(|k| sum[k] + part[k]))
 }

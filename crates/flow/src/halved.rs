@@ -1,5 +1,5 @@
-//! The equations without the cells of one colour of a chequerboard, which are eliminated exactly: none is beside
-//! another one.
+//! Equations without the cells of one colour of a chequerboard. No two of these cells are adjacent, so they are
+//! eliminated exactly.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ use crate::cells::{Cells, Links};
 use crate::graph::Graph;
 
 impl Cells<'_> {
-    /// The graph of the other cells. A cell that is gone leaves an edge between any two of its neighbours, as
-    /// conductances in a star.
+    /// Builds the graph of the other cells. An eliminated cell leaves an edge between any two of its neighbours, like a
+    /// star of conductances.
     pub(crate) fn graph(&self) -> Graph {
         let kept = self.numbering().kept();
         Graph::new(kept, |number, row| {
@@ -40,8 +40,8 @@ impl Cells<'_> {
         })
     }
 
-    /// The flow into the cells of the graph if `missing` flows into all cells, and the power that those which are gone
-    /// take up.
+    /// Computes the flow into the cells of the graph from the flow `missing` into all cells. Returns the power taken up
+    /// by the eliminated cells.
     pub(crate) fn fold<const N: usize>(&self, missing: &[Vec<f64>; N], out: &mut [[f64; N]]) -> [f64; N] {
         let kept = self.numbering().kept();
         let of = |number: usize| -> [f64; N] { std::array::from_fn(|k| missing[k][number]) };
@@ -64,7 +64,7 @@ impl Cells<'_> {
         gfmd_vector::reduce(self.len() - kept, &leaf, &gfmd_vector::add)
     }
 
-    /// The corrections of all cells from those of the graph.
+    /// Computes the corrections of all cells from the corrections of the graph.
     pub(crate) fn expand<const N: usize>(&self, missing: &[Vec<f64>; N], corrections: &[[f64; N]]) -> Vec<[f64; N]> {
         let kept = self.numbering().kept();
         let of = |number: usize| {
@@ -89,7 +89,7 @@ impl Links {
     }
 }
 
-/// The conductance between two neighbours of a cell with these weights.
+/// Returns the conductance between two neighbours of an eliminated cell with weights `a` and `b`.
 fn series(a: f64, b: f64, sum: f64) -> f64 {
     a.min(b) * (a.max(b) / sum)
 }

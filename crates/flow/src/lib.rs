@@ -1,11 +1,11 @@
 //! Flow through a thin gap, or current through a thin layer: div(k ∇p) = 0 with a unit mean gradient along x and along
 //! y.
 //!
-//! For a fluid between two surfaces k is the cube of the gap (Reynolds' equation); it is zero where they touch. The
+//! For a fluid between two surfaces, k is the cube of the gap (Reynolds equation); it is zero where they touch. The
 //! equation is balanced cell by cell (finite volumes): a cell surrounds each point, and the conductance of the face
-//! between two cells is the harmonic mean of their k, which is exact for layers in series and side by side (theory.md,
-//! section 9.1). Conjugate gradients are preconditioned by an approximate elimination of the cells, block by block in
-//! all threads, whose quality depends neither on the shape of channels and dams nor on their contrast.
+//! between two cells is the harmonic mean of their k, which is exact for layers in series and in parallel (theory.md,
+//! section 9.1). Conjugate gradients are preconditioned by an approximate elimination of the cells, block by block on
+//! all threads. Its quality does not depend on the shape or the contrast of channels and dams.
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -21,7 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: the gap itself (`gfmd-contact`), labels of patches (`gfmd-measure`).
+//! Other crates provide the gap (`gfmd-contact`) and labels of patches (`gfmd-measure`).
 
 mod cells;
 mod elimination;
@@ -33,8 +33,8 @@ mod queue;
 mod remaining;
 mod search;
 
-/// The number of cells, and of nodes of a graph, in a part. Sums are formed for each part first, so that they do not
-/// depend on the number of threads.
+/// Number of cells or graph nodes in a part. Sums are formed within parts first, so that they do not depend on the
+/// number of threads.
 const PART: usize = 1 << 12;
 
 pub use flow::{Flow, FlowError, Path, flow};

@@ -1,32 +1,32 @@
-//! The numbers of the cells through which something flows: cells that are worked on together lie together.
+//! Numbers of the open cells, through which something flows: cells that are processed together lie together.
 
 use std::ops::Range;
 
 use gfmd_field::Grid;
 use gfmd_measure::{Boundary, Patches};
 
-/// The number of a cell that takes no part.
+/// Number of a closed cell.
 pub(crate) const CLOSED: u32 = u32::MAX;
 
-/// Cells along a side of a block, about. What is worked on of a block fits the second-level cache.
+/// Approximate number of cells along a side of a block. The data of a block fit the second-level cache.
 const BLOCK: usize = 96;
 
-/// The open cells in three groups: those inside of blocks, block by block, those on borders, by which blocks are
-/// separated, and the cells of one colour of a chequerboard, none of which has another one beside it.
+/// Open cells in three groups: cells inside blocks, block by block; cells on the borders between blocks; and cells of
+/// one colour of a chequerboard, no two of them adjacent.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Numbering {
-    /// The number of each cell, or [`CLOSED`].
+    /// Number of each cell, or [`CLOSED`].
     pub(crate) numbers: Vec<u32>,
-    /// The cell with each number.
+    /// Cell with each number.
     pub(crate) open: Vec<u32>,
-    /// The first number of each block, and of the borders.
+    /// First number of each block, followed by the first number on the borders.
     blocks: Vec<usize>,
-    /// The first number of the chequerboard's colour.
+    /// First number of the chequerboard colour.
     halves: usize,
 }
 
 impl Numbering {
-    /// Numbers the cells of these patches.
+    /// Numbers the cells of the chosen patches.
     pub(crate) fn new(grid: &Grid, boundary: Boundary, patches: &Patches, chosen: &[bool]) -> Self {
         let points = grid.points();
         let [rows, columns] = points.map(|n| Axis::new(n, boundary));
@@ -68,35 +68,35 @@ impl Numbering {
         Self { numbers, open, blocks: starts, halves }
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub(crate) fn len(&self) -> usize {
         self.open.len()
     }
 
-    /// Number of cells without those of the chequerboard's colour, which come last.
+    /// Returns the number of cells without the chequerboard colour, which comes last.
     pub(crate) fn kept(&self) -> usize {
         self.halves
     }
 
-    /// The cells inside of each block.
+    /// Iterates over the numbers of the cells inside each block.
     pub(crate) fn blocks(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         self.blocks.windows(2).map(|ends| ends[0]..ends[1])
     }
 
-    /// The first number on the borders.
+    /// Returns the first number on the borders.
     pub(crate) fn border(&self) -> usize {
         self.blocks.last().copied().unwrap_or(0)
     }
 }
 
-/// The place of an index on an axis.
+/// Place of an index on an axis.
 struct Place {
     block: usize,
     is_border: bool,
     alternates: bool,
 }
 
-/// The division of an axis.
+/// Division of an axis.
 struct Axis {
     points: usize,
     blocks: usize,
@@ -121,8 +121,8 @@ impl Axis {
         index * self.blocks / self.points
     }
 
-    /// True if another block begins within two cells: without the cells of one colour, others are neighbours at that
-    /// distance.
+    /// Returns true if another block begins within two cells: without the cells of one colour, cells at that distance
+    /// are neighbours.
     fn is_border(&self, index: usize) -> bool {
         let block = self.block(index);
         (1..=2).any(|step| match index + step {
@@ -131,7 +131,7 @@ impl Axis {
         })
     }
 
-    /// False at the seam of an odd number of cells, where a chequerboard does not go on.
+    /// Returns false at the seam of an odd number of cells, where the chequerboard does not continue.
     fn alternates(&self, index: usize) -> bool {
         !self.repeats || self.points.is_multiple_of(2) || index + 1 < self.points
     }

@@ -1,11 +1,11 @@
-//! The nodes of a graph by their number of edges.
+//! Nodes of a graph, sorted by their number of edges.
 
-/// No node, no edge.
+/// Marks the absence of a node or an edge.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The nodes that are left, by their number of edges.
+/// Remaining nodes, in one list per number of edges.
 pub(crate) struct Queue {
-    /// The first node with each number of edges; the last entry has all larger ones.
+    /// First node of each list; the last list holds all larger numbers of edges.
     firsts: Vec<u32>,
     degrees: Vec<u32>,
     before: Vec<u32>,
@@ -14,7 +14,7 @@ pub(crate) struct Queue {
 }
 
 impl Queue {
-    /// Numbers of edges that are told apart.
+    /// Number of lists.
     const LISTS: usize = 64;
 
     pub(crate) fn new(degrees: Vec<u32>) -> Self {
@@ -53,7 +53,7 @@ impl Queue {
         }
     }
 
-    /// Adds to the number of edges of a node.
+    /// Adds `change` to the number of edges of a node.
     pub(crate) fn add(&mut self, node: usize, change: i32) {
         let degree = self.degrees[node].saturating_add_signed(change);
         if (degree as usize).min(Self::LISTS - 1) == self.list(node) {
@@ -65,7 +65,7 @@ impl Queue {
         self.insert(node);
     }
 
-    /// Takes a node with the least number of edges.
+    /// Removes and returns a node with the smallest number of edges.
     pub(crate) fn pop(&mut self) -> Option<usize> {
         while self.lowest < Self::LISTS {
             let first = self.firsts[self.lowest];

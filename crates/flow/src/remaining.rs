@@ -1,47 +1,47 @@
-//! The graph that is left of one while its nodes are eliminated.
+//! Graph that remains while nodes are eliminated.
 
 use crate::queue::{NONE, Queue};
 
-/// Edges into which one is divided, and are kept between two nodes: each is sampled for itself.
+/// Number of copies of an edge, each sampled separately; at most this number is kept between two nodes.
 const COPIES: usize = 2;
 
-/// One direction of an edge, in the list of the node from which it is seen. A weight of zero: the edge is gone.
+/// One direction of an edge, in the list of the node where it starts. A removed edge has zero weight.
 #[derive(Clone, Copy)]
 struct Edge {
     end: u32,
-    /// The next in the list.
+    /// Next edge in the list.
     next: u32,
     weight: f64,
 }
 
-/// A neighbour of a node that is eliminated, and the edges to it.
+/// Neighbour of an eliminated node, and the edges to it.
 pub(crate) struct Neighbour {
     pub(crate) node: u32,
     edges: [u32; COPIES],
     copies: u32,
     pub(crate) weight: f64,
-    /// The sum of the weights up to this one.
+    /// Sum of the weights up to and including this one.
     sum: f64,
 }
 
-/// An edge between two nodes that are not eliminated.
+/// Edge between two nodes that are not eliminated.
 pub(crate) type KeptEdge = (u32, u32, f64);
 
-/// The graph that is left. The two directions of an edge have the numbers 2k and 2k + 1. The nodes from `own` on are
-/// not eliminated.
+/// Remaining graph. The two directions of an edge have the numbers 2k and 2k + 1. The nodes from `own` on are not
+/// eliminated.
 pub(crate) struct Remaining {
     edges: Vec<Edge>,
     firsts: Vec<u32>,
     degrees: Vec<u32>,
     own: usize,
-    /// The edges between nodes that are not eliminated.
+    /// Edges between nodes that are not eliminated.
     pub(crate) kept: Vec<KeptEdge>,
-    /// Number of samples taken.
+    /// Number of samples taken, offset by the seed.
     samples: u64,
 }
 
 impl Remaining {
-    /// Nodes without edges, of which the first `own` are eliminated. `seed` is that of the samples.
+    /// Creates nodes without edges. The first `own` nodes are to be eliminated; `seed` starts the samples.
     pub(crate) fn new(own: usize, nodes: usize, seed: u64) -> Self {
         let (firsts, degrees) = (vec![NONE; nodes], vec![0; nodes]);
         Self { edges: Vec::new(), firsts, degrees, own, kept: Vec::new(), samples: seed << 40 }
@@ -60,12 +60,12 @@ impl Remaining {
         }
     }
 
-    /// The nodes that are eliminated, by their number of edges.
+    /// Sorts the nodes to be eliminated by their number of edges.
     pub(crate) fn queue(&self) -> Queue {
         Queue::new(self.degrees[..self.own].to_vec())
     }
 
-    /// The neighbours of a node, the most weakly connected first.
+    /// Collects the neighbours of a node, the most weakly connected first.
     pub(crate) fn collect(&mut self, node: usize, around: &mut Vec<Neighbour>, queue: &mut Queue) {
         around.clear();
         let mut next = self.firsts[node];
@@ -75,7 +75,7 @@ impl Remaining {
             if weight == 0.0 {
                 continue;
             }
-            // Few edges: a search is faster than an order.
+            // With few edges, a linear search is faster than sorting.
             match around.iter_mut().find(|neighbour| neighbour.node == end) {
                 None => around.push(Neighbour { node: end, edges: [edge; COPIES], copies: 1, weight, sum: 0.0 }),
                 Some(kept) => {
@@ -97,7 +97,7 @@ impl Remaining {
         }
     }
 
-    /// Removes the direction of an edge that its other end, `there`, sees.
+    /// Removes the opposite direction of an edge from the list of its other end `there`.
     fn remove(&mut self, edge: u32, there: u32, queue: &mut Queue) {
         self.edges[edge as usize ^ 1].weight = 0.0;
         self.count(there, -1, queue);
@@ -109,7 +109,7 @@ impl Remaining {
         }
     }
 
-    /// Eliminates the node with these neighbours; returns its weight.
+    /// Eliminates the node with these neighbours and returns its weight.
     pub(crate) fn eliminate(&mut self, around: &[Neighbour], queue: &mut Queue) -> f64 {
         let Some((last, others)) = around.split_last() else { return 0.0 };
         for (place, neighbour) in others.iter().enumerate() {
@@ -117,7 +117,7 @@ impl Remaining {
             let weight = neighbour.weight * (left / last.sum) / f64::from(neighbour.copies);
             let first = self.draw();
             for copy in 0..neighbour.copies {
-                // One of the later neighbours, by weight; the copies are spread evenly.
+                // Draws one of the later neighbours by weight; the copies are spread evenly.
                 let drawn = neighbour.sum + (first + f64::from(copy)) / f64::from(neighbour.copies) * left;
                 let other = &later[later.partition_point(|other| other.sum < drawn).min(later.len() - 1)];
                 self.turn(neighbour.edges[copy as usize], neighbour.node, other.node, weight, queue);
@@ -127,7 +127,7 @@ impl Remaining {
         last.sum
     }
 
-    /// Makes an edge from an eliminated node to `node` one between `node` and `other`.
+    /// Replaces an edge between an eliminated node and `node` by an edge between `node` and `other`.
     fn turn(&mut self, edge: u32, node: u32, other: u32, weight: f64, queue: &mut Queue) {
         let own = |node: u32| (node as usize) < self.own;
         if !own(node) && !own(other) {
@@ -142,7 +142,7 @@ impl Remaining {
         self.count(other, 1, queue);
     }
 
-    /// The next of a fixed sequence of numbers between 0 and 1 (Steele, Lea and Flood 2014).
+    /// Returns the next number of a fixed sequence between 0 and 1 (Steele, Lea and Flood 2014).
     fn draw(&mut self) -> f64 {
         self.samples += 1;
         let mut bits = self.samples.wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -1,4 +1,4 @@
-//! The potentials of cells: preconditioned conjugate gradients.
+//! Potentials of cells by preconditioned conjugate gradients.
 
 use gfmd_vector::pass;
 
@@ -6,30 +6,29 @@ use crate::cells::{Balance, Cells, Potential, larger};
 use crate::elimination::{Elimination, Work};
 use crate::graph::Graph;
 
-/// The largest [residual](crate::Flow::residual) of a flow.
+/// Largest [residual](crate::Flow::residual) of a converged flow.
 pub const TOLERANCE: f64 = 1e-8;
 
-/// Largest number of iterations. Some 50 are usual.
+/// Largest number of iterations; about 50 are usual.
 const ITERATIONS: usize = 1000;
 
-/// Rounds of iterations, each from balances that are computed anew.
+/// Largest number of rounds of iterations, each started from recomputed balances.
 const ROUNDS: usize = 12;
 
-/// The largest reduction of the error in a round, beyond which rounding counts.
+/// Error reduction of a round at which rounding errors dominate.
 const REDUCTION: f64 = 1e-12;
 
-/// The part of the tolerance that the iterations of the first round leave; those of each further one leave this part of
-/// it.
+/// Fraction of the tolerance left by the first round; each further round leaves this fraction of the previous value.
 const MARGIN: f64 = 0.3;
 
-/// The findings of a search.
+/// Result of a search.
 pub(crate) struct Found {
     pub(crate) potential: Vec<Potential>,
     pub(crate) balance: Balance,
 }
 
-/// The potentials of cells with the same equations under different gradients, and the number of iterations: conjugate
-/// gradients, started again from balances that are computed anew.
+/// Solves for the potentials of cells with the same equations under different gradients, and returns them with the
+/// number of iterations. Conjugate gradients are restarted from recomputed balances.
 pub(crate) fn search<const N: usize>(cells: [&Cells; N]) -> ([Found; N], usize) {
     let mut round = Round::new(cells);
     let mut found = cells.map(|cells| {
@@ -61,7 +60,7 @@ pub(crate) fn search<const N: usize>(cells: [&Cells; N]) -> ([Found; N], usize) 
     (found, iterations)
 }
 
-/// The equations of a round, and its vectors, each with a column for each gradient.
+/// Equations of a round and its vectors, with one column per gradient.
 struct Round<'a, const N: usize> {
     cells: [&'a Cells<'a>; N],
     graph: Graph,
@@ -83,7 +82,7 @@ impl<'a, const N: usize> Round<'a, N> {
         Self { cells, graph, factors, work, residual, step, direction, image, correction }
     }
 
-    /// Corrections for what flows into each cell. `power` is that before.
+    /// Computes corrections for the flow `missing` into each cell. `power` is the power before the corrections.
     fn solve(
         &mut self,
         missing: &[Vec<f64>; N],
@@ -93,8 +92,8 @@ impl<'a, const N: usize> Round<'a, N> {
     ) -> Vec<[f64; N]> {
         let area = self.cells[0].area();
         let taken = self.cells[0].fold(missing, &mut self.residual);
-        // Each iteration lowers the power by a known amount; what remains gives the flow, and so what may be missing in
-        // a cell.
+        // Each iteration lowers the power by a known amount. The remaining power gives the flow, and hence the flow
+        // that may be missing in a cell.
         (0..N).for_each(|k| power[k] -= taken[k] / area);
         self.correction.fill([0.0; N]);
         let (mut first, mut last) = ([0.0; N], [0.0; N]);
@@ -123,7 +122,7 @@ impl<'a, const N: usize> Round<'a, N> {
         self.cells[0].expand(missing, &self.correction)
     }
 
-    /// The next direction: the step, and a part of the last one.
+    /// Computes the next direction: the step plus `parts` times the last direction.
     fn turn(&mut self, parts: [f64; N]) {
         pass(
             (&mut self.direction[..], &self.step[..]),
@@ -136,7 +135,7 @@ impl<'a, const N: usize> Round<'a, N> {
         );
     }
 
-    /// Goes so far along the direction; returns the largest magnitudes of what then flows into a cell.
+    /// Moves by `lengths` along the direction; returns the largest magnitudes of the remaining flow into a cell.
     fn advance(&mut self, lengths: [f64; N]) -> [f64; N] {
         type Rows<'a, const N: usize> = &'a [[f64; N]];
         pass(
@@ -158,7 +157,7 @@ impl<'a, const N: usize> Round<'a, N> {
     }
 }
 
-/// The quotient of two numbers that are positive, until all is found.
+/// Divides two positive numbers; returns 0 if `b` is zero, when the solution has been found.
 fn quotient(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
 }

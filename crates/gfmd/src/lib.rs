@@ -62,22 +62,21 @@
 //!
 //! # Conventions
 //!
-//! - Any consistent units. A modulus and the pressures have one unit of stress, heights and displacements one of
-//!   length.
+//! - Any consistent units. Moduli and pressures share one unit of stress, heights and displacements one unit of length.
 //! - Arrays are `[x, y]`. A line contact in plane strain has one point along y ([`Grid::line`](field::Grid::line)).
-//! - Heights `h` are those of the rigid surface, with peaks that point at the body: the highest touches first.
+//! - Heights `h` belong to the rigid surface. Its peaks point at the body, and the highest touches first.
 //! - Pressure is positive in compression. `u_z < 0` presses the body down. The cell is periodic.
 //! - E* = E/(1 − ν²), ḡ is the root mean square of |∇h| over the whole surface, and p* = p̄/(E* ḡ).
 //!
 //! # When a solve fails
 //!
-//! [`SolveError`](contact::SolveError) tells unusable input ([`Refusal`](contact::Refusal), with the value found and
-//! those allowed) from a search that did not converge, was interrupted, or came apart; the last three carry the state
-//! reached ([`into_state`](contact::SolveError::into_state)).
+//! [`SolveError`](contact::SolveError) separates unusable input ([`Refusal`](contact::Refusal), with the value found
+//! and the allowed values) from a search that did not converge, was interrupted, or detached. The last three carry the
+//! state reached ([`into_state`](contact::SolveError::into_state)).
 //!
 //! # The crates
 //!
-//! Each can be used alone; this one re-exports them.
+//! Each crate can be used alone; this one re-exports them all.
 //!
 //! | to ... | module | start at |
 //! |---|---|---|
@@ -161,7 +160,7 @@ pub use gfmd_surface as surface;
 pub use gfmd_viscoelastic as viscoelastic;
 #[doc(inline)]
 pub use gfmd_wear as wear;
-/// The arrays of all fields, in the version that this crate takes and returns.
+/// Arrays of all fields, in the version that this crate takes and returns.
 #[doc(no_inline)]
 pub use ndarray;
 

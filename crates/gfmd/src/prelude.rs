@@ -1,4 +1,4 @@
-//! The names that most programs need: `use gfmd::prelude::*`.
+//! Common imports: `use gfmd::prelude::*`.
 
 pub use gfmd_body::Interior;
 pub use gfmd_contact::{

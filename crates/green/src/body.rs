@@ -10,16 +10,16 @@ use crate::{
     tabulated::Table,
 };
 
-/// The extent of a body below its surface.
+/// Extent of a body below its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Height {
-    /// A slab of this thickness (length).
+    /// Slab of this thickness (length).
     Finite(f64),
-    /// A half-space.
+    /// Half-space.
     Infinite,
 }
 
-/// The boundary condition at the bottom of a slab.
+/// Boundary condition at the bottom of a slab.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Base {
     /// Rigid ground, or none.
@@ -37,12 +37,12 @@ impl Base {
     pub const FREE: Self = Self::Rigid(Ground::NONE);
 }
 
-/// An elastic body with a plane surface that faces +z: a half-space, or a slab on a [`Base`]; or two such bodies with
-/// their surfaces on each other, see [`against`](Self::against).
+/// Elastic body with a plane surface that faces +z: a half-space, a slab on a [`Base`], or two such bodies with their
+/// surfaces facing each other, see [`against`](Self::against).
 ///
-/// All stiffnesses K and compliances G are those of one wave vector q (rad/length) of fields ~ e^(+i q·r): t = K u and
-/// u = G t, with t the traction on the body's surface, positive along +z, and u its displacement (theory.md, section
-/// 0). K is Hermitian and, for q ≠ 0, positive definite.
+/// Stiffness K and compliance G refer to one wave vector q (rad/length) of fields ~ e^(+i q·r): t = K u and u = G t,
+/// with t the traction on the surface, positive along +z, and u the displacement of the surface (theory.md, section 0).
+/// K is Hermitian and, for q ≠ 0, positive definite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     material: Material,
@@ -52,65 +52,65 @@ pub struct Body {
     table: Option<Table>,
 }
 
-/// Properties that a body with a table of normal compliances does not have.
+/// Undefined properties of a body with a table of normal compliances.
 const UNKNOWN: Blocks =
     Blocks { longitudinal: f64::NAN, normal: f64::NAN, coupling: [f64::NAN; 2], transverse: f64::NAN };
 
 impl Body {
-    /// A half-space.
+    /// Creates a half-space.
     pub fn half_space(material: Material) -> Self {
         Self { material, height: Height::Infinite, base: Base::BONDED, second: None, table: None }
     }
 
-    /// A body whose normal compliance is given by a table with the rows [wavenumber (rad/length), compliance
-    /// (length/stress)]. Between the rows ln G is a [shape-preserving cubic](gfmd_curve::Curve) of ln q. `uniform` is
-    /// the compliance of the mean level, 0 if that is fixed; `contact_modulus` (stress) is the unit of reduced
-    /// pressures. Compliances and stiffnesses of other components, and states inside the body, are NaN.
+    /// Creates a body with a table of normal compliances; its rows are [wavenumber (rad/length), compliance
+    /// (length/stress)]. Between rows, ln G is a [shape-preserving cubic](gfmd_curve::Curve) of ln q. `uniform` is the
+    /// compliance of the mean level, 0 if it is fixed; `contact_modulus` (stress) is the unit of reduced pressures.
+    /// Compliances and stiffnesses of other components, and states inside the body, are NaN.
     ///
     /// # Errors
-    /// A modulus, wavenumbers or compliances that are not positive and finite; fewer than four rows; wavenumbers that
-    /// do not rise.
+    /// Returns an error if the modulus, a wavenumber or a compliance is not positive and finite, if there are fewer
+    /// than four rows, or if the wavenumbers do not increase.
     pub fn tabulated(contact_modulus: f64, rows: &[[f64; 2]], uniform: f64) -> Result<Self, GreenError> {
         let material = Material::from_contact_modulus(contact_modulus, 0.0)?;
         Ok(Self { table: Some(Table::isotropic(rows, uniform)?), ..Self::half_space(material) })
     }
 
-    /// A body whose normal compliance depends on the direction of the wave vector, as that of a crystal or a composite:
-    /// a table with the rows [q_x, q_y (rad/length), compliance (length/stress)], in any order. Every wavenumber has
-    /// the same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q.
-    /// Between them ln G is the trigonometric polynomial of the angle, with coefficients that are cubics of ln q as in
+    /// Creates a body with a normal compliance that depends on the direction of the wave vector, such as a crystal or a
+    /// composite. Table rows are [q_x, q_y (rad/length), compliance (length/stress)], in any order. Every wavenumber
+    /// has the same directions, at multiples of π/M from the x axis in half a turn, M ≥ 4; −q is the same wave as q.
+    /// Between rows, ln G is a trigonometric polynomial of the angle; its coefficients are cubics of ln q as in
     /// [`tabulated`](Self::tabulated) (theory.md, section 4.4).
     ///
     /// # Errors
-    /// The errors of `tabulated`; wave vectors that are zero, or at other angles.
+    /// Returns the errors of `tabulated`, and an error for a wave vector that is zero or at another angle.
     pub fn tabulated_by_direction(contact_modulus: f64, rows: &[[f64; 3]], uniform: f64) -> Result<Self, GreenError> {
         let material = Material::from_contact_modulus(contact_modulus, 0.0)?;
         Ok(Self { table: Some(Table::anisotropic(rows, uniform)?), ..Self::half_space(material) })
     }
 
-    /// True if waves of one length have one normal compliance in all directions.
+    /// Returns true if the normal compliance does not depend on the direction of the wave vector.
     pub fn is_isotropic(&self) -> bool {
         self.table.as_ref().is_none_or(Table::is_isotropic)
     }
 
-    /// The wavenumbers (rad/length) of the first and the last row of a [tabulated](Self::tabulated) body; `None` for
-    /// other bodies.
+    /// Returns the wavenumbers (rad/length) of the first and the last row of a [tabulated](Self::tabulated) body;
+    /// `None` for other bodies.
     pub fn tabulated_wavenumbers(&self) -> Option<[f64; 2]> {
         self.table.as_ref().map(Table::wavenumbers)
     }
 
-    /// A slab of `height` (length) bonded to a rigid base.
+    /// Creates a slab of `height` (length) bonded to a rigid base.
     ///
     /// # Errors
-    /// A height that is not positive and finite.
+    /// Returns an error if the height is not positive and finite.
     pub fn slab(material: Material, height: f64) -> Result<Self, GreenError> {
         Self::new(material, Height::Finite(height))
     }
 
-    /// A half-space, or a slab bonded to a rigid base.
+    /// Creates a half-space, or a slab bonded to a rigid base.
     ///
     /// # Errors
-    /// A finite height that is not positive and finite.
+    /// Returns an error if the height of a slab is not positive and finite.
     pub fn new(material: Material, height: Height) -> Result<Self, GreenError> {
         match height {
             Height::Finite(height) if !(height.is_finite() && height > 0.0) => Err(GreenError::Height(height)),
@@ -121,7 +121,7 @@ impl Body {
     /// Returns this slab on another base.
     ///
     /// # Errors
-    /// A half-space has no base. A pair of bodies is no base.
+    /// Returns an error for a half-space, which has no base, or if the base is a pair of bodies.
     pub fn on(self, base: Base) -> Result<Self, GreenError> {
         if let Base::Elastic(below) = &base
             && below.second.is_some()
@@ -137,33 +137,31 @@ impl Body {
     /// Returns this slab bonded to another body: a coating, or the next layer of a stack.
     ///
     /// # Errors
-    /// A half-space has no base. A pair of bodies is no base.
+    /// Returns an error for a half-space, which has no base, or if the base is a pair of bodies.
     pub fn bonded_to(self, substrate: Body) -> Result<Self, GreenError> {
         self.on(Base::Elastic(Box::new(substrate)))
     }
 
-    /// Returns this body with `second` above it, upside down, their surfaces facing each other. Stiffness and
-    /// compliance then refer to the relative displacement u₁ − u₂ of the two surfaces, and t is the traction on the
-    /// first: G = G₁ + J G₂ J with J = diag(1, 1, −1) (theory.md, section 4.1). Positions inside refer to the first
-    /// body.
+    /// Returns this body with `second` above it, upside down, with the two surfaces facing each other. Stiffness and
+    /// compliance then refer to the relative displacement u₁ − u₂ of the surfaces, and t is the traction on the first:
+    /// G = G₁ + J G₂ J with J = diag(1, 1, −1) (theory.md, section 4.1). Positions inside refer to the first body.
     #[must_use]
     pub fn against(self, second: Body) -> Self {
         Self { second: Some(Box::new(second.alone())), ..self }
     }
 
-    /// The second body of a pair.
+    /// Returns the second body of a pair.
     pub fn second(&self) -> Option<&Body> {
         self.second.as_deref()
     }
 
-    /// The first body of a pair; a single body itself.
+    /// Returns the first body of a pair, or a single body unchanged.
     #[must_use]
     pub fn alone(&self) -> Self {
         Self { second: None, ..self.clone() }
     }
 
-    /// The body in other units of stress and length. The new units are given in the present ones; powers of two keep
-    /// every digit.
+    /// Converts the body to other units of stress and length, given in the current units. Powers of two are exact.
     #[must_use]
     pub fn in_units(&self, stress: f64, length: f64) -> Self {
         let height = match self.height {
@@ -179,37 +177,37 @@ impl Body {
         Self { material: self.material.in_units(stress), height, base, second, table }
     }
 
-    /// The material of the body, or of its top layer.
+    /// Returns the material of the body, or of its top layer.
     pub fn material(&self) -> &Material {
         &self.material
     }
 
-    /// The contact modulus E* = E/(1 − ν²) of the material of the body, or of its top layer, in stress. For a pair
-    /// 1/E* = 1/E₁* + 1/E₂*.
+    /// Returns the contact modulus E* = E/(1 − ν²) of the body, or of its top layer, in stress. For a pair, 1/E* =
+    /// 1/E₁* + 1/E₂*.
     pub fn contact_modulus(&self) -> f64 {
         let first = self.material.contact_modulus();
         match &self.second {
             None => first,
             Some(second) => {
                 let second = second.contact_modulus();
-                // The smaller over a sum of order one: no product that overflows.
+                // The smaller modulus divided by a sum of order one; no product can overflow.
                 let [small, large] = if first < second { [first, second] } else { [second, first] };
                 small / (1.0 + small / large)
             }
         }
     }
 
-    /// The thickness of the body, or of its top layer.
+    /// Returns the thickness of the body, or of its top layer.
     pub fn height(&self) -> Height {
         self.height
     }
 
-    /// The base of the slab; [`Base::BONDED`] for a half-space, which has none.
+    /// Returns the base of the slab; [`Base::BONDED`] for a half-space, which has none.
     pub fn base(&self) -> &Base {
         &self.base
     }
 
-    /// The rigid ground below all layers, of a pair that of the first body; `None` if a half-space is below them.
+    /// Returns the rigid ground below all layers (of the first body in a pair); `None` if there is a half-space below.
     pub fn ground(&self) -> Option<Ground> {
         match (self.height, &self.base) {
             (Height::Infinite, _) => None,
@@ -218,10 +216,10 @@ impl Body {
         }
     }
 
-    /// The stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
+    /// Returns the stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
     ///
-    /// At q = 0 it is that of the uniform mode (theory.md, section 3): normal entry C11/height, infinite if ν = 1/2;
-    /// zero along directions in which the base does not hold the body.
+    /// At q = 0, it is the stiffness of the uniform mode (theory.md, section 3): normal entry C11/height, infinite if ν
+    /// = 1/2, and zero along directions in which the base does not hold the body.
     pub fn stiffness_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -237,8 +235,9 @@ impl Body {
         LayerMode::new(&self.material, height, q).stiffness_on(&self.base)
     }
 
-    /// The compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse of
-    /// [`Self::stiffness_blocks`]. At q = 0 it is infinite along directions in which the base does not hold the body.
+    /// Returns the compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse
+    /// of [`Self::stiffness_blocks`]. At q = 0, it is infinite along directions in which the base does not hold the
+    /// body.
     pub fn compliance_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -254,7 +253,7 @@ impl Body {
         self.second.as_ref().map_or(first, |second| first.plus(&second.compliance_blocks(q).mirrored()))
     }
 
-    /// The basis of all states of the surface at q > 0.
+    /// Returns the basis of all states of the surface at q > 0.
     pub(crate) fn basis(&self, q: f64) -> Basis {
         match self.height {
             Height::Finite(height) => LayerMode::new(&self.material, height, q).basis_on(&self.base),
@@ -267,7 +266,7 @@ impl Body {
         self.second.as_ref().map_or(first, |second| first.plus(&second.uniform_compliance()))
     }
 
-    /// The compliance at q = 0 of the first body of a pair.
+    /// Returns the compliance at q = 0 of the first body of a pair.
     pub(crate) fn first_uniform_compliance(&self) -> Blocks {
         match self.height {
             Height::Finite(height) => uniform_compliance(&self.material, height, &self.base),
@@ -275,18 +274,18 @@ impl Body {
         }
     }
 
-    /// The compliance of the uniform mode relative to the reference level, in length/stress: lateral and normal
+    /// Returns the compliance of the uniform mode relative to the reference level, in length/stress: lateral and normal
     /// (theory.md, section 4.1).
     ///
     /// It is the compliance of all slabs and layers in series, Σ h/C44 and Σ h/C11. The reference is the base, or the
-    /// mean level of a half-space at the bottom, which adds nothing. A base that does not hold the body bears the
-    /// opposite of the mean traction, uniformly. On a bonded base the result is the compliance at q = 0.
+    /// mean level of a half-space at the bottom, which adds nothing. On a base that does not hold the body, a uniform
+    /// traction balances the mean traction. On a bonded base, the result is the compliance at q = 0.
     pub fn level_compliance(&self) -> [f64; 2] {
         let first = self.first_level_compliance();
         self.second.as_ref().map_or(first, |second| plus(first, second.level_compliance()))
     }
 
-    /// The [`level_compliance`](Self::level_compliance) of the first body of a pair.
+    /// Returns the [`level_compliance`](Self::level_compliance) of the first body of a pair.
     pub(crate) fn first_level_compliance(&self) -> [f64; 2] {
         if let Some(table) = &self.table {
             return [f64::NAN, table.uniform];
@@ -296,25 +295,26 @@ impl Body {
         if let Base::Elastic(below) = &self.base { plus(layer, below.level_compliance()) } else { layer }
     }
 
-    /// The stiffness K of the wave vector `q` (rad/length), in stress/length; q = 0 as in [`Self::stiffness_blocks`].
+    /// Returns the stiffness K of the wave vector `q` (rad/length), in stress/length; q = 0 as in
+    /// [`Self::stiffness_blocks`].
     pub fn stiffness(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.stiffness_blocks(q))
     }
 
-    /// The compliance G = K⁻¹ of the wave vector `q` (rad/length), in length/stress.
+    /// Returns the compliance G = K⁻¹ of the wave vector `q` (rad/length), in length/stress.
     pub fn compliance(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.compliance_blocks(q))
     }
 
-    /// The stiffness of a mode of a grid: as [`Self::stiffness`], but entries odd in a Nyquist component are zero, so
-    /// that real fields remain real (theory.md, section 0).
+    /// Returns the stiffness of a mode of a grid. Unlike in [`Self::stiffness`], entries odd in a Nyquist component are
+    /// zero, so that real fields remain real (theory.md, section 0).
     pub fn stiffness_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.stiffness(wavevector(mode));
         average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
         matrix
     }
 
-    /// The compliance of a mode of a grid: the inverse of [`Self::stiffness_of`].
+    /// Returns the compliance of a mode of a grid: the inverse of [`Self::stiffness_of`].
     pub fn compliance_of(&self, mode: &Mode) -> Matrix3 {
         match mode.nyquist {
             [false, false] => self.compliance(wavevector(mode)),
@@ -322,20 +322,20 @@ impl Body {
         }
     }
 
-    /// The stiffness on (x, z) in plane strain of the wave vector `q` along x (either sign), in stress/length.
+    /// Returns the plane-strain stiffness on (x, z) of the wave vector `q` along x (either sign), in stress/length.
     pub fn plane_stiffness(&self, q: f64) -> Matrix2 {
         self.stiffness_blocks(q).plane(q.signum())
     }
 
-    /// The compliance on (x, z) in plane strain of the wave vector `q` along x (either sign), in length/stress.
+    /// Returns the plane-strain compliance on (x, z) of the wave vector `q` along x (either sign), in length/stress.
     pub fn plane_compliance(&self, q: f64) -> Matrix2 {
         self.compliance_blocks(q).plane(q.signum())
     }
 
-    /// The frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress, without
-    /// shear traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0 it is height/C11
-    /// for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate. NaN where it depends
-    /// on the direction: [`normal_compliance_along`](Self::normal_compliance_along).
+    /// Returns the frictionless normal compliance G_zz = u_z/t_z of the wavenumber `q` (rad/length), in length/stress,
+    /// without shear traction on the surface (theory.md, section 3). It is 2/(E* q) for a half-space. At q = 0, it is
+    /// height/C11 for a slab on a rigid base (0 if ν = 1/2), and infinite for a half-space or a free plate. It is NaN
+    /// if it depends on the direction: [`normal_compliance_along`](Self::normal_compliance_along).
     #[inline]
     pub fn normal_compliance(&self, q: f64) -> f64 {
         let q = q.abs();
@@ -361,15 +361,15 @@ impl Body {
         }
     }
 
-    /// The frictionless normal stiffness 1/G_zz of the wavenumber `q` (rad/length), in stress/length; E* q/2 for a
-    /// half-space. At q = 0 it is C11/height for a slab on a rigid base (infinite if ν = 1/2), and 0 for a half-space
-    /// or a free plate.
+    /// Returns the frictionless normal stiffness 1/G_zz of the wavenumber `q` (rad/length), in stress/length; E* q/2
+    /// for a half-space. At q = 0, it is C11/height for a slab on a rigid base (infinite if ν = 1/2), and 0 for a
+    /// half-space or a free plate.
     #[inline]
     pub fn normal_stiffness(&self, q: f64) -> f64 {
         1.0 / self.normal_compliance(q)
     }
 
-    /// The [`normal_compliance`](Self::normal_compliance) of the wave vector `q` (rad/length).
+    /// Returns the [`normal_compliance`](Self::normal_compliance) of the wave vector `q` (rad/length).
     #[inline]
     pub fn normal_compliance_along(&self, q: [f64; 2]) -> f64 {
         match &self.table {
@@ -378,9 +378,8 @@ impl Body {
         }
     }
 
-    /// The frictionless normal stiffness of a mode of a grid, in stress/length: the mean over the waves that the grid
-    /// does not tell apart, which differ if the body is not [isotropic](Self::is_isotropic), so that real fields remain
-    /// real.
+    /// Returns the frictionless normal stiffness of a mode of a grid, in stress/length. It is the mean over the aliases
+    /// of the mode, which differ if the body is not [isotropic](Self::is_isotropic), so that real fields remain real.
     pub fn normal_stiffness_of(&self, mode: &Mode) -> f64 {
         if mode.is_uniform() || self.is_isotropic() {
             return self.normal_stiffness(if mode.is_uniform() { 0.0 } else { mode.wavenumber() });
@@ -391,21 +390,21 @@ impl Body {
         sum / count
     }
 
-    /// The normal stiffness K_N of the wavenumber `q` (rad/length) of a surface without lateral displacement, in
-    /// stress/length (theory.md, section 3).
+    /// Returns the normal stiffness K_N of the wavenumber `q` (rad/length) of a surface without lateral displacement,
+    /// in stress/length (theory.md, section 3).
     pub fn restricted_normal_stiffness(&self, q: f64) -> f64 {
         self.stiffness_blocks(q).normal
     }
 
-    /// The compliance G_TT of the wavenumber `q` (rad/length) to a shear traction across the wave vector, in
-    /// length/stress: that of anti-plane shear, 1/(C44 q) for a half-space and tanh(q height)/(C44 q) for a bonded
-    /// slab. At q = 0 it is height/C44, infinite where the base does not hold the body.
+    /// Returns the compliance G_TT of the wavenumber `q` (rad/length) to a shear traction across the wave vector
+    /// (anti-plane shear), in length/stress: 1/(C44 q) for a half-space and tanh(q height)/(C44 q) for a bonded slab.
+    /// At q = 0, it is height/C44, or infinite if the base does not hold the body laterally.
     pub fn transverse_compliance(&self, q: f64) -> f64 {
         self.compliance_blocks(q).transverse
     }
 
-    /// The ratio ρ in u_long = −i ρ u_z of the wavenumber `q` (rad/length) without shear traction on the surface
-    /// (theory.md, section 3). Dimensionless; s for a half-space, 0 at q = 0.
+    /// Returns the dimensionless ratio ρ in u_long = −i ρ u_z of the wavenumber `q` (rad/length) without shear traction
+    /// on the surface (theory.md, section 3): s for a half-space, 0 at q = 0.
     pub fn lateral_ratio(&self, q: f64) -> f64 {
         if q == 0.0 {
             return 0.0;
@@ -414,8 +413,8 @@ impl Body {
         stiffness.coupling[0] / stiffness.longitudinal
     }
 
-    /// The factors (f_x, f_y) = −i ρ q/|q| in (u_x, u_y) = (f_x, f_y) u_z of a mode of a grid, without shear traction
-    /// on the surface. Zero at q = 0; the component along a Nyquist direction is zero (theory.md, section 3).
+    /// Returns the factors (f_x, f_y) = −i ρ q/|q| in (u_x, u_y) = (f_x, f_y) u_z of a mode of a grid, without shear
+    /// traction on the surface. They are zero at q = 0 and along a Nyquist direction (theory.md, section 3).
     pub fn lateral_displacement(&self, mode: &Mode) -> [Complex64; 2] {
         let Some((direction, q)) = direction(wavevector(mode)) else { return [Complex64::ZERO; 2] };
         let ratio = self.lateral_ratio(q);
@@ -430,7 +429,7 @@ pub(crate) fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
-/// The compliance of the uniform mode: layers in series (theory.md, section 3).
+/// Returns the compliance of the uniform mode: layers in series (theory.md, section 3).
 pub(crate) fn uniform_compliance(material: &Material, height: f64, base: &Base) -> Blocks {
     let (lateral, normal) = (height / material.shear_modulus(), height * material.p_wave_compliance());
     match base {
@@ -448,12 +447,12 @@ pub(crate) fn uniform_compliance(material: &Material, height: f64, base: &Base) 
     }
 }
 
-/// The wave vector of a mode; exactly zero for the uniform one, which is recognised by its numbers.
+/// Returns the wave vector of a mode, exactly zero for the uniform mode, which is identified by its indices.
 pub(crate) fn wavevector(mode: &Mode) -> [f64; 2] {
     if mode.is_uniform() { [0.0; 2] } else { mode.wavevector }
 }
 
-/// Evaluates `blocks` at |q| and turns it into the axes x, y, z.
+/// Evaluates `blocks` at |q| and rotates the result to the axes x, y, z.
 pub(crate) fn on_axes(q: [f64; 2], blocks: impl Fn(f64) -> Blocks) -> Matrix3 {
     match direction(q) {
         Some((direction, wavenumber)) => blocks(wavenumber).rotated(direction),
@@ -469,8 +468,7 @@ pub(crate) fn on_axes(q: [f64; 2], blocks: impl Fn(f64) -> Blocks) -> Matrix3 {
     }
 }
 
-/// The inverse of a Hermitian matrix in which the Nyquist axis is decoupled, and the other lateral axis may couple to
-/// z.
+/// Returns the inverse of a Hermitian matrix with a decoupled Nyquist axis; the other lateral axis may couple to z.
 fn inverse_of_nyquist(matrix: Matrix3, nyquist: [bool; 2]) -> Matrix3 {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let block =

@@ -1,37 +1,37 @@
 use crate::{Body, GreenError, Height, Material};
 
-/// A conductor of heat or of electric current, with unit conductivity, into whose surface a current flows: a
-/// half-space, or a slab on an electrode of potential zero.
+/// Conductor of heat or electric current with unit conductivity and a current through the surface: a half-space, or a
+/// slab on an electrode of potential zero.
 ///
-/// Conduction and anti-plane shear obey the same equation, Laplace's: the potential corresponds to the displacement,
-/// current density to traction, conductivity to shear modulus. A conductor is therefore a bonded [`Body`] of shear
-/// modulus 1, whose resistance is the [transverse compliance](Body::transverse_compliance) (theory.md, section 7.6).
+/// Conduction and anti-plane shear both obey Laplace's equation: potential corresponds to displacement, current density
+/// to traction, conductivity to shear modulus. A conductor is therefore a bonded [`Body`] of shear modulus 1, and its
+/// resistance is the [transverse compliance](Body::transverse_compliance) (theory.md, section 7.6).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conductor(Body);
 
 impl Conductor {
-    /// A conductor with its electrode at the depth `height` (length), or infinitely deep.
+    /// Creates a conductor with the electrode at the depth `height` (length), or infinitely deep.
     ///
     /// # Errors
-    /// A finite height that is not positive and finite.
+    /// Returns an error if the height of a slab is not positive and finite.
     pub fn new(height: Height) -> Result<Self, GreenError> {
-        // Without Poisson's ratio half-spaces have one compliance, transverse and normal: 1/(C44 q) = 2/(E* q).
+        // At zero Poisson's ratio, a half-space has equal transverse and normal compliance: 1/(C44 q) = 2/(E* q).
         Ok(Self(Body::new(Material::from_young(2.0, 0.0)?, height)?))
     }
 
-    /// The conductor in another unit of length, which is given in the present one.
+    /// Converts the conductor to another unit of length, given in the current unit.
     #[must_use]
     pub fn in_units(&self, length: f64) -> Self {
         Self(self.0.in_units(1.0, length))
     }
 
-    /// The potential of the surface over a current density of wavenumber `q` (rad/length), in length:
-    /// tanh(q H)/q on an electrode at the depth H, 1/q on a half-space. At q = 0 it is H, the resistance of the bulk.
+    /// Returns the surface potential divided by a current density of wavenumber `q` (rad/length), in length: tanh(q
+    /// H)/q on an electrode at depth H, 1/q on a half-space. At q = 0, it is H, the bulk resistance.
     pub fn resistance(&self, q: f64) -> f64 {
         self.0.transverse_compliance(q)
     }
 
-    /// The elastic body whose anti-plane shear is the conduction.
+    /// Returns the elastic body with anti-plane shear equivalent to the conduction.
     pub fn body(&self) -> &Body {
         &self.0
     }

@@ -2,7 +2,7 @@ use gfmd_field::GridError;
 
 use crate::BaseKind;
 
-/// Reasons to refuse a material, a body, or a place in it.
+/// Error of an invalid material, body, or position in a body.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GreenError {
@@ -15,51 +15,51 @@ pub enum GreenError {
     /// Poisson's ratio is outside the range of stable isotropic materials.
     #[error("Poisson's ratio is {0}; it must be above -1 and at most 0.5")]
     Poisson(f64),
-    /// A table of compliances with points that no curve can have.
+    /// Table of compliances with invalid curve points.
     #[error("{}", of_table(.0))]
     Table(gfmd_curve::CurveError),
-    /// A wavenumber or a compliance of a table that is not positive.
+    /// Wavenumber or compliance of a table that is not positive and finite.
     #[error(
         "row {row} of the table of compliances has {found}; wavenumbers and compliances must be positive and finite"
     )]
     Compliance {
-        /// The row, from 1.
+        /// Row number, from 1.
         row: usize,
-        /// The number.
+        /// Value found.
         found: f64,
     },
-    /// A wave vector of a table that is zero or not finite.
+    /// Wave vector of a table that is zero or not finite.
     #[error("row {row} of the table of compliances has the wave vector {found:?}; it must be finite and not zero")]
     WaveVector {
-        /// The row, from 1.
+        /// Row number, from 1.
         row: usize,
-        /// The wave vector.
+        /// Wave vector found.
         found: [f64; 2],
     },
-    /// A table by wave vector whose directions do not fit.
+    /// Table by wave vector with too few or unequal numbers of directions.
     #[error(
         "the table of compliances has {found} rows with the smallest wavenumber, and {rows} in all; it must have 4 or \
          more directions of the wave vector, and all of them at every wavenumber"
     )]
     Directions {
-        /// The number of directions at the smallest wavenumber.
+        /// Number of directions at the smallest wavenumber.
         found: usize,
-        /// The number of rows.
+        /// Number of rows.
         rows: usize,
     },
-    /// A row of such a table that is elsewhere.
+    /// Row of a table by wave vector at a wrong wavenumber or angle.
     #[error(
         "row {row} of the table of compliances has the wavenumber {q:.6e} at {angle:.3} degrees; each wavenumber must \
          have {directions} directions, at multiples of 180/{directions} degrees from the x axis"
     )]
     Direction {
-        /// The row, from 1.
+        /// Row number, from 1.
         row: usize,
-        /// The length of the wave vector.
+        /// Length of the wave vector.
         q: f64,
-        /// Its angle to the x axis, in degrees from 0 to 180.
+        /// Angle to the x axis, in degrees from 0 to 180.
         angle: f64,
-        /// The number of directions at the smallest wavenumber.
+        /// Number of directions at the smallest wavenumber.
         directions: usize,
     },
     /// The compliance of the uniform mode is negative or not finite.
@@ -68,39 +68,39 @@ pub enum GreenError {
     /// The thickness of a layer is zero, negative or not finite.
     #[error("the height of the slab is {0}; it must be positive and finite")]
     Height(f64),
-    /// A base was given to a half-space, which has none.
+    /// Base given for a half-space, which has none.
     #[error("the body is a half-space; a base needs a slab of finite height")]
     HalfSpaceBase,
-    /// A stack without layers.
+    /// Stack without layers.
     #[error("the stack has no layers; it must have at least one")]
     NoLayer,
-    /// A half-space below without its material, or a material for another base.
+    /// Half-space as a base without its material, or a material given for another base.
     #[error("the base is {0}; a material of the base must be given for half-space, and for no other base")]
     BaseMaterial(BaseKind),
-    /// Two bodies with their surfaces on each other, below a slab.
+    /// Pair of bodies below a slab.
     #[error("the body below a slab is a pair of bodies; it must be one body")]
     PairBelow,
-    /// A half-space or a pair of bodies, pressed on both faces.
+    /// Half-space or pair of bodies pressed on both faces.
     #[error("the body is {0}; a body that is pressed on both faces must be a slab or a stack of layers")]
     Plate(&'static str),
-    /// Shear of a patch with free boundaries on a body whose base leaves it free sideways.
+    /// Shear of a patch with free boundaries on a body with a laterally free base.
     #[error("the base does not hold the body sideways; with free boundaries and shear it must be bonded or half-space")]
     FreeSliding,
-    /// A patch with free boundaries on a body whose base leaves it free along z.
+    /// Patch with free boundaries on a body with a base that is free along z.
     #[error("nothing holds the plate; with free boundaries the base must be bonded, sliding or half-space")]
     FreePlate,
-    /// Layers that are too thin for a patch.
+    /// Layers too thin for a patch.
     #[error(
         "the height of the top layer is {found}; with free boundaries it must be at least {least:.3e} on this grid: \
          about 1/200 of the diagonal of the patch or of the profile, and 1/4 of the spacing"
     )]
     ThinLayer {
-        /// The height.
+        /// Height found.
         found: f64,
-        /// The least height.
+        /// Smallest allowed height.
         least: f64,
     },
-    /// A patch that cannot be doubled.
+    /// Patch that cannot be doubled.
     #[error(transparent)]
     Grid(#[from] GridError),
     /// Shear of a profile with free boundaries.
@@ -109,33 +109,33 @@ pub enum GreenError {
          profile is known up to a constant"
     )]
     LineShear,
-    /// The compliance of a patch whose table has entries that are rounding errors.
+    /// Compliance table of a patch with entries that are rounding errors.
     #[error(
         "the compliance of the patch is between {least:e} and {largest:e}; the least must be above 1e-12 of the \
          largest (a body that is incompressible and thin cannot be had with free boundaries and a law)"
     )]
     PatchStiffness {
-        /// The least compliance of a wave.
+        /// Smallest compliance of a wave.
         least: f64,
-        /// The largest.
+        /// Largest compliance of a wave.
         largest: f64,
     },
-    /// A height above the base, for a half-space, which has none.
+    /// Height above the base given for a half-space, which has no base.
     #[error("the height above the base is {0}, but a half-space has no base; give the depth below the surface")]
     HalfSpaceHeight(f64),
-    /// A place outside the body.
+    /// Position outside the body.
     #[error("the {what} is {found}; it must be between 0 and {largest}")]
     Outside {
-        /// The measure: the height above the base, or the depth below the surface.
+        /// Measure: height above the base or depth below the surface.
         what: &'static str,
-        /// The value given.
+        /// Value found.
         found: f64,
-        /// The largest value inside the body.
+        /// Largest value inside the body.
         largest: f64,
     },
 }
 
-/// The words on a table of compliances that no curve can have.
+/// Formats the error of a table of compliances with invalid curve points.
 fn of_table(error: &gfmd_curve::CurveError) -> String {
     let between = if matches!(error, gfmd_curve::CurveError::Few { .. }) { " has" } else { ":" };
     format!("the table of compliances{between} {error}")

@@ -1,13 +1,13 @@
-/// The functions of h = q·thickness in the kernels of a layer, free of overflow and of cancellation.
+/// Functions of h = q·thickness in the kernels of a layer, without overflow or cancellation.
 ///
-/// Numerator and denominator of a kernel are both quadratic in them, so a common factor f drops out. For thin layers (h
-/// < 1), f = 1 and the differences are Taylor series; for thick ones, f = 2 e^(−h) keeps all functions finite.
-/// Functions that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
+/// Numerator and denominator of a kernel are both quadratic in these functions, so a common factor f cancels. For thin
+/// layers (h < 1), f = 1 and the differences are Taylor series; for thick layers, f = 2 e^(−h) keeps all functions
+/// finite. Functions that are linear in sinh h and cosh h carry f, quadratic ones f² (theory.md, section 1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hyperbolic {
-    /// h itself, never scaled, up to the h beyond which no kernel changes.
+    /// h, unscaled, at most [`FARTHEST`].
     pub(crate) raw: f64,
-    /// The common factor f of the linear functions: 1, or 2 e^(−h) of a thick layer.
+    /// Common factor f of the linear functions: 1, or 2 e^(−h) for a thick layer.
     pub(crate) factor: f64,
     /// f h.
     pub(crate) h: f64,
@@ -23,7 +23,7 @@ pub(crate) struct Hyperbolic {
     pub(crate) sinh_cosh_minus_h: f64,
 }
 
-/// The h beyond which e^(−h) is zero: the two faces of a layer are then uncoupled.
+/// Value of h above which e^(−h) is zero and the two faces of a layer are uncoupled.
 pub(crate) const FARTHEST: f64 = 800.0;
 
 impl Hyperbolic {
@@ -59,34 +59,34 @@ impl Hyperbolic {
         }
     }
 
-    /// f² (sinh h cosh h + h).
+    /// Returns f² (sinh h cosh h + h).
     #[inline]
     pub(crate) fn sinh_cosh_plus_h(&self) -> f64 {
         self.sinh_cosh_minus_h + 2.0 * self.h_twice_scaled
     }
 
-    /// coth h, never scaled.
+    /// Returns coth h, unscaled.
     pub(crate) fn coth(&self) -> f64 {
         self.cosh / self.sinh
     }
 
-    /// tanh h, never scaled.
+    /// Returns tanh h, unscaled.
     pub(crate) fn tanh(&self) -> f64 {
         self.sinh / self.cosh
     }
 
-    /// 1/sinh h, never scaled.
+    /// Returns 1/sinh h, unscaled.
     pub(crate) fn csch(&self) -> f64 {
         self.factor / self.sinh
     }
 }
 
-/// The difference sinh x − x, by its series for |x| < 2.5.
+/// Returns sinh x − x, from its series for |x| < 2.5.
 pub(crate) fn sinh_minus(x: f64) -> f64 {
     if x.abs() < 2.5 { x * x * x / 6.0 * tail(x, 3.0) } else { x.sinh() - x }
 }
 
-/// The difference cosh x − 1 − x²/2, by its series for |x| < 2.5.
+/// Returns cosh x − 1 − x²/2, from its series for |x| < 2.5.
 pub(crate) fn cosh_minus(x: f64) -> f64 {
     if x.abs() < 2.5 {
         let square = x * x;
@@ -96,7 +96,7 @@ pub(crate) fn cosh_minus(x: f64) -> f64 {
     }
 }
 
-/// The series that begins at xⁿ/n!, over that term: 1 + x²/((n+1)(n+2)) (1 + x²/((n+3)(n+4)) (1 + …)).
+/// Returns the series from xⁿ/n! on, divided by this term: 1 + x²/((n+1)(n+2)) (1 + x²/((n+3)(n+4)) (1 + …)).
 fn tail(x: f64, n: f64) -> f64 {
     let square = x * x;
     (0..13).rev().fold(1.0, |sum, k| {

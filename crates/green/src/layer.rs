@@ -2,13 +2,13 @@ use num_complex::Complex64;
 
 use crate::{Blocks, Body, GreenError, Material, Matrix2, Matrix3, body::on_axes, slab::LayerMode};
 
-/// A layer whose two faces may both move, with all components: the starting point for a base with a prescribed
-/// displacement or traction (theory.md, section 4). Contacts over a moving base use `gfmd_body::BaseField`, slabs
-/// between two surfaces [`Plate`](crate::Plate); this type serves other problems.
+/// Layer with two moving faces and all components, the starting point for a base with a prescribed displacement or
+/// traction (theory.md, section 4). Contacts over a moving base use `gfmd_body::BaseField`, and slabs between two
+/// surfaces use [`Plate`](crate::Plate); this type is for other problems.
 ///
-/// The matrix L gives the outward tractions on top and bottom from the displacements of top and bottom; on the bottom
-/// the traction is −(σ_xz, σ_yz, σ_zz). L is Hermitian, and positive definite for q ≠ 0; at q = 0 rigid translations
-/// cost no energy, and the entries on zz are infinite if ν = 1/2.
+/// The matrix L maps the displacements of top and bottom to the outward tractions on top and bottom; on the bottom, the
+/// traction is −(σ_xz, σ_yz, σ_zz). L is Hermitian, and positive definite for q ≠ 0. At q = 0, rigid translations cost
+/// no energy, and the zz entries are infinite if ν = 1/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
     material: Material,
@@ -16,36 +16,36 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// A layer of `thickness` (length).
+    /// Creates a layer of `thickness` (length).
     ///
     /// # Errors
-    /// A thickness that is not positive and finite.
+    /// Returns an error if the thickness is not positive and finite.
     pub fn new(material: Material, thickness: f64) -> Result<Self, GreenError> {
         Body::slab(material, thickness)?;
         Ok(Self { material, thickness })
     }
 
-    /// The block L_tt at |q| = `q` (rad/length), in stress/length: traction on the top per displacement of the top, the
-    /// stiffness of the slab on a bonded base.
+    /// Returns the block L_tt at |q| = `q` (rad/length), in stress/length: traction on the top per displacement of the
+    /// top, the stiffness of the slab on a bonded base.
     pub fn top_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 { self.uniform() } else { self.mode(q).bonded_stiffness() }
     }
 
-    /// The block L_bb at |q| = `q`: traction on the bottom per displacement of the bottom, L_tt with the coupling
-    /// reversed.
+    /// Returns the block L_bb at |q| = `q`: traction on the bottom per displacement of the bottom, equal to L_tt with
+    /// reversed coupling.
     pub fn bottom_blocks(&self, q: f64) -> Blocks {
         self.top_blocks(q).mirrored()
     }
 
-    /// The block L_tb at |q| = `q`: traction on the top per displacement of the bottom. L_bt is its adjoint.
+    /// Returns the block L_tb at |q| = `q`: traction on the top per displacement of the bottom. L_bt is its adjoint.
     pub fn cross_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 { self.uniform().map(|entry| -entry) } else { self.mode(q).cross_stiffness() }
     }
 
-    /// The matrix L of the wave vector `q` (rad/length), in stress/length: rows and columns x, y, z of the top, then of
-    /// the bottom.
+    /// Returns the matrix L of the wave vector `q` (rad/length), in stress/length, with rows and columns x, y, z of the
+    /// top, then of the bottom.
     pub fn matrix(&self, q: [f64; 2]) -> [[Complex64; 6]; 6] {
         let tt: Matrix3 = on_axes(q, |q| self.top_blocks(q));
         let bb: Matrix3 = on_axes(q, |q| self.bottom_blocks(q));
@@ -62,8 +62,8 @@ impl Layer {
         matrix
     }
 
-    /// The matrix L in plane strain of the wave vector `q` along x (either sign), in stress/length: rows and columns x,
-    /// z of the top, then of the bottom.
+    /// Returns the plane-strain matrix L of the wave vector `q` along x (either sign), in stress/length, with rows and
+    /// columns x, z of the top, then of the bottom.
     pub fn plane_matrix(&self, q: f64) -> [[Complex64; 4]; 4] {
         let on_plane = |blocks: Blocks| -> Matrix2 { blocks.plane(q.signum()) };
         let (tt, bb) = (on_plane(self.top_blocks(q)), on_plane(self.bottom_blocks(q)));
@@ -84,7 +84,7 @@ impl Layer {
         LayerMode::new(&self.material, self.thickness, q)
     }
 
-    /// The stiffness of the uniform mode, C44/thickness laterally and C11/thickness normally.
+    /// Returns the stiffness of the uniform mode, C44/thickness laterally and C11/thickness normally.
     fn uniform(&self) -> Blocks {
         let normal = 1.0 / (self.thickness * self.material.p_wave_compliance());
         Blocks::diagonal(self.material.shear_modulus() / self.thickness, normal)
@@ -92,7 +92,7 @@ impl Layer {
 }
 
 impl LayerMode<'_> {
-    /// The block L_tb, traction on the top per displacement of the bottom (theory.md, section 4).
+    /// Returns the block L_tb, traction on the top per displacement of the bottom (theory.md, section 4).
     pub(crate) fn cross_stiffness(&self) -> Blocks {
         let (m, t) = (self.material, &self.t);
         let rh = m.r() * t.raw;

@@ -11,17 +11,17 @@
 //! | two bodies               | 1/(G_zz of one + G_zz of the other)                 | theory.md, section 4.1 |
 //! | slab pressed on two faces| [`Plate`]                                           | theory.md, section 4.3 |
 //!
-//! Start at [`Body`]: make a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). It gives
-//! the stiffness of a wave vector, or a table for all modes of a grid. [`Body::at_depth`] leads to displacements and
-//! stresses inside, [`Layer`] to a layer whose two faces both move, a [`Conductor`] conducts heat or electric current.
-//! Displacement u and traction t are those of the body's surface, +z out of the body; fields go like e^(+i q·r). The
-//! mode q = 0 is recognised by its numbers, never by a small wavenumber. ν = 1/2 is exact, and no product q·height
+//! Start at [`Body`]: create a [`Material`], then a half-space, a slab on a [`Base`], or a [stack](Body::stack). A body
+//! gives the stiffness of a wave vector, or a table for all modes of a grid. [`Body::at_depth`] gives displacements and
+//! stresses inside. A [`Layer`] has two moving faces. A [`Conductor`] conducts heat or electric current. Displacement u
+//! and traction t refer to the surface of the body, +z points out of the body, and fields vary as e^(+i q·r). The mode
+//! q = 0 is identified by its indices, never by a small wavenumber. ν = 1/2 is exact, and no product q·height
 //! overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
-//! [`patch_compliance`] gives the displacements of a half-space that is loaded on a patch of its surface, without
-//! periodic images: one number for each distance between two cells.
+//! [`patch_compliance`] gives the displacements of a body loaded on a patch of its surface, without periodic images:
+//! one number for each distance between two cells.
 //!
-//! Not here: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping (`gfmd-relax`).
+//! Not included: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping (`gfmd-relax`).
 //!
 //! ```
 //! use gfmd_field::Grid;

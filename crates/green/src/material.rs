@@ -2,7 +2,7 @@ use std::ops::{Add, Mul};
 
 use crate::GreenError;
 
-/// An isotropic linearly elastic material: E > 0, −1 < ν ≤ 1/2. ν = 1/2 (incompressible) is exact.
+/// Isotropic linear elastic material with E > 0, −1 < ν ≤ 1/2. ν = 1/2 (incompressible) is exact.
 ///
 /// Combinations that vanish or diverge at ν = 1/2 are computed from closed expressions in ν, never by subtraction, and
 /// C11 enters no formula (theory.md, section 0).
@@ -14,10 +14,10 @@ pub struct Material {
 }
 
 impl Material {
-    /// A material from Young's modulus E (stress) and Poisson's ratio ν.
+    /// Creates a material from Young's modulus E (stress) and Poisson's ratio ν.
     ///
     /// # Errors
-    /// E not positive and finite, or ν outside −1 < ν ≤ 1/2.
+    /// Returns an error if E is not positive and finite, or ν is outside −1 < ν ≤ 1/2.
     pub fn from_young(young: f64, poisson: f64) -> Result<Self, GreenError> {
         if !(young.is_finite() && young > 0.0) {
             return Err(GreenError::Young(young));
@@ -26,10 +26,10 @@ impl Material {
         Ok(Self { young, poisson, contact_modulus: young / one_minus_square })
     }
 
-    /// A material from the contact modulus E* = E/(1 − ν²) (stress) and Poisson's ratio ν.
+    /// Creates a material from the contact modulus E* = E/(1 − ν²) (stress) and Poisson's ratio ν.
     ///
     /// # Errors
-    /// E* not positive and finite, or ν outside −1 < ν ≤ 1/2.
+    /// Returns an error if E* is not positive and finite, or ν is outside −1 < ν ≤ 1/2.
     pub fn from_contact_modulus(contact_modulus: f64, poisson: f64) -> Result<Self, GreenError> {
         if !(contact_modulus.is_finite() && contact_modulus > 0.0) {
             return Err(GreenError::ContactModulus(contact_modulus));
@@ -37,92 +37,92 @@ impl Material {
         Ok(Self { young: contact_modulus * one_minus_square(poisson)?, poisson, contact_modulus })
     }
 
-    /// The material in another unit of stress, which is given in the present one.
+    /// Converts the material to another unit of stress, given in the current unit.
     pub(crate) fn in_units(self, stress: f64) -> Self {
         let Self { young, poisson, contact_modulus } = self;
         Self { young: young / stress, poisson, contact_modulus: contact_modulus / stress }
     }
 
-    /// Young's modulus E, in stress.
+    /// Returns Young's modulus E, in stress.
     pub fn young(&self) -> f64 {
         self.young
     }
 
-    /// Poisson's ratio ν.
+    /// Returns Poisson's ratio ν.
     pub fn poisson(&self) -> f64 {
         self.poisson
     }
 
-    /// Contact modulus E* = E/(1 − ν²) = 2 C44/(1 − ν), in stress.
+    /// Returns the contact modulus E* = E/(1 − ν²) = 2 C44/(1 − ν), in stress.
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
 
-    /// Shear modulus C44 = E/(2(1 + ν)), in stress.
+    /// Returns the shear modulus C44 = E/(2(1 + ν)), in stress.
     pub fn shear_modulus(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
-    /// P-wave modulus C11 = C44/s, in stress; `None` for an incompressible material.
+    /// Returns the P-wave modulus C11 = C44/s, in stress; `None` for an incompressible material.
     pub fn p_wave_modulus(&self) -> Option<f64> {
         (self.s() > 0.0).then(|| self.shear_modulus() / self.s())
     }
 
-    /// P-wave compliance 1/C11 = s/C44, in 1/stress; 0 for an incompressible material.
+    /// Returns the P-wave compliance 1/C11 = s/C44, in 1/stress; 0 for an incompressible material.
     pub fn p_wave_compliance(&self) -> f64 {
         self.s() / self.shear_modulus()
     }
 
-    /// The ratio s = C44/C11 = (1 − 2ν)/(2(1 − ν)): 0 at ν = 1/2, below 3/4.
+    /// Returns the ratio s = C44/C11 = (1 − 2ν)/(2(1 − ν)): 0 at ν = 1/2, below 3/4.
     pub fn s(&self) -> f64 {
         (1.0 - 2.0 * self.poisson) / (2.0 * (1.0 - self.poisson))
     }
 
-    /// The ratio r = (1 − s)/(1 + s) = 1/(3 − 4ν): 1 at ν = 1/2.
+    /// Returns the ratio r = (1 − s)/(1 + s) = 1/(3 − 4ν): 1 at ν = 1/2.
     pub fn r(&self) -> f64 {
         1.0 / (3.0 - 4.0 * self.poisson)
     }
 
-    /// The normal strain ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy) from the lateral strains (ε_xx, ε_yy) and the
-    /// stress σ_zz, or from their amplitudes (theory.md, section 5). The lateral stresses follow: σ_xx = σ_zz + 2 C44
-    /// (ε_xx − ε_zz), likewise σ_yy.
+    /// Returns the normal strain ε_zz = (s/C44) σ_zz − (1 − 2s)(ε_xx + ε_yy) from the lateral strains (ε_xx, ε_yy) and
+    /// the stress σ_zz, or from their amplitudes (theory.md, section 5). The lateral stresses are then σ_xx = σ_zz + 2
+    /// C44 (ε_xx − ε_zz), and similarly σ_yy.
     pub fn normal_strain<T>(&self, lateral: [T; 2], normal_stress: T) -> T
     where
         T: Copy + Add<Output = T> + Mul<f64, Output = T>,
     {
         let narrowing = (lateral[0] + lateral[1]) * (2.0 * self.s() - 1.0);
-        // The stress on an incompressible material may be infinite, and zero times it would be NaN.
+        // The stress on an incompressible material may be infinite, and zero times infinity would be NaN.
         if self.s() > 0.0 { normal_stress * self.p_wave_compliance() + narrowing } else { narrowing }
     }
 
-    /// 1 − s = 1/(2(1 − ν)).
+    /// Returns 1 − s = 1/(2(1 − ν)).
     pub(crate) fn one_minus_s(&self) -> f64 {
         0.5 / (1.0 - self.poisson)
     }
 
-    /// 1 − s² = (3 − 4ν)/(4(1 − ν)²).
+    /// Returns 1 − s² = (3 − 4ν)/(4(1 − ν)²).
     pub(crate) fn one_minus_s_squared(&self) -> f64 {
         let complement = 1.0 - self.poisson;
         (3.0 - 4.0 * self.poisson) / (4.0 * complement * complement)
     }
 
-    /// 1 − r = 2(1 − 2ν)/(3 − 4ν).
+    /// Returns 1 − r = 2(1 − 2ν)/(3 − 4ν).
     pub(crate) fn one_minus_r(&self) -> f64 {
         2.0 * (1.0 - 2.0 * self.poisson) * self.r()
     }
 
-    /// 1 + r = 4(1 − ν)/(3 − 4ν).
+    /// Returns 1 + r = 4(1 − ν)/(3 − 4ν).
     pub(crate) fn one_plus_r(&self) -> f64 {
         4.0 * (1.0 - self.poisson) * self.r()
     }
 
-    /// P(q)/(C44 q) = 2/(1 + s) = 4(1 − ν)/(3 − 4ν), the unit of the sagittal kernels.
+    /// Returns P(q)/(C44 q) = 2/(1 + s) = 4(1 − ν)/(3 − 4ν), the unit of the sagittal kernels.
     pub(crate) fn sagittal_unit(&self) -> f64 {
         self.one_plus_r()
     }
 }
 
-/// The value of 1 − ν², if ν is allowed.
+/// Returns 1 − ν², or an error if ν is out of range.
 fn one_minus_square(poisson: f64) -> Result<f64, GreenError> {
     if poisson > -1.0 && poisson <= 0.5 {
         Ok((1.0 - poisson) * (1.0 + poisson))

@@ -1,4 +1,4 @@
-//! A body whose surface is loaded on a patch only: displacement caused by a uniform pressure on one cell of a grid
+//! Body loaded on a patch of its surface only: displacement caused by a uniform pressure on one cell of a grid
 //! (theory.md, section 3.1).
 
 mod layered;
@@ -10,27 +10,27 @@ use gfmd_field::Grid;
 use crate::{Body, Conductor, GreenError};
 use layered::{Correction, MatrixCorrection};
 
-/// The frictionless compliance of a patch of surface, in length/stress: the downward displacement at the centre of a
-/// cell caused by a uniform unit pressure on the cell `[i, j]` cells away; zero far away. The half-space is in closed
+/// Returns the frictionless compliance of a surface patch, in length/stress: the downward displacement at the centre of
+/// a cell caused by a uniform unit pressure on the cell `[i, j]` cells away; zero far away. The half-space is in closed
 /// form (Love 1929). The contribution of layers is a quadrature of their compliance over all wavenumbers, accurate to
 /// about 1e-12 of the entry `[0, 0]`.
 ///
-/// On a line the cells are infinitely long strips. Without a [level](has_level) the displacement is known up to a
-/// constant, which is chosen so that on a half-space it vanishes at a distance of one patch length from a much narrower
-/// strip.
+/// On a line, the cells are infinitely long strips. Without a [level](has_level), the displacement is known up to a
+/// constant. The constant is chosen such that on a half-space, the displacement vanishes at a distance of one patch
+/// length from a much narrower strip.
 ///
 /// # Errors
-/// A plate, which has no support; layers thinner than 1/200 of the patch or 1/4 of a cell.
+/// Returns an error for a plate, which has no support, and for layers thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_compliance(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> f64 + Sync + use<>, GreenError> {
     patch_of(body, grid, Body::normal_compliance)
 }
 
-/// The resistance of a patch of surface, in length: the potential at the centre of a cell caused by a uniform current
-/// density of 1 on the cell `[i, j]` cells away; see [`patch_compliance`]. The potential is zero far away, and on the
-/// electrode.
+/// Returns the resistance of a surface patch, in length: the potential at the centre of a cell caused by a uniform
+/// current density of 1 on the cell `[i, j]` cells away; see [`patch_compliance`]. The potential is zero far away and
+/// on the electrode.
 ///
 /// # Errors
-/// An electrode whose depth is less than 1/200 of the patch or 1/4 of a cell.
+/// Returns an error for an electrode at a depth of less than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_resistance(
     conductor: &Conductor,
     grid: &Grid,
@@ -38,7 +38,7 @@ pub fn patch_resistance(
     patch_of(conductor.body(), grid, Body::transverse_compliance)
 }
 
-/// The patch of a body with this compliance G(q), for which q G → 2/E* for short waves.
+/// Returns the patch function of a body with the compliance G(q), with q G → 2/E* for short waves.
 fn patch_of(
     body: &Body,
     grid: &Grid,
@@ -54,15 +54,15 @@ fn patch_of(
     })
 }
 
-/// True if the displacement caused by a pressure on a patch vanishes far away: on a surface, and on a profile if a base
-/// holds the body. Below a profile on a half-space it grows with the logarithm of the distance, and is known up to a
-/// constant.
+/// Returns true if the displacement caused by a pressure on a patch vanishes far away: on a surface, and on a profile
+/// if a base holds the body. For a profile on a half-space, it grows as the logarithm of the distance and is known up
+/// to a constant.
 pub fn has_level(body: &Body, grid: &Grid) -> bool {
     !grid.is_line() || body.normal_compliance(0.0).is_finite()
 }
 
-/// The compliance of a patch for all components, in length/stress: the displacement u at the centre of a cell caused by
-/// a uniform unit traction on another cell (Boussinesq and Cerruti; Johnson 1985, section 3.6); zero far away.
+/// Compliance of a patch for all components, in length/stress: the displacement u at the centre of a cell caused by a
+/// uniform unit traction on another cell (Boussinesq and Cerruti; Johnson 1985, section 3.6); zero far away.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "entries of the matrix G in u = G t, with +z out of the body")]
 pub struct PatchMatrix {
@@ -74,13 +74,13 @@ pub struct PatchMatrix {
     pub yz: f64,
 }
 
-/// The [matrix](PatchMatrix) of a patch, for the displacement of the cell `[i, j]` cells from the loaded one, i and j
-/// ≥ 0. xy is odd in i and in j, xz in i, yz in j; the others are even. Half-spaces are in closed form, and
-/// contributions of layers by quadrature, as in [`patch_compliance`].
+/// Returns the [matrix](PatchMatrix) of a patch, for the displacement `[i, j]` cells away from the loaded cell, i and j
+/// ≥ 0. xy is odd in i and in j, xz in i, yz in j; the others are even. Half-spaces are in closed form, and layers are
+/// included by quadrature, as in [`patch_compliance`].
 ///
 /// # Errors
-/// A line, whose lateral displacement is known up to a constant; a plate, or a body that slides on its base; layers
-/// thinner than 1/200 of the patch or 1/4 of a cell.
+/// Returns an error for a line, which has an undetermined constant in the lateral displacement; for a plate or a body
+/// that slides on its base; and for layers thinner than 1/200 of the patch or 1/4 of a cell.
 pub fn patch_matrix(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> PatchMatrix + Sync + use<>, GreenError> {
     if grid.is_line() {
         return Err(GreenError::LineShear);
@@ -113,12 +113,11 @@ pub fn patch_matrix(body: &Body, grid: &Grid) -> Result<impl Fn([usize; 2]) -> P
     })
 }
 
-/// The distance in cells beyond which integrals are taken by quadrature, since differences of the primitive at the
-/// corners would lose digits; and the distance beyond which few points are sufficient. They agree to 1e-12 of the
-/// integral.
+/// Distance in cells beyond which integrals are computed by quadrature, since differences of the primitive at the
+/// corners would lose digits; and distance beyond which few points suffice. The methods agree to 1e-12 of the integral.
 const FAR: [f64; 2] = [8.0, 64.0];
 
-/// Nodes and weights of Gauss's quadrature on −1/2 to 1/2.
+/// Nodes and weights of Gauss quadrature on −1/2 to 1/2.
 const FIVE: [[f64; 2]; 5] = [
     [-0.453_089_922_969_332, 0.118_463_442_528_094_54],
     [-0.269_234_655_052_841_55, 0.239_314_335_249_683_23],
@@ -132,7 +131,7 @@ const THREE: [[f64; 2]; 3] = [
     [0.387_298_334_620_741_7, 0.277_777_777_777_777_8],
 ];
 
-/// ∫∫ f dA over a rectangle with these sides, whose centre lies at `at` relative to the origin; ∂²`primitive`/∂x∂y = f.
+/// Returns ∫∫ f dA over a rectangle with these sides, centred at `at`; ∂²`primitive`/∂x∂y = f.
 fn integral(at: [f64; 2], sides: [f64; 2], f: impl Fn(f64, f64) -> f64, primitive: impl Fn(f64, f64) -> f64) -> f64 {
     let [x, y] = at;
     let [a, b] = sides;
@@ -147,34 +146,34 @@ fn integral(at: [f64; 2], sides: [f64; 2], f: impl Fn(f64, f64) -> f64, primitiv
     if cells > FAR[0] {
         return by(&FIVE);
     }
-    // The corners never lie beside the point.
+    // The coordinates of corners are never zero.
     let [left, right, below, above] = [x - 0.5 * a, x + 0.5 * a, y - 0.5 * b, y + 0.5 * b];
     primitive(right, above) - primitive(left, above) - primitive(right, below) + primitive(left, below)
 }
 
-/// ∫∫ dA/r over a rectangle with these sides, for the distance r from the point `at` relative to its centre.
+/// Returns ∫∫ dA/r over a rectangle with these sides, for the distance r from the point `at` relative to its centre.
 fn rectangle(at: [f64; 2], sides: [f64; 2]) -> f64 {
     let primitive = |x: f64, y: f64| x * (y / x.abs()).asinh() + y * (x / y.abs()).asinh();
     integral(at, sides, |x, y| 1.0 / x.hypot(y), primitive)
 }
 
-/// ∫∫ x²/r³ dA.
+/// Returns ∫∫ x²/r³ dA.
 fn along_x(at: [f64; 2], sides: [f64; 2]) -> f64 {
     integral(at, sides, |x, y| x * x / x.hypot(y).powi(3), |x, y| y * (x / y.abs()).asinh())
 }
 
-/// ∫∫ x y/r³ dA.
+/// Returns ∫∫ x y/r³ dA.
 fn across(at: [f64; 2], sides: [f64; 2]) -> f64 {
     integral(at, sides, |x, y| x * y / x.hypot(y).powi(3), |x, y| -x.hypot(y))
 }
 
-/// ∫∫ x/r² dA.
+/// Returns ∫∫ x/r² dA.
 fn aside(at: [f64; 2], sides: [f64; 2]) -> f64 {
     let primitive = |x: f64, y: f64| y * x.hypot(y).ln() + x * (y / x).atan();
     integral(at, sides, |x, y| x / (x * x + y * y), primitive)
 }
 
-/// ∫ ln(|x + s|/length) ds over −width/2 to width/2.
+/// Returns ∫ ln(|x + s|/length) ds over −width/2 to width/2.
 fn strip(x: f64, width: f64, length: f64) -> f64 {
     let by =
         |nodes: &[[f64; 2]]| width * nodes.iter().map(|[t, w]| w * ((x + t * width).abs() / length).ln()).sum::<f64>();
@@ -223,13 +222,13 @@ mod tests {
         assert!((strip(30.0, 9.0, 100.0) / parts - 1.0).abs() < 1e-13);
     }
 
-    /// The primitives against quadrature, and xx + yy, whose part by the distance alone is that of zz.
+    /// Compares the primitives with quadrature, and the sum of x²/r³ and y²/r³ with 1/r.
     #[test]
     fn tangential_integrals_are_those_of_their_functions() {
         for sides in [[1.0, 1.0], [1.0, 0.3], [0.4, 1.0]] {
             for at in [[1.0, 1.0], [2.0, 0.0], [0.0, 3.0], [3.0, 2.0]] {
                 let at = [at[0] * sides[0], at[1] * sides[1]];
-                // Gauss's quadrature on 20 x 20 parts of the rectangle.
+                // Gauss quadrature on 20 x 20 parts of the rectangle.
                 let fine = |f: &dyn Fn(f64, f64) -> f64| {
                     let mut sum = 0.0;
                     for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (i, j))) {

@@ -1,23 +1,23 @@
-//! The sagittal part of a matrix as a real 2 × 2 matrix: with u_z = −i w and σ_zz = −i τ, [[a, i b], [i c, d]] becomes
-//! [[a, b], [−c, d]]. A Hermitian matrix becomes a symmetric one.
+//! Sagittal part of a matrix as a real 2 × 2 matrix: with u_z = −i w and σ_zz = −i τ, [[a, i b], [i c, d]] becomes [[a,
+//! b], [−c, d]]. A Hermitian matrix becomes a symmetric one.
 
 use crate::Blocks;
 
 pub(crate) type Real2 = [[f64; 2]; 2];
 
-/// The real form of the sagittal part.
+/// Returns the real form of the sagittal part.
 pub(crate) fn real(blocks: &Blocks) -> Real2 {
     let [lz, zl] = blocks.coupling;
     [[blocks.longitudinal, lz], [-zl, blocks.normal]]
 }
 
-/// The blocks with this real form of the sagittal part.
+/// Returns the blocks with this real form of the sagittal part.
 pub(crate) fn blocks(sagittal: Real2, transverse: f64) -> Blocks {
     let [[longitudinal, lz], [zl, normal]] = sagittal;
     Blocks { longitudinal, normal, transverse, coupling: [lz, -zl] }
 }
 
-/// The blocks with this real form of a matrix that is Hermitian up to rounding.
+/// Returns the blocks with this real form of a matrix that is Hermitian up to rounding.
 pub(crate) fn hermitian(sagittal: Real2, transverse: f64) -> Blocks {
     Blocks::hermitian(sagittal[0][0], 0.5 * (sagittal[0][1] + sagittal[1][0]), sagittal[1][1], transverse)
 }

@@ -12,41 +12,41 @@ use crate::{
     stack::State,
 };
 
-/// The stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
+/// Stresses of one wave vector per surface displacement: rows xx, yy, zz, yz, xz, xy, columns x, y, z.
 pub type StressMatrix3 = [[Complex64; 3]; 6];
 
-/// The stresses of one wave vector per surface displacement in plane strain: rows xx, zz, xz, columns x, z.
+/// Plane-strain stresses of one wave vector per surface displacement: rows xx, zz, xz, columns x, z.
 pub type StressMatrix2 = [[Complex64; 2]; 3];
 
-/// The strains and stresses of one wave vector that are continuous across a plane, per surface displacement: rows ε_xx,
+/// Strains and stresses of one wave vector that are continuous across a plane, per surface displacement: rows ε_xx,
 /// ε_yy, γ_xy (1/length), σ_zz, σ_yz, σ_xz (stress/length), columns x, y, z. Hooke's law gives the remaining strains
-/// and stresses, beginning with [`Material::normal_strain`].
+/// and stresses, starting with [`Material::normal_strain`].
 pub type ContinuousMatrix = [[Complex64; 3]; 6];
 
-/// The axes of each row of [`StressMatrix3`].
+/// Axes of each row of [`StressMatrix3`].
 const STRESS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
 
-/// The axes of each row of [`ContinuousMatrix`].
+/// Axes of each row of [`ContinuousMatrix`].
 const CONTINUOUS_ROWS: [[usize; 2]; 6] = [[0, 0], [1, 1], [0, 1], [2, 2], [1, 2], [0, 2]];
 
-/// A plane inside a body, parallel to its surface, with displacements and stresses per displacement of the surface
+/// Plane inside a body, parallel to the surface, with displacements and stresses per displacement of the surface
 /// (theory.md, section 5).
 #[derive(Clone, Debug)]
 pub struct Section<'a> {
     surface: &'a Body,
-    /// The layers above the plane, from the top.
+    /// Layers above the plane, from the top.
     above: Vec<Above<'a>>,
-    /// The layer or half-space that the plane cuts.
+    /// Layer or half-space that contains the plane.
     local: &'a Body,
-    /// The depth below the top of `local`.
+    /// Depth below the top of `local`.
     depth: f64,
-    /// The height above the base of `local`; infinite in a half-space.
+    /// Height above the base of `local`; infinite in a half-space.
     height: f64,
-    /// True if the uniform mode is measured against the reference level of [`Body::level_compliance`].
+    /// True if the uniform mode is relative to the reference level of [`Body::level_compliance`].
     level: bool,
 }
 
-/// A layer on another body.
+/// Layer on another body.
 #[derive(Clone, Copy, Debug)]
 struct Above<'a> {
     material: &'a Material,
@@ -55,10 +55,11 @@ struct Above<'a> {
 }
 
 impl Body {
-    /// The plane at `height` (length) above the base of the body, or of its top layer if that is on another body.
+    /// Returns the plane at `height` (length) above the base of the body, or above the bottom of the top layer in a
+    /// stack.
     ///
     /// # Errors
-    /// A height outside the body, or any height in a half-space.
+    /// Returns an error if the height is outside the body, and for any height in a half-space.
     pub fn at_height(&self, height: f64) -> Result<Section<'_>, GreenError> {
         let Height::Finite(largest) = self.height() else { return Err(GreenError::HalfSpaceHeight(height)) };
         if !(0.0..=largest).contains(&height) {
@@ -67,10 +68,10 @@ impl Body {
         Ok(Section { surface: self, above: Vec::new(), local: self, depth: largest - height, height, level: false })
     }
 
-    /// The plane at `depth` (length) below the surface. In a stack it may lie in any layer.
+    /// Returns the plane at `depth` (length) below the surface. In a stack, it may lie in any layer.
     ///
     /// # Errors
-    /// A depth outside the body.
+    /// Returns an error if the depth is outside the body.
     pub fn at_depth(&self, depth: f64) -> Result<Section<'_>, GreenError> {
         let outside = |largest| GreenError::Outside { what: "depth below the surface", found: depth, largest };
         let (mut above, mut local, mut top) = (Vec::new(), self, 0.0);
@@ -93,8 +94,7 @@ impl Body {
         }
     }
 
-    /// The depths of the planes between the layers of a stack, and between the lowest layer and a half-space, from the
-    /// top, in length.
+    /// Returns the depths (length) of the interfaces between layers, and with a half-space below, from the top down.
     pub fn interfaces(&self) -> Vec<f64> {
         let (mut depths, mut local, mut top) = (Vec::new(), self, 0.0);
         while let (Height::Finite(thickness), Base::Elastic(below)) = (local.height(), local.base()) {
@@ -105,7 +105,7 @@ impl Body {
         depths
     }
 
-    /// The height of all layers together, without a half-space.
+    /// Returns the total height of all layers, without a half-space.
     fn layers(&self) -> f64 {
         match (self.height(), self.base()) {
             (Height::Infinite, _) => 0.0,
@@ -114,7 +114,7 @@ impl Body {
         }
     }
 
-    /// The height of all layers together: the depth of the base. Infinite with a half-space.
+    /// Returns the total height of all layers, which is the depth of the base; infinite with a half-space.
     pub fn total_height(&self) -> f64 {
         let (mut local, mut depth) = (self, 0.0);
         loop {
@@ -127,7 +127,7 @@ impl Body {
 }
 
 impl<'a> Section<'a> {
-    /// The same plane on its lower side: between two layers the material is that of the lower layer; elsewhere nothing
+    /// Returns the lower side of this plane. Between two layers, the material is then the lower one; elsewhere nothing
     /// changes.
     #[must_use]
     pub fn from_below(mut self) -> Self {
@@ -141,32 +141,32 @@ impl<'a> Section<'a> {
         self
     }
 
-    /// The same plane, with the uniform mode measured against the reference level of [`Body::level_compliance`].
+    /// Returns this plane with the uniform mode relative to the reference level of [`Body::level_compliance`].
     #[must_use]
     pub fn against_level(self) -> Self {
         Self { level: true, ..self }
     }
 
-    /// The depth of this plane below the top of the half-space that it cuts, in length; `None` in a layer or a slab.
+    /// Returns the depth of this plane below the top of its half-space, in length; `None` in a layer or a slab.
     pub fn depth_in_half_space(&self) -> Option<f64> {
         (self.local.height() == Height::Infinite).then_some(self.depth)
     }
 
-    /// The material at this plane. Between two layers it is that of the upper one.
+    /// Returns the material at this plane; between two layers, the upper material.
     pub fn material(&self) -> &'a Material {
         self.local.material()
     }
 
-    /// The displacement at this plane per displacement of the surface, for the wave vector `q` (rad/length);
-    /// dimensionless.
+    /// Returns the dimensionless displacement at this plane per displacement of the surface, for the wave vector `q`
+    /// (rad/length).
     pub fn displacement_transfer(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.state(q).displacement)
     }
 
-    /// The lateral strains and tractions at this plane per displacement of the surface, for the wave vector `q`
+    /// Returns the lateral strains and tractions at this plane per displacement of the surface, for the wave vector `q`
     /// (rad/length).
     ///
-    /// At q = 0 they are infinite where the stiffness is: in an incompressible slab on a rigid base.
+    /// At q = 0, they are infinite where the stiffness is infinite: in an incompressible slab on a rigid base.
     pub fn continuous_transfer(&self, q: [f64; 2]) -> ContinuousMatrix {
         let state = self.state(q[0].hypot(q[1]));
         let [x, y, _] = on_axes(q, |_| state.displacement);
@@ -176,10 +176,10 @@ impl<'a> Section<'a> {
         [along(q[0], x), along(q[1], y), [0, 1, 2].map(|column| yx[column] + xy[column]), zz, yz, xz]
     }
 
-    /// The stress at this plane per displacement of the surface, for the wave vector `q` (rad/length), in
+    /// Returns the stress at this plane per displacement of the surface, for the wave vector `q` (rad/length), in
     /// stress/length.
     ///
-    /// At q = 0 it is infinite where the stiffness is: in an incompressible slab on a rigid base.
+    /// At q = 0, it is infinite where the stiffness is infinite: in an incompressible slab on a rigid base.
     pub fn stress_transfer(&self, q: [f64; 2]) -> StressMatrix3 {
         let continuous = self.continuous_transfer(q);
         let mut stress = [[Complex64::ZERO; 3]; 6];
@@ -194,47 +194,48 @@ impl<'a> Section<'a> {
         stress
     }
 
-    /// The displacement transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section
-    /// 0).
+    /// Returns the displacement transfer of a mode of a grid; entries odd in a Nyquist component are zero (theory.md,
+    /// section 0).
     pub fn displacement_transfer_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.displacement_transfer(wavevector(mode));
         average_aliases(&mut matrix, &VECTOR_ROWS, mode.nyquist);
         matrix
     }
 
-    /// The stress transfer of a mode of a grid: entries odd in a Nyquist component are zero (theory.md, section 0).
+    /// Returns the stress transfer of a mode of a grid; entries odd in a Nyquist component are zero (theory.md, section
+    /// 0).
     pub fn stress_transfer_of(&self, mode: &Mode) -> StressMatrix3 {
         let mut matrix = self.stress_transfer(wavevector(mode));
         average_aliases(&mut matrix, &STRESS_ROWS, mode.nyquist);
         matrix
     }
 
-    /// The [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid: entries odd in a Nyquist component
-    /// are zero (theory.md, section 0).
+    /// Returns the [`continuous_transfer`](Self::continuous_transfer) of a mode of a grid; entries odd in a Nyquist
+    /// component are zero (theory.md, section 0).
     pub fn continuous_transfer_of(&self, mode: &Mode) -> ContinuousMatrix {
         let mut matrix = self.continuous_transfer(wavevector(mode));
         average_aliases(&mut matrix, &CONTINUOUS_ROWS, mode.nyquist);
         matrix
     }
 
-    /// The displacement at this plane per u_z of a surface without shear traction, for a mode of a grid: rows x, y, z;
-    /// dimensionless. The lateral displacement of the surface is that of [`Body::lateral_ratio`].
+    /// Returns the dimensionless displacement at this plane per u_z of a surface without shear traction, for a mode of
+    /// a grid: rows x, y, z. [`Body::lateral_ratio`] gives the lateral displacement of the surface.
     ///
-    /// A Nyquist mode is the average of its aliases ±q_N, each with its own lateral displacement, which is zero at the
-    /// points of the surface and not between them. The pressure on the surface is thus u_z over
-    /// [`Body::normal_compliance`] for these modes, too (theory.md, section 5).
+    /// A Nyquist mode is the average of its aliases ±q_N. Their lateral displacement is zero at the surface points, but
+    /// not between them. The pressure on the surface is thus u_z divided by [`Body::normal_compliance`] for these
+    /// modes, too (theory.md, section 5).
     pub fn frictionless_displacement_of(&self, mode: &Mode) -> [Complex64; 3] {
         self.without_shear(&self.displacement_transfer(wavevector(mode)), &VECTOR_ROWS, mode)
     }
 
-    /// The lateral strains and tractions at this plane per u_z of a surface without shear traction, for a mode of a
-    /// grid: the rows of a [`ContinuousMatrix`]; Nyquist modes as in
+    /// Returns the lateral strains and tractions at this plane per u_z of a surface without shear traction, for a mode
+    /// of a grid: the rows of a [`ContinuousMatrix`]; Nyquist modes as in
     /// [`frictionless_displacement_of`](Self::frictionless_displacement_of).
     pub fn frictionless_continuous_of(&self, mode: &Mode) -> [Complex64; 6] {
         self.without_shear(&self.continuous_transfer(wavevector(mode)), &CONTINUOUS_ROWS, mode)
     }
 
-    /// The product of a transfer matrix and the displacement of a surface without shear traction whose u_z is 1,
+    /// Returns the product of a transfer matrix and the displacement of a surface with u_z = 1 and no shear traction,
     /// averaged over the aliases of a Nyquist mode.
     fn without_shear<const ROWS: usize, const INDICES: usize>(
         &self,
@@ -246,8 +247,8 @@ impl<'a> Section<'a> {
             let ratio = self.surface.lateral_ratio(q);
             direction.map(|component| -ratio * component)
         });
-        // A row is even or odd in a component of q as its entry of u_z is: the lateral displacement of u_z is odd in
-        // its own.
+        // The product has the parity of the u_z entry of its row in each component of q, since the lateral displacement
+        // of u_z is odd in its own component.
         let mut products = transfer.map(|[x, y, z]| {
             let sum = if lateral == [0.0; 2] { z } else { i_times(lateral[0], x) + i_times(lateral[1], y) + z };
             [Complex64::ZERO, Complex64::ZERO, sum]
@@ -256,14 +257,14 @@ impl<'a> Section<'a> {
         products.map(|[_, _, product]| product)
     }
 
-    /// The displacement (x, z) at this plane per displacement of the surface in plane strain, for the wave vector `q`
-    /// along x.
+    /// Returns the plane-strain displacement (x, z) at this plane per displacement of the surface, for the wave vector
+    /// `q` along x.
     pub fn plane_displacement_transfer(&self, q: f64) -> Matrix2 {
         self.state(q.abs()).displacement.plane(q.signum())
     }
 
-    /// The stress at this plane per displacement of the surface in plane strain, for the wave vector `q` along x, in
-    /// stress/length.
+    /// Returns the plane-strain stress at this plane per displacement of the surface, for the wave vector `q` along x,
+    /// in stress/length.
     pub fn plane_stress_transfer(&self, q: f64) -> StressMatrix2 {
         let state = self.state(q.abs());
         let (displacement, traction) = (state.displacement.plane(q.signum()), state.traction.plane(q.signum()));
@@ -278,13 +279,13 @@ impl<'a> Section<'a> {
         stress
     }
 
-    /// The lateral stresses σ_xx and σ_yy from ε_xx, ε_yy and σ_zz; finite at ν = 1/2.
+    /// Returns the lateral stresses σ_xx and σ_yy from ε_xx, ε_yy and σ_zz; finite at ν = 1/2.
     fn lateral_stress(&self, strain: [Complex64; 2], normal: Complex64) -> [Complex64; 2] {
         let thickening = self.material().normal_strain(strain, normal);
         strain.map(|strain| normal + (strain - thickening) * (2.0 * self.material().shear_modulus()))
     }
 
-    /// The displacement and the traction at this plane per displacement of the surface, at |q| = `q`.
+    /// Returns the displacement and the traction at this plane per displacement of the surface, at |q| = `q`.
     fn state(&self, q: f64) -> State {
         if q == 0.0 {
             return self.uniform_state();
@@ -298,12 +299,12 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// The displacement and the traction at this plane per displacement of the top of the local layer.
+    /// Returns the displacement and the traction at this plane per displacement of the top of the local layer.
     fn local_state(&self, q: f64) -> State {
         let material = self.local.material();
         let thickness = match self.local.height() {
             Height::Finite(thickness) if q * self.height <= OUT_OF_REACH => thickness,
-            // A half-space, or a base too far below to matter, as for most modes at most depths.
+            // A half-space, or a base too far below to have an effect, as for most modes at most depths.
             _ => {
                 let displacement = half_space::transfer(material, q * self.depth);
                 return State { displacement, traction: product(&half_space::stiffness(material, q), &displacement) };
@@ -325,7 +326,7 @@ impl<'a> Section<'a> {
         State { displacement, traction: product(&support, &displacement) }
     }
 
-    /// The state at q = 0: each layer is strained uniformly, and all bear one stress.
+    /// Returns the state at q = 0: all layers are strained uniformly and carry the same stress.
     fn uniform_state(&self) -> State {
         if self.level {
             return self.level_state();
@@ -337,7 +338,7 @@ impl<'a> Section<'a> {
         let total = self.surface.first_uniform_compliance();
         let share = |below: f64, total: f64| match total {
             f64::INFINITY => 1.0,
-            // Incompressible layers do not move along z. Take the limit ν → 1/2.
+            // Incompressible layers do not move along z; this is the limit ν → 1/2.
             0.0 => self.remaining_height() / self.surface.total_height(),
             _ => below / total,
         };
@@ -348,8 +349,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The state at q = 0 measured against the reference level. A half-space moves with its surface, and bears no
-    /// stress from a displacement.
+    /// Returns the state at q = 0 relative to the reference level. A half-space moves with its surface, without stress.
     fn level_state(&self) -> State {
         let below = match self.local.height() {
             Height::Finite(_) => {
@@ -363,7 +363,7 @@ impl<'a> Section<'a> {
         let layered = !self.above.is_empty() || self.local.height() != Height::Infinite;
         let share = |axis: usize| match (total[axis] > 0.0, layered) {
             (true, _) => below[axis] / total[axis],
-            // Incompressible layers do not move along z. Take the limit ν → 1/2.
+            // Incompressible layers do not move along z; this is the limit ν → 1/2.
             (false, true) => (self.layers_below() / self.surface.layers()).max(0.0),
             (false, false) => 1.0,
         };
@@ -379,7 +379,7 @@ impl<'a> Section<'a> {
         State { displacement: Blocks::diagonal(share(0), share(1)), traction: Blocks::diagonal(lateral, normal) }
     }
 
-    /// The height of the layers below the plane, without a half-space.
+    /// Returns the height of the layers below the plane, without a half-space.
     fn layers_below(&self) -> f64 {
         match (self.local.height(), self.local.base()) {
             (Height::Infinite, _) => 0.0,
@@ -396,8 +396,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The transfer from the top of a slab on a bonded base to the plane at Z = q·height above the base and b = q·depth
-/// below the top (theory.md, section 5).
+/// Returns the transfer from the top of a slab on a bonded base to the plane at Z = q·height above the base and b =
+/// q·depth below the top (theory.md, section 5).
 fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     let b = b.min(FARTHEST);
     let (r, h) = (material.r(), z + b);
@@ -438,7 +438,8 @@ fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     }
 }
 
-/// The q·height Z above the base beyond which the base has no effect: e^(−2 Z), even times Z² or 800 Z, is below 1e-30.
+/// Value of Z = q·height above the base beyond which the base has no effect: e^(−2 Z), even times Z² or 800 Z, is below
+/// 1e-30.
 const OUT_OF_REACH: f64 = 40.0;
 
 fn i_times(factor: f64, value: Complex64) -> Complex64 {

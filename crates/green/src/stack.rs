@@ -1,4 +1,4 @@
-//! A layer on its base: the stiffness at its top, and the state at its bottom.
+//! Layer on its base: stiffness at the top, and state at the bottom.
 
 use crate::{
     Base, Blocks, Condition, Ground,
@@ -6,7 +6,7 @@ use crate::{
     slab::LayerMode,
 };
 
-/// The displacement and the traction (σ_xz, σ_yz, σ_zz) on one plane of a body, per displacement of a plane above it.
+/// Displacement and traction (σ_xz, σ_yz, σ_zz) on one plane of a body, per displacement of a plane above it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
     pub(crate) displacement: Blocks,
@@ -15,21 +15,22 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// The state per displacement of another plane, whose displacement in the present units is `other`.
+    /// Returns the state per displacement of another plane, with the displacement `other` in the current units.
     fn per(&self, other: &Blocks) -> Self {
         let inverse = blocks(inverse(real(other)), 1.0 / other.transverse);
         Self { displacement: product(&self.displacement, &inverse), traction: product(&self.traction, &inverse) }
     }
 }
 
-/// A basis of the states at the top of a body that fulfil all conditions below it.
+/// Basis of the states at the top of a body that satisfy all conditions below it.
 ///
 /// The stiffness is traction · displacement⁻¹, the compliance displacement · traction⁻¹. Dividing only at the end keeps
-/// the digits of both if one is nearly singular, as for a thin sliding layer that is nearly incompressible.
+/// the digits of both if one is nearly singular, as for a thin, sliding, nearly incompressible layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Basis {
     state: State,
-    /// q·thickness of the thin layers since the last division. States propagated from deeper planes become more alike.
+    /// q·thickness of the thin layers since the last division. States propagated over a larger distance become more
+    /// alike.
     reach: f64,
 }
 
@@ -47,13 +48,13 @@ impl Basis {
     }
 }
 
-/// The quotient a b⁻¹, which is known to be Hermitian.
+/// Returns the quotient a b⁻¹, which must be Hermitian.
 fn quotient(a: &Blocks, b: &Blocks) -> Blocks {
     hermitian(times(real(a), inverse(real(b))), a.transverse / b.transverse)
 }
 
 impl LayerMode<'_> {
-    /// The stiffness at the top of the layer on `base`.
+    /// Returns the stiffness at the top of the layer on `base`.
     pub(crate) fn stiffness_on(&self, base: &Base) -> Blocks {
         match base {
             Base::Rigid(ground) => self.stiffness_over(*ground),
@@ -62,7 +63,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The compliance at the top of the layer on `base`.
+    /// Returns the compliance at the top of the layer on `base`.
     pub(crate) fn compliance_on(&self, base: &Base) -> Blocks {
         match base {
             Base::Rigid(ground) => self.compliance_over(*ground),
@@ -70,7 +71,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The basis at the top of the layer on `base`.
+    /// Returns the basis at the top of the layer on `base`.
     pub(crate) fn basis_on(&self, base: &Base) -> Basis {
         if !self.is_thin() {
             return Basis::of_stiffness(self.stiffness_on(base));
@@ -79,11 +80,11 @@ impl LayerMode<'_> {
         Basis { state: self.propagated(&bottom.state), reach: bottom.reach + self.t.raw }
     }
 
-    /// The basis at the bottom of the layer, if it is thin.
+    /// Returns the basis at the bottom of a thin layer.
     fn bottom_basis(&self, base: &Base) -> Basis {
         match base {
             Base::Rigid(ground) => {
-                // One if the ground leaves this open: the traction, or the displacement.
+                // One for the quantity left open by the ground: traction or displacement.
                 let open = |condition: Condition, by: Condition| f64::from(u8::from(condition == by));
                 let of = |by: Condition| Blocks::diagonal(open(ground.lateral, by), open(ground.normal, by));
                 let displacement = of(Condition::Free);
@@ -97,7 +98,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The displacement and the traction at the bottom of the layer on `base`, per displacement of its top.
+    /// Returns the displacement and the traction at the bottom of the layer on `base`, per displacement of the top.
     pub(crate) fn base_state(&self, base: &Base) -> State {
         match base {
             Base::Rigid(Ground::BONDED) => {
@@ -122,8 +123,8 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The state at the bottom of a thick layer on ground that fixes one of u_long and u_z there. The traction of the
-    /// other is zero, which gives its displacement, and that the traction of the fixed one.
+    /// Returns the state at the bottom of a thick layer on ground that fixes one of u_long and u_z. The other component
+    /// has zero traction, which gives its displacement, and then the traction of the fixed component.
     fn thick_state(&self, ground: Ground) -> State {
         let cross = self.cross_stiffness();
         let bottom = real(&self.bonded_stiffness().mirrored());
@@ -139,7 +140,7 @@ impl LayerMode<'_> {
         State { displacement: blocks(displacement, transverse[0]), traction: blocks(traction, transverse[1]) }
     }
 
-    /// The displacement of the bottom per displacement of the top, on a base with the stiffness `support`.
+    /// Returns the displacement of the bottom per displacement of the top, on a base with the stiffness `support`.
     pub(crate) fn transfer_to(&self, support: &Blocks) -> Blocks {
         if self.is_thin() {
             let bottom = Basis::of_stiffness(*support).state;
@@ -149,7 +150,7 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The displacement and the traction at the top of the layer, if it is thin, from those at its bottom.
+    /// Returns the displacement and the traction at the top of a thin layer, given the state at the bottom.
     pub(crate) fn propagated(&self, bottom: &State) -> State {
         let unit = self.shear_unit();
         let [uu, us, su, ss] = self.propagator();
@@ -165,27 +166,27 @@ impl LayerMode<'_> {
         }
     }
 
-    /// The stiffness K_top = L_tt − L_tb (L_bb + K_below)⁻¹ L_bt of a thick layer, in which every term decays with h
-    /// (theory.md, section 4).
+    /// Returns the stiffness K_top = L_tt − L_tb (L_bb + K_below)⁻¹ L_bt of a thick layer. The second term decays with
+    /// h (theory.md, section 4).
     ///
-    /// For thin layers L grows like 1/h and the difference cancels; [`Self::propagated`] has no such loss.
+    /// For thin layers, L grows as 1/h and the difference cancels; [`Self::propagated`] avoids this loss.
     fn thick_stiffness(&self, support: &Blocks) -> Blocks {
         let (face, cross) = (self.bonded_stiffness(), self.cross_stiffness());
         let through = product(&cross, &self.thick_transfer(&face, &cross, support));
         hermitian(add(real(&face), real(&through)), face.transverse + through.transverse)
     }
 
-    /// The transfer −(L_bb + K_below)⁻¹ L_bt of a thick layer, from L_tt and L_tb.
+    /// Returns the transfer −(L_bb + K_below)⁻¹ L_bt of a thick layer, given L_tt and L_tb.
     fn thick_transfer(&self, face: &Blocks, cross: &Blocks, support: &Blocks) -> Blocks {
         let bottom = add(real(&face.mirrored()), real(support));
         let sagittal = scaled(times(inverse(bottom), transposed(real(cross))), -1.0);
         blocks(sagittal, -cross.transverse / (face.transverse + support.transverse))
     }
 
-    /// The matrix from (u, σ/(C44 q)) at the bottom of a thin layer to (u, σ/(C44 q)) at its top, sagittal part in the
-    /// real form: the blocks uu, us, su, ss.
+    /// Returns the matrix from (u, σ/(C44 q)) at the bottom of a thin layer to (u, σ/(C44 q)) at the top, with the
+    /// sagittal part in real form: the blocks uu, us, su, ss.
     ///
-    /// The equations of elasticity read d/d(qz) (a, w, σ, τ) = A (a, w, σ, τ), and B = A² − 1 has B² = 0, so that
+    /// The equations of elasticity are d/d(qz) (a, w, σ, τ) = A (a, w, σ, τ), and B = A² − 1 satisfies B² = 0, so that
     /// exp(h A) = cosh h + A sinh h + B (h/2) sinh h + A B (h cosh h − sinh h)/2.
     fn propagator(&self) -> [Real2; 4] {
         let (h, s, k) = (self.t.raw, self.material.s(), self.material.one_minus_s());

@@ -1,11 +1,11 @@
-//! Bodies from names and numbers: kinds of bases, and stacks of layers.
+//! Bodies from names and numbers: kinds of bases and stacks of layers.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::{Base, Body, GreenError, Ground, Material};
 
-/// The kinds of [`Base`], by their names.
+/// Named kinds of [`Base`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BaseKind {
     /// Bonded to a rigid base.
@@ -23,7 +23,7 @@ impl BaseKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Bonded, Self::Sliding, Self::Free, Self::HalfSpace];
 
-    /// The name, a description in one line, and the ground; `None` with an elastic base.
+    /// Returns the name, a one-line description, and the ground; `None` for an elastic base.
     const fn row(self) -> (&'static str, &'static str, Option<Ground>) {
         match self {
             Self::Bonded => ("bonded", "bonded to a rigid base", Some(Ground::BONDED)),
@@ -37,25 +37,25 @@ impl BaseKind {
         }
     }
 
-    /// The name on the command line and in configurations.
+    /// Returns the name on the command line and in configurations.
     pub const fn name(self) -> &'static str {
         self.row().0
     }
 
-    /// A description in one line.
+    /// Returns a one-line description.
     pub const fn meaning(self) -> &'static str {
         self.row().1
     }
 
-    /// The ground; `None` with an elastic base.
+    /// Returns the ground; `None` for an elastic base.
     pub const fn ground(self) -> Option<Ground> {
         self.row().2
     }
 
-    /// The base, with the material of the half-space below.
+    /// Returns the base, given the material of a half-space below.
     ///
     /// # Errors
-    /// An elastic half-space without its material, or a material for another base.
+    /// Returns an error for an elastic half-space without a material, or another base with one.
     pub fn with(self, below: Option<Material>) -> Result<Base, GreenError> {
         match (self.ground(), below) {
             (Some(ground), None) => Ok(Base::Rigid(ground)),
@@ -71,11 +71,11 @@ impl fmt::Display for BaseKind {
     }
 }
 
-/// Error: no base has the given name.
+/// Error of an unknown base name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the base is {found}; it must be one of {}", BaseKind::ALL.map(BaseKind::name).join(", "))]
 pub struct UnknownBase {
-    /// The name given.
+    /// Name found.
     pub found: String,
 }
 
@@ -89,11 +89,12 @@ impl FromStr for BaseKind {
 }
 
 impl Body {
-    /// A stack of layers from the top down, bonded to each other, each with a material and a thickness (length). `base`
-    /// is below the lowest layer.
+    /// Creates a stack of layers from the top down, bonded to each other, each with a material and a thickness
+    /// (length). `base` is below the lowest layer.
     ///
     /// # Errors
-    /// No layer; a thickness that is not positive and finite; a pair of bodies below.
+    /// Returns an error if there is no layer, if a thickness is not positive and finite, or if a pair of bodies is
+    /// below.
     pub fn stack(layers: &[(Material, f64)], base: Base) -> Result<Self, GreenError> {
         let mut base = base;
         let (&(material, thickness), below) = layers.split_first().ok_or(GreenError::NoLayer)?;

@@ -5,15 +5,16 @@ use rayon::prelude::*;
 
 use crate::{Body, Matrix3};
 
-/// The number of modes of a line that one thread takes at a time.
+/// Number of modes that one thread takes at a time.
 const CHUNK: usize = 4096;
 
-/// The frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, laid out like [`Grid::modes`].
+/// Returns the frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, in the order of
+/// [`Grid::modes`].
 ///
-/// `uniform` is the entry of the mode q = 0. The body's own value is
-/// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, infinite for a bonded incompressible
-/// slab, whose mean displacement is fixed at zero instead (theory.md, section 3). At a Nyquist mode the entry is
-/// 1/G_zz(|q|), as at any other mode (theory.md, section 0).
+/// `uniform` is the entry of the mode q = 0. The value of the body is
+/// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, and infinite for a bonded incompressible
+/// slab, which has zero mean displacement (theory.md, section 3). At a Nyquist mode, the entry is 1/G_zz(|q|), as at
+/// any other mode (theory.md, section 0).
 pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
     if !body.is_isotropic() {
         return table_of_modes(grid, all_lanes(grid), uniform, |mode| body.normal_stiffness_of(mode));
@@ -21,14 +22,14 @@ pub fn normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64
     table_of_lanes(grid, all_lanes(grid), uniform, |q| body.normal_stiffness(q))
 }
 
-/// The normal stiffness K_N (stress/length) of every mode of `grid` for a surface without lateral displacement, laid
-/// out like [`Grid::modes`]. `uniform` is as in [`normal_stiffness_table`].
+/// Returns the normal stiffness K_N (stress/length) of every mode of `grid` for a surface without lateral displacement,
+/// in the order of [`Grid::modes`]. `uniform` is as in [`normal_stiffness_table`].
 pub fn restricted_normal_stiffness_table(body: &Body, grid: &Grid, uniform: f64) -> Vec<f64> {
     table_of_lanes(grid, all_lanes(grid), uniform, |q| body.restricted_normal_stiffness(q))
 }
 
-/// The table of a function of |q| for the modes in some lanes of the half spectrum ([`Grid::spectrum_shape`]), such as
-/// those of one of several processes. The function is evaluated once for ±m; `uniform` is the entry of the mode q = 0.
+/// Tabulates a function of |q| for the modes in some lanes of the half spectrum ([`Grid::spectrum_shape`]), for example
+/// the lanes of one process. The function is evaluated once for ±m; `uniform` is the entry of the mode q = 0.
 pub fn table_of_lanes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
     let [_, positions] = grid.spectrum_shape();
     let mut table = vec![0.0; lanes.len() * positions];
@@ -56,8 +57,8 @@ pub fn table_of_lanes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: imp
     table
 }
 
-/// The table of a function of the modes in some lanes of the half spectrum, laid out as that of [`table_of_lanes`], for
-/// bodies that are not [isotropic](Body::is_isotropic). `uniform` is the entry of the mode q = 0.
+/// Tabulates a function of the mode in some lanes of the half spectrum, in the order of [`table_of_lanes`], for bodies
+/// that are not [isotropic](Body::is_isotropic). `uniform` is the entry of the mode q = 0.
 pub fn table_of_modes(grid: &Grid, lanes: Range<usize>, uniform: f64, value: impl Fn(&Mode) -> f64 + Sync) -> Vec<f64> {
     let [_, positions] = grid.spectrum_shape();
     let mut table = vec![0.0; lanes.len() * positions];
@@ -75,23 +76,24 @@ fn all_lanes(grid: &Grid) -> Range<usize> {
     0..grid.spectrum_shape()[0]
 }
 
-/// The softest and the stiffest mode of a body on a grid, which bound time steps and damping (theory.md, section 6).
+/// Softest and stiffest mode of a body on a grid, which limit time steps and damping (theory.md, section 6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessRange {
     /// Smallest stiffness, in stress/length.
     pub softest: f64,
-    /// A mode with the smallest stiffness.
+    /// Mode with the smallest stiffness.
     pub softest_mode: Mode,
     /// Largest stiffness, in stress/length.
     pub stiffest: f64,
-    /// A mode with the largest stiffness.
+    /// Mode with the largest stiffness.
     pub stiffest_mode: Mode,
 }
 
-/// The range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
+/// Returns the range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
 ///
-/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. It is left out if it has no
-/// compliance (half-space, incompressible slab), since no solver then uses its stiffness. `None` if no mode is left.
+/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. The uniform mode is omitted if it
+/// has no compliance (half-space, incompressible slab), since no solver then uses its stiffness. Returns `None` if no
+/// mode is left.
 pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let [_, uniform] = body.level_compliance();
     range(grid, !body.is_isotropic(), |mode| {
@@ -100,8 +102,8 @@ pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange
     })
 }
 
-/// The range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all components
-/// of the surface move: x, y, z, or x, z on a line.
+/// Returns the range of the eigenvalues of the stiffness matrix over the modes of `grid`, for problems in which all
+/// components of the surface move: x, y, z, or x, z on a line.
 ///
 /// The eigenvalues of the uniform mode are as in [`normal_stiffness_range`].
 pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
@@ -120,13 +122,13 @@ pub fn stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     })
 }
 
-/// The eigenvalues of [[a, i c], [−i c, b]]. The smaller one comes from the determinant, which keeps its digits.
+/// Returns the eigenvalues of [[a, i c], [−i c, b]]. The smaller one comes from the determinant, to keep its digits.
 fn eigenvalues(a: f64, b: f64, c: f64) -> [f64; 2] {
     let high = 0.5 * (a + b) + (0.5 * (a - b)).hypot(c);
     [a * (b / high) - c * (c / high), high]
 }
 
-/// The eigenvalues of a Nyquist mode, whose matrix couples at most one lateral axis with z.
+/// Returns the eigenvalues of a Nyquist mode. Its matrix couples at most one lateral axis with z.
 fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64; 3] {
     let (alone, other) = if nyquist[0] { (0, 1) } else { (1, 0) };
     let coupling = matrix[other][2].im;
@@ -136,15 +138,15 @@ fn special_eigenvalues(matrix: &Matrix3, nyquist: [bool; 2], line: bool) -> [f64
         eigenvalues(matrix[other][other].re, matrix[2][2].re, coupling)
     };
     match (line, nyquist[0]) {
-        // On a line y does not move: x is `alone` at Nyquist and `other` at q = 0.
+        // On a line, y does not move: x is `alone` at Nyquist and `other` at q = 0.
         (true, true) => [matrix[0][0].re, high, high],
         (true, false) => [low, high, high],
         _ => [low, high, matrix[alone][alone].re],
     }
 }
 
-/// The softest and the stiffest mode among the positive, finite values of `stiffness`, which is even in m unless it
-/// takes `all` modes. Of equal values the first counts.
+/// Returns the softest and the stiffest mode by the positive, finite values of `stiffness`, which must be even in m
+/// unless `all` modes are evaluated. The first of equal values counts.
 fn range(grid: &Grid, all: bool, stiffness: impl Fn(&Mode) -> [f64; 3] + Sync) -> Option<StiffnessRange> {
     let [lanes, positions] = grid.spectrum_shape();
     let different = if all || grid.is_line() { positions } else { positions / 2 + 1 };

@@ -4,33 +4,33 @@ use gfmd_curve::{Curve, CurveError};
 
 use crate::GreenError;
 
-/// The normal compliance of a body by wave vector: ln G = a₀ + Σ a_k cos 2kθ + b_k sin 2kθ, with coefficients that are
-/// curves of ln q and the angle θ of q to the x axis. Since fields are real, G(−q) = G(q), and no odd angles occur.
+/// Normal compliance of a body by wave vector: ln G = a₀ + Σ a_k cos 2kθ + b_k sin 2kθ, with curves of ln q as
+/// coefficients and the angle θ of q to the x axis. Since fields are real, G(−q) = G(q), and odd multiples of θ do not
+/// occur.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Table {
-    /// a₀ of ln q, in the units of the table.
+    /// a₀ as a function of ln q, in the units of the table.
     mean: Arc<Curve>,
-    /// a_k and b_k for k = 1, 2, ... up to the last ones that matter; none of an isotropic body.
+    /// a_k and b_k for k = 1, 2, ..., up to the last significant one; empty for an isotropic body.
     harmonics: Arc<[[Option<Curve>; 2]]>,
-    /// The compliance of the mean level.
+    /// Compliance of the mean level.
     pub(crate) uniform: f64,
-    /// The unit of length of the body over that of the table: the factor of wavenumbers.
+    /// Factor from wavenumbers of the body to wavenumbers of the table.
     length: f64,
-    /// The compliance in the units of the body over that in those of the table.
+    /// Factor from compliances of the table to compliances of the body.
     compliance: f64,
 }
 
-/// The least number of directions in half a turn.
+/// Smallest number of directions in half a turn.
 const LEAST_DIRECTIONS: usize = 4;
 
-/// The largest difference of wavenumbers (relative) and angles (rad) from those of a table that has as many directions
-/// at every wavenumber: files have few digits.
+/// Largest deviation of wavenumbers (relative) and angles (rad) from a regular table, since files have few digits.
 const ROUNDING: f64 = 1e-4;
 
-/// The largest coefficient of an angle that is rounding errors of ln G.
+/// Largest angular coefficient that counts as a rounding error of ln G.
 const NOTHING: f64 = 1e-14;
 
-/// The wave vectors of a table: the logarithms of its wavenumbers, and ln G `[wavenumber, direction]`.
+/// Table by wave vector: the logarithms of its wavenumbers, and ln G `[wavenumber, direction]`.
 struct Polar {
     logarithms: Vec<f64>,
     directions: usize,
@@ -38,11 +38,11 @@ struct Polar {
 }
 
 impl Table {
-    /// The table with the rows [wavenumber, compliance].
+    /// Creates a table from the rows [wavenumber, compliance].
     pub(crate) fn isotropic(rows: &[[f64; 2]], uniform: f64) -> Result<Self, GreenError> {
         positive(rows.iter().map(|row| &row[..]))?;
         let logarithms: Vec<[f64; 2]> = rows.iter().map(|row| row.map(f64::ln)).collect();
-        // In the numbers of the rows; a curve would name those of its logarithms.
+        // Report the numbers of the rows; a curve would report their logarithms.
         if let Some(row) = logarithms.windows(2).position(|pair| pair[1][0] <= pair[0][0]) {
             let [before, found] = [rows[row][0], rows[row + 1][0]];
             return Err(GreenError::Table(CurveError::Order { row: row + 2, found, before }));
@@ -50,7 +50,7 @@ impl Table {
         Self::of(&logarithms, [].into(), uniform)
     }
 
-    /// The table with the rows [q_x, q_y, compliance].
+    /// Creates a table from the rows [q_x, q_y, compliance].
     pub(crate) fn anisotropic(rows: &[[f64; 3]], uniform: f64) -> Result<Self, GreenError> {
         positive(rows.iter().map(|row| &row[2..]))?;
         let Polar { logarithms, directions, values } = Polar::of(rows)?;
@@ -67,7 +67,7 @@ impl Table {
         let (mean, _) = curve(&|_| 1.0)?;
         let mut harmonics = Vec::new();
         for k in 1..=directions / 2 {
-            // The highest angle of an even number of directions has no sine, and its cosine counts once.
+            // With an even number of directions, the highest angle has no sine, and its cosine counts once.
             let is_last = 2 * k == directions;
             let turn = |j: usize| 2.0 * std::f64::consts::PI * ((k * j) % directions) as f64 / directions as f64;
             let factor = if is_last { 1.0 } else { 2.0 };
@@ -90,17 +90,17 @@ impl Table {
         Ok(Self { mean, harmonics, uniform, length: 1.0, compliance: 1.0 })
     }
 
-    /// True if the compliance does not depend on the direction.
+    /// Returns true if the compliance does not depend on the direction.
     pub(crate) fn is_isotropic(&self) -> bool {
         self.harmonics.is_empty()
     }
 
-    /// The compliance of a wave vector.
+    /// Returns the compliance of a wave vector.
     pub(crate) fn compliance(&self, [x, y]: [f64; 2]) -> f64 {
         let q = x.hypot(y);
         let logarithm = (q * self.length).ln();
         let [mut sum, _] = self.mean.at(logarithm);
-        // The cosine and the sine of twice the angle, and of its multiples.
+        // Cosine and sine of twice the angle and its multiples.
         let [a, b] = [x / q, y / q];
         let [c, s] = [(a - b) * (a + b), 2.0 * a * b];
         let mut angle = [c, s];
@@ -113,12 +113,12 @@ impl Table {
         self.compliance * sum.exp()
     }
 
-    /// The first and the last wavenumber.
+    /// Returns the first and the last wavenumber.
     pub(crate) fn wavenumbers(&self) -> [f64; 2] {
         self.mean.ends().map(|end| end.exp() / self.length)
     }
 
-    /// The table in other units, given in the present ones.
+    /// Converts the table to other units, given in the current units.
     pub(crate) fn in_units(&self, stress: f64, length: f64) -> Self {
         Self {
             length: self.length / length,
@@ -129,7 +129,7 @@ impl Table {
     }
 }
 
-/// Checks that the numbers of all rows are positive and finite.
+/// Checks that all values are positive and finite.
 fn positive<'a>(rows: impl Iterator<Item = &'a [f64]>) -> Result<(), GreenError> {
     for (row, numbers) in (1..).zip(rows) {
         if let Some(&found) = numbers.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
@@ -160,7 +160,7 @@ impl Polar {
             waves.push(Wave { row, q, angle, value: value.ln() });
         }
         waves.sort_by(|a, b| a.q.total_cmp(&b.q));
-        // The numbers of waves of one wavenumber.
+        // Number of waves with the same wavenumber.
         let directions = waves.iter().take_while(|wave| wave.q <= waves[0].q * (1.0 + ROUNDING)).count();
         if directions < LEAST_DIRECTIONS || !waves.len().is_multiple_of(directions) {
             return Err(GreenError::Directions { found: directions, rows: rows.len() });

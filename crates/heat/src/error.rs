@@ -2,30 +2,30 @@ use gfmd_relax::Why;
 
 use crate::Heated;
 
-/// Error: heat without a temperature.
+/// Error of a flash temperature computation.
 #[derive(Debug, thiserror::Error)]
 pub enum HeatError {
-    /// A conductivity that is not positive.
+    /// Conductivity that is not positive and finite.
     #[error("the conductivity is {0}; it must be positive and finite")]
     Conductivity(f64),
-    /// A diffusivity that is not positive.
+    /// Diffusivity that is not positive and finite.
     #[error("the diffusivity is {0}; it must be positive and finite")]
     Diffusivity(f64),
-    /// A velocity that is not finite.
+    /// Velocity that is not finite.
     #[error("the velocity is {0:?}; it must be finite")]
     Velocity([f64; 2]),
-    /// A field of another size than the grid.
+    /// Field with a different number of points than the grid.
     #[error("the heat flux has {found} points; it must have {expected}, those of the grid")]
     Points {
-        /// The number of points of the field.
+        /// Number of points of the field.
         found: usize,
-        /// The number of points of the grid.
+        /// Number of points of the grid.
         expected: usize,
     },
-    /// A negative heat flux.
+    /// Negative or non-finite heat flux.
     #[error("the heat flux is {0} at a point; it must be at least 0 and finite")]
     Flux(f64),
-    /// A tolerance that is out of range.
+    /// Tolerance out of range.
     #[error(transparent)]
     Tolerance(#[from] gfmd_relax::ToleranceError),
     /// Temperatures of the two bodies that differ by more than the tolerance.
@@ -33,25 +33,25 @@ pub enum HeatError {
         "the temperatures differ by {residual:e} of the largest rise, more than the tolerance {tolerance:e}: {why}"
     )]
     NotConverged {
-        /// The difference.
+        /// Relative difference; see [`Heated::residual`].
         residual: f64,
-        /// The tolerance.
+        /// Requested tolerance.
         tolerance: f64,
-        /// The reason.
+        /// Reason for the failure.
         why: Why,
-        /// The state reached.
+        /// State reached.
         state: Box<Heated>,
     },
-    /// A search that was told to stop.
+    /// Search interrupted by its [`Watch`](crate::Watch).
     #[error("interrupted")]
     Interrupted {
-        /// The state reached.
+        /// State reached.
         state: Box<Heated>,
     },
 }
 
 impl HeatError {
-    /// The state reached, if there is one.
+    /// Returns the state reached, if the error carries one.
     pub fn into_state(self) -> Option<Heated> {
         match self {
             Self::NotConverged { state, .. } | Self::Interrupted { state } => Some(*state),

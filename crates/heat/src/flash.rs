@@ -12,43 +12,43 @@ use crate::memory::{Memory, higher};
 use crate::search::Search;
 use crate::{HeatError, Thermal};
 
-/// A heat source that slides steadily over a body (theory.md, section 7.11).
+/// Heat source that slides steadily over a body (theory.md, section 7.11).
 ///
-/// With a second body, the indenter, in which the source rests, the heat is shared: the surfaces have one temperature
-/// at every point that is heated, and one mean temperature.
+/// With a second body, the indenter, in which the source rests, the heat is shared: the surfaces have equal
+/// temperatures at every heated point, and equal mean temperatures.
 #[derive(Clone)]
 pub struct Flash {
     transform: Arc<Transform>,
-    /// Temperature of the body over its heat flux, for each mode; none for a uniform flux.
+    /// Temperature of the body divided by its heat flux, for each mode; zero for the uniform mode.
     body: Arc<Vec<Complex64>>,
-    /// Temperature of the indenter, over which nothing moves, over its heat flux, for each mode.
+    /// Temperature of the stationary indenter divided by its heat flux, for each mode.
     indenter: Option<Arc<Vec<f64>>>,
 }
 
-/// Temperatures above the mean of the surface.
+/// Temperatures relative to the mean of the surface, and the division of the heat.
 #[derive(Clone, Debug)]
 pub struct Heated {
     /// Temperature of the surface of the body.
     pub temperature: Array2<f64>,
-    /// Heat flux into the body. Where heat flows from the indenter into the body, it may exceed the flux that is made,
-    /// and it may be negative.
+    /// Heat flux into the body. It may be negative, and it exceeds the generated flux where heat flows from the
+    /// indenter into the body.
     pub into_body: Array2<f64>,
-    /// Mean of the heat flux that is made, over the whole surface.
+    /// Mean generated heat flux over the whole surface.
     pub mean_flux: f64,
-    /// The part of the heat that flows into the body. NaN if two bodies touch at all points: nothing then determines
-    /// the mean of the flux, and that of `into_body` is zero.
+    /// Fraction of the heat that flows into the body. NaN if two bodies touch at all points: the mean flux into each
+    /// body is then undetermined, and the mean of `into_body` is zero.
     pub fraction: f64,
-    /// Largest temperature of the points that are heated; NaN if there are none.
+    /// Largest temperature at the heated points; NaN if there are none.
     pub max_rise: f64,
-    /// Mean temperature of these points; NaN if there are none.
+    /// Mean temperature at the heated points; NaN if there are none.
     pub mean_rise: f64,
-    /// The largest difference between the temperatures of the two bodies at these points over the largest rise, or the
-    /// largest flux into the body elsewhere over the largest flux, whichever is larger; recomputed from the final
-    /// fields. Zero with one body.
+    /// Larger of two relative errors: the largest temperature difference between the two bodies at heated points,
+    /// divided by `max_rise`; and the largest flux into the body elsewhere, divided by the largest generated flux.
+    /// Computed from the final fields; zero with one body.
     pub residual: f64,
-    /// Iterations of the search.
+    /// Number of iterations.
     pub iterations: u64,
-    /// Pairs of transforms of the search.
+    /// Number of transform pairs of the search.
     pub transform_pairs: f64,
 }
 
@@ -59,10 +59,10 @@ impl fmt::Debug for Flash {
 }
 
 impl Flash {
-    /// A source that moves over a `body` at a `velocity`, and rests in the `indenter`, if there is one.
+    /// Creates a source that moves over a `body` at a `velocity` and rests in the `indenter`, if there is one.
     ///
     /// # Errors
-    /// A velocity that is not finite.
+    /// Returns an error if the velocity is not finite.
     pub fn new(grid: Grid, velocity: [f64; 2], body: Thermal, indenter: Option<Thermal>) -> Result<Self, HeatError> {
         if velocity.iter().any(|v| !v.is_finite()) {
             return Err(HeatError::Velocity(velocity));
@@ -73,7 +73,7 @@ impl Flash {
             if mode.is_uniform() {
                 return Complex64::ZERO;
             }
-            // A Nyquist wave has the mean of its aliases, of the inverse kernel.
+            // A Nyquist mode takes the mean of the inverse kernel over its aliases.
             let [mut sum, mut count] = [Complex64::ZERO, Complex64::ZERO];
             for [x, y] in mode.aliases() {
                 sum += Complex64::new(mode.wavenumber().powi(2), -(x * rates[0] + y * rates[1])).sqrt();
@@ -95,11 +95,11 @@ impl Flash {
         })
     }
 
-    /// The temperature under a heat `flux`, per area and time, which is zero where the surfaces do not touch.
+    /// Computes the temperature under a heat `flux` (per area and time), which is zero where the surfaces do not touch.
     ///
     /// # Errors
-    /// A flux of another size than the grid, or that is negative somewhere; a tolerance out of range; else an error
-    /// that contains the state reached.
+    /// Returns an error if the flux has a different size than the grid or is negative somewhere, or if the tolerance is
+    /// out of range. All other errors contain the state reached.
     pub fn heat(&self, flux: &Array2<f64>, budget: &Budget, watch: &mut dyn Watch) -> Result<Heated, HeatError> {
         budget.check()?;
         let flux = self.checked(flux)?;
@@ -129,10 +129,10 @@ impl Flash {
         }
     }
 
-    /// The state of a heat `flux` of which `into_body` flows into the body, with its residual, from fresh transforms.
+    /// Computes the state and its residual from a heat `flux` and its part `into_body`, with fresh transforms.
     ///
     /// # Errors
-    /// Fields of another size than the grid, or a flux that is negative somewhere.
+    /// Returns an error if a field has a different size than the grid, or if the flux is negative somewhere.
     pub fn certify(&self, flux: &Array2<f64>, into_body: &Array2<f64>) -> Result<Heated, HeatError> {
         let (flux, into_body) = (self.checked(flux)?, self.sized(into_body)?);
         Ok(self.certified(&flux, into_body.into_owned(), 0, 0.0))

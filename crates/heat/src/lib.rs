@@ -1,13 +1,13 @@
-//! Flash temperature: the temperature of a surface over which a heat source slides steadily.
+//! Flash temperature: the surface temperature of a body under a steadily sliding heat source.
 //!
 //! - [`Thermal`]: conductivity and diffusivity of a body.
-//! - [`Flash`]: a source that moves over a body; with a second body, in which it rests, the heat is shared such that
-//!   both have one temperature at every point that is heated.
-//! - [`Heated`]: the heat that flows into the body, the temperature, and numbers of them.
+//! - [`Flash`]: a source that moves over a body. With a second body, in which the source rests, the heat is shared such
+//!   that both surfaces have the same temperature at every heated point.
+//! - [`Heated`]: heat flux into the body, temperature, and scalar results.
 //!
-//! In the frame of the source a wave q of the heat flux Q, per area and time, makes the temperature
-//! Q/(k √(q² − i q·v/α)), with the root whose real part is positive (theory.md, section 7.11). The uniform flux has no
-//! steady state: temperatures are above the mean of the surface.
+//! In the frame of the source, a wave q of the heat flux Q (per area and time) causes the temperature
+//! Q/(k √(q² − i q·v/α)), where the root has a positive real part (theory.md, section 7.11). A uniform flux has no
+//! steady state: temperatures are relative to the mean of the surface.
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -25,7 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: the pressure and the friction that make the heat (`gfmd-viscoelastic`).
+//! Other crates compute the pressure and the friction that produce the heat (`gfmd-viscoelastic`).
 
 mod error;
 mod flash;

@@ -2,12 +2,12 @@ use gfmd_field::{Transform, Workspace};
 use gfmd_vector::for_each;
 use num_complex::Complex64;
 
-/// The larger of two numbers, NaN if one is NaN.
+/// Returns the larger of two numbers; NaN if either is NaN.
 pub(crate) fn higher(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// A field, its spectrum, and the memory of their transforms.
+/// Field, its spectrum, and the memory of their transforms.
 pub(crate) struct Memory<'a> {
     transform: &'a Transform,
     workspace: Workspace,
@@ -26,7 +26,7 @@ impl<'a> Memory<'a> {
         }
     }
 
-    /// Multiplies each wave of the field by its factor.
+    /// Multiplies each mode of the field by its factor.
     pub(crate) fn apply(&mut self, factor: &(impl Fn(usize) -> Complex64 + Sync)) {
         const FITS: &str = "field and spectrum have the size of the grid";
         self.transform.forward(&self.field, &mut self.spectrum, &mut self.workspace).expect(FITS);

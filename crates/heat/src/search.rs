@@ -7,36 +7,35 @@ use num_complex::Complex64;
 
 use crate::memory::{Memory, higher};
 
-/// A search for the flux into the body at the points that are heated: (K₁ + K₂) Q₁ = K₂ Q there, with the kernels of
-/// the body and of the indenter.
+/// Search for the flux Q₁ into the body at the heated points: (K₁ + K₂) Q₁ = K₂ Q there, with the kernels K₁ of the
+/// body and K₂ of the indenter.
 ///
-/// The matrix is positive definite, but not symmetric. The search is that of generalised conjugate residuals: each
-/// direction is conjugate to the last ones, and the step along it makes the residual least, in the norm of a symmetric
-/// preconditioner. The preconditioned matrix is positive definite in this norm, hence every step makes the residual
-/// smaller, whatever the number of directions that are kept (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983)
-/// 345).
+/// The matrix is positive definite, but not symmetric. The method is generalised conjugate residuals: each direction is
+/// conjugate to the previous ones, and the step along it minimises the residual in the norm of a symmetric
+/// preconditioner. The preconditioned matrix is positive definite in this norm, hence every step reduces the residual,
+/// however many directions are kept (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983) 345).
 pub(crate) struct Search<'a> {
     memory: Memory<'a>,
     body: &'a [Complex64],
     indenter: &'a [f64],
-    /// The places of the points that are heated.
+    /// Indices of the heated points.
     points: Vec<usize>,
-    /// The temperature of the indenter if all heat flows into it.
+    /// Temperature of the indenter if all heat flows into it.
     alone: Vec<f64>,
-    /// The flux into the body.
+    /// Flux into the body.
     taken: Vec<f64>,
-    /// Temperature of the indenter less that of the body.
+    /// Temperature of the indenter minus temperature of the body.
     residual: Vec<f64>,
-    /// The preconditioned residual.
+    /// Preconditioned residual.
     ahead: Vec<f64>,
-    /// The preconditioner of a uniform flux, that of the longest wave.
+    /// Preconditioner of the uniform flux, equal to the value for the longest wave.
     uniform: f64,
     kept: VecDeque<Direction>,
     pub(crate) iterations: u64,
     pub(crate) transform_pairs: f64,
 }
 
-/// A direction, the change of the residual along it, the same preconditioned, and the product of both.
+/// Direction: step, change of the residual along it, preconditioned change, and scalar product of both changes.
 #[derive(Default)]
 struct Direction {
     step: Vec<f64>,
@@ -45,13 +44,13 @@ struct Direction {
     square: f64,
 }
 
-/// The number of directions to which the next one is conjugate.
+/// Number of directions to which the next one is conjugate.
 const DEPTH: usize = 12;
-/// The number of steps in which the residual must have halved.
+/// Number of steps within which the residual must halve.
 const PATIENCE: u64 = 200;
 
 impl<'a> Search<'a> {
-    /// The search for the part of a `flux` that flows into the body, from none.
+    /// Starts a search for the part of a `flux` that flows into the body, from zero.
     pub(crate) fn new(transform: &'a Transform, body: &'a [Complex64], indenter: &'a [f64], flux: &[f64]) -> Self {
         let points: Vec<usize> = (0..flux.len()).filter(|i| flux[*i] > 0.0).collect();
         let grid = transform.grid();
@@ -77,12 +76,12 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// The largest temperature of the indenter if all heat flows into it.
+    /// Returns the largest temperature of the indenter if all heat flows into it.
     pub(crate) fn largest(&self) -> f64 {
         largest(&self.alone)
     }
 
-    /// The flux into the body at all points.
+    /// Returns the flux into the body at all points.
     pub(crate) fn at_all_points(&self) -> Vec<f64> {
         let mut field = vec![0.0; self.memory.field.len()];
         self.points.iter().zip(&self.taken).for_each(|(place, taken)| field[*place] = *taken);
@@ -100,7 +99,7 @@ impl<'a> Search<'a> {
         (self.taken, self.residual) = (taken, both);
     }
 
-    /// `out` is the field with waves multiplied by factors, of values at the points that are heated.
+    /// Computes `out` at the heated points from `values` there, with each mode multiplied by its factor.
     fn convolve(&mut self, values: &[f64], out: &mut [f64], factor: &(impl Fn(usize) -> Complex64 + Sync)) {
         let Self { memory, points, .. } = self;
         memory.field.fill(0.0);
@@ -117,7 +116,7 @@ impl<'a> Search<'a> {
         self.convolve(values, out, &|i| if i == 0 { uniform } else { conditioner(body[i], indenter[i]) }.into());
     }
 
-    /// Searches until the largest residual is at most the `target`.
+    /// Iterates until the largest residual is at most `target`.
     pub(crate) fn run(&mut self, target: f64, most: u64, watch: &mut dyn Watch) -> Ending {
         let (body, indenter) = (self.body, self.indenter);
         let mut ahead = std::mem::take(&mut self.ahead);
@@ -174,7 +173,7 @@ impl Direction {
         [&self.step, &self.change, &self.conditioned]
     }
 
-    /// Subtracts another direction so many times.
+    /// Subtracts `times` times another direction.
     fn less(&mut self, other: &Self, times: f64) {
         let own = [&mut self.step[..], &mut self.change[..], &mut self.conditioned[..]];
         for_each((own, other.vectors()), &|_, (own, other)| {
@@ -185,7 +184,7 @@ impl Direction {
     }
 }
 
-/// The factor of a wave in the preconditioner: the real part of the inverse of both kernels.
+/// Returns the preconditioner of a mode: the real part of 1/(K₁ + K₂).
 fn conditioner(body: Complex64, indenter: f64) -> f64 {
     (1.0 / (body + indenter)).re
 }

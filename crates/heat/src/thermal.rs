@@ -1,6 +1,6 @@
 use crate::HeatError;
 
-/// The thermal properties of a body.
+/// Thermal properties of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermal {
     conductivity: f64,
@@ -8,10 +8,10 @@ pub struct Thermal {
 }
 
 impl Thermal {
-    /// A body of this conductivity, heat flux over gradient of the temperature, and this diffusivity, length²/time.
+    /// Creates a body with a conductivity (heat flux divided by temperature gradient) and a diffusivity (length²/time).
     ///
     /// # Errors
-    /// A number that is not positive and finite.
+    /// Returns an error if a value is not positive and finite.
     pub fn new(conductivity: f64, diffusivity: f64) -> Result<Self, HeatError> {
         let is_usable = |value: f64| value.is_finite() && value > 0.0;
         if !is_usable(conductivity) {
@@ -23,12 +23,12 @@ impl Thermal {
         Ok(Self { conductivity, diffusivity })
     }
 
-    /// The conductivity.
+    /// Returns the conductivity.
     pub fn conductivity(&self) -> f64 {
         self.conductivity
     }
 
-    /// The diffusivity.
+    /// Returns the diffusivity.
     pub fn diffusivity(&self) -> f64 {
         self.diffusivity
     }

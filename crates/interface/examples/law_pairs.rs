@@ -1,8 +1,8 @@
-//! Iterations and transform pairs of contacts with a law, to a tolerance of 1e-8, with numbers by which two versions
-//! can be compared: the table of docs/solvers.md. `cargo run --release -p gfmd-interface --example law_pairs -- 256`
+//! Iterations and transform pairs of contacts with a law, to a tolerance of 1e-8, to compare two versions: the table of
+//! docs/solvers.md. `cargo run --release -p gfmd-interface --example law_pairs -- 256`
 //!
-//! Arguments: the number of points along an axis, then parts of names of cases (all without), and `states` for the line
-//! of every load.
+//! Arguments: the number of points along an axis, then parts of case names (default: all cases), and `states` to print
+//! a line for every load.
 #![allow(clippy::print_stdout, reason = "the example prints a table")]
 
 use gfmd_contact::{Boundary, Equilibrium, Fields, Load, SolveError};
@@ -12,7 +12,7 @@ use gfmd_interface::{Interface, State};
 use gfmd_law::{Kind, Law};
 use gfmd_surface::{Discretisation, SelfAffine};
 
-/// E* and the rms gradient are 1, so that loads are reduced pressures.
+/// Test case with E* = 1 and rms gradient 1, so that loads are reduced pressures.
 struct Case {
     name: &'static str,
     hurst: f64,
@@ -20,7 +20,7 @@ struct Case {
     boundary: Boundary,
     slab: Option<f64>,
     loads: Vec<Load>,
-    /// Every load from the last one, or each without a start.
+    /// True if every load starts from the last state, false if each has no start.
     follows: bool,
 }
 
@@ -34,19 +34,19 @@ fn pressures(values: &[f64]) -> Vec<Load> {
     values.iter().map(|p| Load::MeanPressure(*p)).collect()
 }
 
-/// Approaches in ranges of the law.
+/// Returns approaches given in units of `range`.
 fn approaches(values: &[f64], range: f64) -> Vec<Load> {
     values.iter().map(|d| Load::Approach(d * range)).collect()
 }
 
-/// Up and down again in nine loads.
+/// Loading and unloading in nine loads.
 const LOOP: [f64; 9] = [0.002, 0.004, 0.006, 0.008, 0.01, 0.0075, 0.005, 0.0025, 0.0];
-/// From first touch to nearly full contact.
+/// Loads from first touch to nearly full contact.
 const COLD: [f64; 6] = [1e-4, 1e-3, 0.01, 0.1, 0.5, 1.5];
 
 fn cases(n: usize) -> Result<Vec<Case>, Failure> {
     let work = 2e-5;
-    // The steepness of the attraction is a quarter of the stiffness of the shortest wave.
+    // The steepness of `exponential(1.0)` is 0.48 times the stiffness of the shortest wave.
     let corner = 0.5 * std::f64::consts::TAU * (n as f64 / 2.0) * std::f64::consts::SQRT_2;
     let range = (work / (0.48 * corner)).sqrt();
     let exponential = |factor: f64| law(Kind::Exponential, &[("gamma", work * factor), ("range", range * factor)]);

@@ -8,7 +8,7 @@ use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, lower, mean};
 use crate::{Interface, Residual, State};
 
-/// Computes the state at `position`, the displacement in the frame of the drive, by new transforms and the law.
+/// Computes the state at `position`, the displacement in the frame of the drive, from new transforms and the law.
 pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) -> State {
     let (points, z) = (frame.points(), frame.z());
     let mut transforms = interface.elastic.transforms();
@@ -20,7 +20,7 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
     let means: Vec<f64> = certificate.traction.chunks_exact(points).map(|field| frame.mean(field)).collect();
     let (mean_pressure, load) = match frame.drive.load {
-        // The mean pressure of wall and law; at rest it equals the mean of the elastic traction.
+        // The mean pressure of wall and law; in equilibrium it equals the mean of the elastic traction.
         Load::MeanPressure(asked) => {
             let exerted = frame.mean(&certificate.wall_pressure) - balances[z].law_mean;
             (exerted, exerted - asked)
@@ -71,12 +71,12 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
 }
 
 impl Interface {
-    /// The state that follows from a gap under `drive`, with its residuals, from new transforms. It applies to an
-    /// interface in u_z alone, whose displacement the gap determines; with free boundaries that outside of the patch
-    /// follows from the `pressure`, which is not used otherwise.
+    /// Computes the state and its residuals from the gap under `drive`, with new transforms. It applies to an interface
+    /// in u_z alone, where the gap determines the displacement. With free boundaries, `pressure` determines the
+    /// displacement outside the patch; otherwise it is not used.
     ///
     /// # Errors
-    /// An invalid drive; fields of another shape than the grid, or an interface in all components.
+    /// Returns an error for an invalid drive, fields that do not match the grid, or an interface in all components.
     pub fn certify(&self, gap: &ArrayRef2<f64>, pressure: &ArrayRef2<f64>, drive: Drive) -> Result<State, Refusal> {
         let frame = self.frame(drive)?;
         let expected = frame.components() * frame.inside();
@@ -89,13 +89,13 @@ impl Interface {
     }
 }
 
-/// Rounding errors of tractions, over the largest: those of transforms of large fields, with a margin.
+/// Relative rounding error of tractions from transforms of large fields, with a margin.
 const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
-/// The reason why reshaping a field cannot fail.
+/// Reason why reshaping a field cannot fail.
 const FITS: &str = "every field of an interface has the size of its grid";
 
-/// The fields of a state while they are computed.
+/// Fields of a state during their computation.
 struct Certificate<'a> {
     interface: &'a Interface,
     frame: &'a Frame<'a>,
@@ -106,11 +106,11 @@ struct Certificate<'a> {
     wall_pressure: Vec<f64>,
 }
 
-/// The equilibrium of one component.
+/// Equilibrium of one component.
 struct Balance {
-    /// Largest traction that neither law nor wall balances.
+    /// Largest traction that is not balanced by law or wall.
     unbalanced: f64,
-    /// Largest tension that the wall would have to exert.
+    /// Largest tension required from the wall.
     tension: f64,
     /// Largest traction.
     largest: f64,
@@ -119,7 +119,7 @@ struct Balance {
 }
 
 impl Certificate<'_> {
-    /// Fills the gap; returns its lowest value, NaN if any value is NaN.
+    /// Computes the gap; returns its lowest value, NaN if any value is NaN.
     fn separations(&mut self) -> f64 {
         let Self { frame, position, gap, .. } = self;
         pass(
@@ -134,9 +134,9 @@ impl Certificate<'_> {
         )
     }
 
-    /// Compares the elastic traction of a component with that of the law. At points that touch the wall, the wall
-    /// balances the difference, by pressure only. The mean traction of a component whose mean is held is unknown; it is
-    /// chosen so that the mean force on the free points vanishes.
+    /// Compares the elastic traction of a component with the traction of the law. At points that touch the wall, the
+    /// wall balances the difference, by pressure only. If the mean of a component is held, its mean traction is
+    /// unknown; it is chosen so that the mean force on the free points vanishes.
     fn balance(&mut self, component: usize) -> Balance {
         let Self { interface, frame, position, traction, gap, wall_pressure } = self;
         let points = frame.points();
@@ -184,14 +184,14 @@ impl Certificate<'_> {
         Balance { unbalanced, tension, largest, law_mean: law_total / frame.inside() as f64 }
     }
 
-    /// The energy of the law per area.
+    /// Returns the energy of the law per area.
     fn interface_energy(&self) -> f64 {
         let Self { interface, frame, position, .. } = self;
         let of = |i: usize| interface.energy(frame.separation(position, frame.place_of(i)));
         sum(frame.inside(), &|range| range.map(of).sum()) / frame.inside() as f64
     }
 
-    /// The fraction of points that the wall presses; without a wall, of points that the law repels.
+    /// Returns the fraction of points pressed by the wall; without a wall, the fraction of points repelled by the law.
     fn contact_fraction(&self) -> f64 {
         let Self { interface, frame, position, wall_pressure, .. } = self;
         let wall = interface.law.has_wall();
@@ -203,8 +203,8 @@ impl Certificate<'_> {
         sum(frame.inside(), &|range| range.map(|i| f64::from(in_contact(i))).sum()) / frame.inside() as f64
     }
 
-    /// The displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the elastic
-    /// surface moves in place of the rigid one.
+    /// Returns the displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the
+    /// elastic surface moves instead of the rigid one.
     fn displacement_and_approach(&self, mean_pressure: f64) -> (Vec<f64>, f64) {
         let Self { interface, frame, position, .. } = self;
         let mut displacement = position.to_vec();

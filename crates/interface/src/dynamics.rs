@@ -1,4 +1,4 @@
-//! Damped dynamics: slow, but it needs no energy, only the force. The time step follows from the stiffest mode of the
+//! Damped dynamics: slow, but needs only the force and no energy. The time step follows from the stiffest mode of the
 //! body and the stiffness of the law (theory.md, section 8).
 
 use gfmd_relax::{
@@ -13,10 +13,10 @@ use crate::frame::Frame;
 use crate::numbers::mean;
 use crate::{Interface, State};
 
-/// The largest number of runs. A run that diverged, or went uphill for too long, is repeated with half its time step.
+/// Maximum number of runs. A run that diverges or goes uphill for too long is repeated with half its time step.
 const ATTEMPTS: u64 = 8;
 
-/// Relaxes by `engine`, a version of FIRE made from its largest time step.
+/// Relaxes by `engine`, which creates a version of FIRE from its largest time step.
 pub(crate) fn relax_to_rest(
     interface: &Interface,
     frame: &Frame,
@@ -87,7 +87,7 @@ struct Motion<'a> {
     frame: &'a Frame<'a>,
     transforms: Transforms,
     bounds: Option<Vec<f64>>,
-    /// The unit of force in the residual.
+    /// Unit of force in the residual.
     scale: f64,
 }
 
@@ -124,7 +124,7 @@ impl Landscape for Motion<'_> {
         let law = sum(points, &|range| range.map(|i| interface.law.opening_energy(frame.separation(u, i).0)).sum());
         let work: f64 = frame.push * total(&u[z * points..][..points]);
         self.hold_means(force);
-        // Without a potential of the law this is not an energy, only a monitor for divergence.
+        // If the law has no potential, this is not an energy, only a monitor for divergence.
         elastic + law - work
     }
 

@@ -1,6 +1,6 @@
 use gfmd_relax::Ending;
 
-/// The last position of a search, and the reason why it ended.
+/// Last position of a search, and the reason for its end.
 pub(crate) struct Ended {
     pub(crate) position: Vec<f64>,
     pub(crate) iterations: u64,

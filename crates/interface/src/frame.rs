@@ -5,16 +5,16 @@ use gfmd_vector::total;
 use crate::patch::Patch;
 use crate::{Interface, State};
 
-/// The coordinates in which a drive is solved. Under a prescribed load the rigid surface stays at first touch and the
-/// body is pushed up with `push`; the stiffness of its uniform motion is then 0 (theory.md, section 6.5).
+/// Coordinates for the solution of a drive. Under a prescribed load the rigid surface stays at first touch, and `push`
+/// moves the body up; the stiffness of its uniform motion is then 0 (theory.md, section 6.5).
 #[derive(Clone, Debug)]
 pub(crate) struct Frame<'a> {
     pub(crate) drive: Drive,
-    /// Stiffness of the uniform mode, component by component; 0 where the mean is held.
+    /// Stiffness of the uniform mode, per component; 0 where the mean is held.
     pub(crate) uniform_stiffness: Vec<f64>,
-    /// Components whose mean is held at 0, because a uniform traction does not move the body along them.
+    /// Components with a mean held at 0, because a uniform traction does not move the body along them.
     pub(crate) held: Vec<bool>,
-    /// Mean pressure that pushes the body up, stress; of a patch the mean over its cell.
+    /// Mean pressure that pushes the body up, stress; for a patch, the mean over its cell.
     pub(crate) push: f64,
     /// Approach of the rigid surface, length.
     pub(crate) approach: f64,
@@ -26,7 +26,7 @@ impl Interface {
     /// Returns the frame of a drive.
     ///
     /// # Errors
-    /// Numbers that are not finite, or an approach beyond full contact.
+    /// Returns an error if numbers are not finite or the approach is beyond full contact.
     pub(crate) fn frame(&self, drive: Drive) -> Result<Frame<'_>, Refusal> {
         drive.check()?;
         let uniform = self.elastic.uniform_compliance();
@@ -56,22 +56,22 @@ impl Interface {
 }
 
 impl Frame<'_> {
-    /// Number of points.
+    /// Returns the number of points.
     pub(crate) fn points(&self) -> usize {
         self.clearance.len()
     }
 
-    /// Number of points where the rigid surface is: all, or those of the patch.
+    /// Returns the number of points below the rigid surface: all points, or the points of the patch.
     pub(crate) fn inside(&self) -> usize {
         self.patch.map_or(self.points(), Patch::len)
     }
 
-    /// The point that is number `i` of those [inside](Self::inside).
+    /// Returns the index of point `i` of the points [inside](Self::inside).
     pub(crate) fn place_of(&self, i: usize) -> usize {
         self.patch.map_or(i, |patch| patch.place_of(i))
     }
 
-    /// The values inside of fields, one field after another.
+    /// Returns the values at the inside points, field by field.
     pub(crate) fn values_inside(&self, fields: Vec<f64>) -> Vec<f64> {
         match self.patch {
             Some(patch) => patch.inside(&fields),
@@ -79,39 +79,39 @@ impl Frame<'_> {
         }
     }
 
-    /// The mean over the points inside, where the other points are zero.
+    /// Returns the mean over the inside points of a field that is zero elsewhere.
     pub(crate) fn mean(&self, field: &[f64]) -> f64 {
         total(field) / self.inside() as f64
     }
 
-    /// Number of components.
+    /// Returns the number of components.
     pub(crate) fn components(&self) -> usize {
         self.held.len()
     }
 
-    /// Index of the normal component.
+    /// Returns the index of the normal component.
     pub(crate) fn z(&self) -> usize {
         self.held.len() - 1
     }
 
-    /// Traction that pushes component `c`, stress.
+    /// Returns the traction that pushes component `c`, stress.
     pub(crate) fn push_on(&self, c: usize) -> f64 {
         if c == self.z() { self.push } else { 0.0 }
     }
 
-    /// The separations Δ_n and Δ_t at point `i`.
+    /// Returns the separations Δ_n and Δ_t at point `i`.
     pub(crate) fn separation(&self, position: &[f64], i: usize) -> (f64, [f64; 2]) {
         let (points, z) = (self.points(), self.z());
         let along = |c: usize| if c < z { self.drive.lateral[c] - position[c * points + i] } else { 0.0 };
         (self.clearance[i] - self.approach - position[z * points + i], [along(0), along(1)])
     }
 
-    /// The heights of the rigid surface, which are the upper bounds of w_z with a hard wall.
+    /// Returns the heights of the rigid surface; for a hard wall, they are the upper bounds of w_z.
     pub(crate) fn wall(&self) -> impl Iterator<Item = f64> {
         self.clearance.iter().map(|clearance| clearance - self.approach)
     }
 
-    /// The position with these values `inside`. That of the points outside of a patch follows from the pressure on it.
+    /// Returns the position with the given values `inside`; outside a patch it follows from the pressure on the patch.
     pub(crate) fn position<'p>(
         &self,
         elastic: &Elastic,
@@ -133,8 +133,8 @@ impl Frame<'_> {
         position
     }
 
-    /// The position from which a search begins: `start`, with the points under pressure of the wall placed on it;
-    /// without one, the undeformed surface, clipped at the wall.
+    /// Returns the starting position of a search: `start`, with points under wall pressure placed on the wall; without
+    /// it, the undeformed surface, clipped at the wall.
     pub(crate) fn starting_position(&self, elastic: &Elastic, start: Option<&State>) -> Vec<f64> {
         let z = self.z() * self.points();
         let Some(state) = start else {

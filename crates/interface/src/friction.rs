@@ -1,5 +1,5 @@
-//! Friction at a hard wall, solved for the tractions. The normal contact with the shear of the last round, and the
-//! shear with the limits that the pressure sets, are solved in turn until both agree (Panagiotopoulos 1975).
+//! Friction at a hard wall, solved for the tractions. The normal contact with the last shear, and the shear with the
+//! limits set by the pressure, are solved alternately until both agree (Panagiotopoulos 1975).
 
 mod certify;
 mod division;
@@ -24,66 +24,66 @@ use increment::Increment;
 use response::Response;
 pub use state::{FrictionResidual, FrictionState};
 
-/// A rigid rough surface pressed on an elastic one and moved sideways, with a hard wall and friction.
+/// A rigid rough surface pressed on an elastic one and moved laterally, with a hard wall and friction.
 ///
-/// Friction depends on history: a drive is one increment from the state before. At points where |shear| is below its
+/// Friction depends on history: a drive is one increment from the previous state. At points where |shear| is below its
 /// limit the surfaces stick, that is, move together during the increment; at the limit they may slip against the shear.
-/// The slip of a point that comes into contact is counted from its position at the start of the increment.
+/// The slip of a point that comes into contact counts from its position at the start of the increment.
 ///
-/// With [`Limit::Tresca`] the limit is discontinuous at the edge of the contact. If shear moves the surface up and down
-/// (for all bodies but those with ν = ½), a point at the edge may have no solution, because its shear lifts it out of
-/// contact. The solver then ends with [`SolveError::NotConverged`]. A clone shares the data.
+/// With [`Limit::Tresca`] the limit is discontinuous at the contact edge. If shear moves the surface up and down (for
+/// all bodies except ν = ½), a point at the edge may have no solution, because its shear lifts it out of contact. The
+/// solver then returns [`SolveError::NotConverged`]. A clone shares the data.
 #[derive(Clone, Debug)]
 pub struct FrictionalContact {
-    /// The response of the body, the rigid surface and the limit of the shear, in `units`.
+    /// Response of the body, rigid surface and shear limit, in `units`.
     response: Response,
     surface: Arc<RigidSurface>,
     limit: Limit,
-    /// The rigid surface as given.
+    /// Rigid surface as given.
     given: Arc<RigidSurface>,
     /// E* as given.
     contact_modulus: f64,
     units: Units,
 }
 
-/// The reason why transforming or reshaping a field cannot fail.
+/// Reason why transforming or reshaping a field cannot fail.
 const FITS: &str = "every field of a contact has the size of its grid";
 
-/// The largest number of rounds of normal and tangential problem.
+/// Maximum number of rounds of normal and tangential problem.
 const ROUNDS: usize = 150;
-/// The number of rounds after which the alternation may be cyclic. Only the fraction [`PART`] of the change of the
-/// shear is then passed to the normal problem.
+/// Number of rounds after which the alternation may be cyclic. From then on, only the fraction [`PART`] of the shear
+/// change is passed to the normal problem.
 const WHOLE_ROUNDS: usize = 20;
 const PART: f64 = 0.3;
-/// The tolerance of either problem divided by the tolerance of the contact, at the end.
+/// Final tolerance of either problem divided by the tolerance of the contact.
 const SHARE: f64 = 0.1;
-/// The tolerance of either problem divided by the residual of the contact before. A round reduces the residual to about
-/// a fifth, so that closer results would be changed by the next one; with larger numbers slabs take more rounds.
+/// Tolerance of either problem divided by the previous residual of the contact. A round reduces the residual to about a
+/// fifth, so that the next round would change more accurate results; with larger values slabs take more rounds.
 const SHARE_OF_RESIDUAL: f64 = 0.075;
-/// The tolerance of both problems in the first round, and the largest one.
+/// Tolerance of both problems in the first round, and upper limit for the later ones.
 const FIRST: f64 = 1e-3;
-/// The largest part of a prescribed approach that is within the tolerance of a round.
+/// Largest fraction of a prescribed approach that lies within the tolerance of a round.
 const OF_THE_APPROACH: f64 = 0.1;
 
-/// The only solver, which alternates between projected conjugate gradients and spectral projected gradients.
+/// The only solver; it alternates between projected conjugate gradients and spectral projected gradients.
 const SOLVERS: [Solver; 1] = [Solver::Auto];
 
 impl FrictionalContact {
-    /// Makes a contact. `heights` is the rigid profile on `grid`, peaks pointing at the body, in length; only
-    /// differences matter.
+    /// Creates a contact. `heights` is the rigid profile on `grid`, peaks towards the body, in length; only differences
+    /// matter.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
+    /// Returns an error for heights that do not match the grid, are not finite or are all equal, or a negative limit.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
         Self::bounded(Boundary::Periodic, body, grid, heights, limit)
     }
 
-    /// As [`new`](Self::new), with the boundary of the surface. With [`Boundary::Free`] displacements are against
-    /// points far away, and a mean pressure is the force over Lx Ly.
+    /// Creates a contact as [`new`](Self::new), with the given boundary. With [`Boundary::Free`] displacements are
+    /// relative to points far away, and a mean pressure is the force divided by Lx Ly.
     ///
     /// # Errors
-    /// As [`new`](Self::new); and with free boundaries a profile, or a body that nothing holds sideways, or whose
-    /// layers are too thin.
+    /// Returns an error as [`new`](Self::new) and, with free boundaries, for a profile, for a body without lateral
+    /// support, or for layers that are too thin.
     pub fn bounded(
         boundary: Boundary,
         body: &Body,
@@ -108,11 +108,11 @@ impl FrictionalContact {
         Ok(Self { response, surface, limit, given, contact_modulus, units })
     }
 
-    /// As [`new`](Self::new), on an existing response, such as one that many surfaces on one body share. The problem is
-    /// solved in the units of the response, whatever its size.
+    /// Creates a contact as [`new`](Self::new), on an existing response, for example one shared by many surfaces on one
+    /// body. The problem is solved in the units of the response, whatever its size.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, not finite, or all equal; a negative limit.
+    /// Returns an error for heights that do not match the grid, are not finite or are all equal, or a negative limit.
     pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
         let response = response.into();
         let limit = limit.check()?;
@@ -128,23 +128,23 @@ impl FrictionalContact {
         if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }
 
-    /// The rigid surface.
+    /// Returns the rigid surface.
     #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
     pub fn surface(&self) -> &RigidSurface {
         &self.given
     }
 
-    /// The state of `drive` before its solution, with all tractions as they are guessed.
+    /// Returns the state of `drive` before its solution, with the initial guess of all tractions.
     pub(crate) fn at_start(&self, drive: Drive) -> FrictionState {
         certify(&mut Increment::new(self, self.units.drive(drive), None))
     }
 
-    /// The boundary of the surface.
+    /// Returns the boundary of the surface.
     pub fn boundary(&self) -> Boundary {
         self.response.boundary()
     }
 
-    /// The number of lateral components.
+    /// Returns the number of lateral components.
     fn lateral_components(&self) -> usize {
         self.response.components().len() - 1
     }
@@ -178,7 +178,7 @@ impl Equilibrium for FrictionalContact {
         self.given.check_resolution(drive.load, softest * self.units.stiffness(), tolerance)
     }
 
-    /// Solves the contact at the end of an increment that begins at `start`, or at the undeformed surface.
+    /// Solves the contact at the end of an increment from `start`, or from the undeformed surface.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -222,7 +222,7 @@ impl FrictionalContact {
         let mut increment = Increment::new(self, drive, start);
         let mut iterations = 0;
         let mut ending = Ending::GaveUp(Why::Circles);
-        // Without pressure, a surface that is moved by a prescribed approach must not be within the tolerance.
+        // A surface moved by a prescribed approach must not count as solved without pressure.
         let coarsest = |increment: &Increment| match drive.load {
             Load::Approach(approach) => FIRST.min(OF_THE_APPROACH * approach / increment.length_scale),
             Load::MeanPressure(_) => FIRST,
@@ -265,7 +265,7 @@ impl FrictionalContact {
         judge(state, ending, budget.tolerance)
     }
 
-    /// Checks that the displacement by the shear can be resolved. On a thin plate it may be much larger than the
+    /// Checks that the displacement caused by the shear can be resolved. On a thin plate it may be much larger than the
     /// roughness.
     fn check_shear(&self, state: &FrictionState, tolerance: f64) -> Result<(), Refusal> {
         let lateral = state.traction.outer_iter().take(self.lateral_components());

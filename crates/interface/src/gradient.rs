@@ -1,5 +1,5 @@
-//! The derivatives of a number of an interface in u_z with respect to heights, load and modulus, by one linear problem
-//! (theory.md, section 7.9).
+//! Derivatives of a scalar result of an interface in u_z with respect to heights, load and modulus, from one linear
+//! problem (theory.md, section 7.9).
 
 use gfmd_contact::{Cotangents, Effort, Fields as _, Gradient, GradientError, Load};
 use gfmd_vector::{dot, total};
@@ -9,21 +9,21 @@ use crate::newton::{Adjoint, Linear};
 use crate::patch::Patch;
 use crate::{Interface, State};
 
-/// The largest error of a result.
+/// Largest accepted error of a result.
 const ERROR: f64 = 1e-8;
 
 impl Interface {
-    /// The derivatives of a number, whose own derivatives are `of`, at the stable `state` under a `load`, whose kind is
-    /// that which is prescribed. The points that the wall presses are kept, which they are for almost all heights and
-    /// loads.
+    /// Computes the derivatives of a scalar at the stable `state`, with respect to heights, load and modulus. `of`
+    /// holds its derivatives with respect to the state; only the kind of `load` matters. The set of points pressed by
+    /// the wall is kept fixed, as it is for almost all heights and loads.
     ///
     /// # Errors
-    /// An interface in all components; derivatives of another shape, or that are not finite; a load that does not
-    /// determine the state, or at which it jumps; a linear problem that was not solved.
+    /// Returns an error for an interface in all components; for derivatives of another shape or not finite; if the load
+    /// does not determine the state, or the state jumps; or if the linear problem was not solved.
     pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
         let shape: [usize; 2] = self.surface.grid().points();
         of.check(shape, self.patch.as_ref().is_none_or(Patch::has_level))?;
-        // All in the units of the solve.
+        // All values in the units of the solve.
         let (stress, length, energy) = (self.units.stress(), self.units.length(), self.units.energy());
         let is_driven = matches!(load, Load::Approach(_));
         let drive = if is_driven {
@@ -63,7 +63,7 @@ impl Interface {
         }
         let pressure = in_cell(scaled(&state.pressure(), stress));
         let sunk = in_cell(state.displacement.iter().map(|u| -u / length).collect());
-        // ∂L/∂p at given gaps, with that of the mean and that of the energy, whose change is that of p times −u.
+        // ∂L/∂p at fixed gaps, with the terms of the mean pressure and of the energy, which changes by −u dp.
         let of_mean = if is_driven { of.mean_pressure * stress / inside as f64 } else { 0.0 };
         let of_energy = of.elastic_energy * energy;
         let by_pressure = of.pressure.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / stress));
@@ -72,7 +72,7 @@ impl Interface {
         let by_gap = of.gap.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / length));
         let of_mean_gap = of.mean_gap * length / inside as f64;
         let by_gap = in_cell(by_gap.iter().map(|by| by + of_mean_gap).collect());
-        // In the frame of a load the approach is the mean of the position, and the mean displacement by the load.
+        // In the frame of a load, the approach is the mean position plus the mean displacement caused by the load.
         let by_approach = if is_driven { 0.0 } else { of.approach * length };
         let level = by_approach / points as f64;
         let of_position = problem.elastic(&by_pressure);
@@ -104,7 +104,7 @@ impl Interface {
         let stored = 0.5 * dot(&pressure, &sunk) / inside as f64;
         let by_modulus = dot(&whole, &pressure) - of_load - of_energy * stored;
         let mut heights = Array2::from_shape_fn(shape, |(i, j)| -by_clearance[i * shape[1] + j] / length);
-        // The approach counts from the highest point.
+        // The approach is measured from the highest point.
         let clearance = self.surface.clearance();
         let lowest = clearance.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
         heights[[lowest / shape[1], lowest % shape[1]]] += moved / length;

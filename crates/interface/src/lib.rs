@@ -1,10 +1,10 @@
-//! An elastic body and a rigid rough surface joined by an interface law: adhesive and cohesive contact, friction.
+//! Contact of an elastic body and a rigid rough surface with an interface law: adhesion, cohesion and friction.
 //!
-//! - [`Interface`]: a law that acts across the gap, with or without a hard wall, in u_z alone or in all components. At
-//!   rest the elastic traction balances that of law and wall. If there are several such states, the solver finds a
-//!   stable one by lowering the energy from the state of the start.
+//! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. In
+//!   equilibrium the elastic traction balances the tractions of law and wall. If several equilibria exist, the solver
+//!   finds a stable one by lowering the energy from the starting state.
 //! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, solved increment by increment.
-//! - [`PlasticContact`]: a hard wall with a hardness, whose plastic depth stays.
+//! - [`PlasticContact`]: a hard wall with a hardness and permanent plastic depth.
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.
 //!
 //! An adhesive wave, pressed on a half-space and pulled off:
@@ -32,8 +32,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: the laws themselves (`gfmd-law`), hard-wall contact without friction (`gfmd-contact`, whose solvers are
-//! faster).
+//! Not included: the laws (`gfmd-law`) and frictionless hard-wall contact (`gfmd-contact`, with faster solvers).
 
 mod certify;
 mod dynamics;

@@ -1,11 +1,11 @@
-//! Newton's method within a trust region, on the points that the wall does not hold.
+//! Newton's method within a trust region, on the points not held by the wall.
 //!
 //! The energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z is minimised over w_z ≤ bound. A step solves (K + J) d = f on the free
 //! points by conjugate gradients that stop at the edge of the region or at a negative curvature (Steihaug 1983). The
 //! preconditioner is the compliance, with a smaller weight at points where the law is stiff. The step is then projected
-//! on the wall and shortened until the energy falls. No step raises the energy, so a jump ends in a stable state of
-//! lower energy. The search for a step of u_z alone has single precision ([`one_component`]); positions, forces and
-//! energies have double precision.
+//! on the wall and shortened until the energy falls. No step raises the energy, so that a jump ends in a stable state
+//! of lower energy. The search for a step in u_z alone uses single precision ([`one_component`]); positions, forces and
+//! energies use double precision.
 
 mod adjoint;
 mod all_components;
@@ -28,10 +28,10 @@ use descent::Descent;
 use one_component::OneComponent;
 use trust_region::Model;
 
-/// The solver continues until its residual is this part of the tolerance.
+/// Fraction of the tolerance at which the solver stops.
 const SHARE_OF_TOLERANCE: f64 = 0.1;
 
-/// Descends from `start`, which took so many transform pairs `before`, or from the undeformed surface.
+/// Descends from `start`, or from the undeformed surface. `before` is the number of transform pairs spent on `start`.
 pub(crate) fn descend(
     interface: &Interface,
     frame: &Frame,
@@ -44,7 +44,7 @@ pub(crate) fn descend(
     let uniform = uniform_compliance(interface, frame);
     let mut transforms = elastic.transforms();
     *transforms.counter() += match elastic {
-        // Single transforms.
+        // The counter counts single transforms.
         Elastic::Normal(_) => (2.0 * before) as u64,
         Elastic::Full(_) => before as u64,
     };
@@ -60,14 +60,14 @@ pub(crate) fn descend(
     }
 }
 
-/// The compliance of the uniform mode in a preconditioner, which resists a uniform motion that nothing else does.
+/// Returns the compliance of the uniform mode in a preconditioner; it resists uniform motion if nothing else does.
 fn uniform_compliance(interface: &Interface, frame: &Frame) -> Vec<f64> {
     let [softest, _] = interface.elastic.stiffness_range();
     let resists = |stiffness: &f64| 1.0 / if *stiffness > 0.0 { *stiffness } else { softest };
     frame.uniform_stiffness.iter().map(resists).collect()
 }
 
-/// The weight of a free point in a preconditioner, where the law has this slope; `reference` is the stiffness of a
+/// Returns the weight of a free point in a preconditioner for the `slope` of the law; `reference` is the stiffness of a
 /// wave.
 fn weight_of(slope: f64, reference: f64) -> f64 {
     (1.0 + slope.max(0.0) / reference).sqrt().recip()
@@ -76,7 +76,7 @@ fn weight_of(slope: f64, reference: f64) -> f64 {
 fn descend_with<M: Model>(
     mut descent: Descent<M>,
     budget: &Budget,
-    // True if a jump on the way from the start to the state is an instability.
+    // True if a jump between the start and the state counts as an instability.
     mut has_start: bool,
     watch: &mut dyn Watch,
 ) -> Ended {

@@ -2,12 +2,12 @@
 
 use gfmd_vector::{add, reduce, total};
 
-/// The mean of a field.
+/// Returns the mean of a field.
 pub(crate) fn mean(field: &[f64]) -> f64 {
     total(field) / field.len() as f64
 }
 
-/// The mean of a field over the points that count; 0 if there are none.
+/// Returns the mean of a field over the points where `counts` is true; 0 if there are none.
 pub(crate) fn mean_where(field: &[f64], counts: impl Fn(usize) -> bool + Sync) -> f64 {
     let [total, count] = reduce(
         field.len(),
@@ -17,17 +17,17 @@ pub(crate) fn mean_where(field: &[f64], counts: impl Fn(usize) -> bool + Sync) -
     if count > 0.0 { total / count } else { 0.0 }
 }
 
-/// The larger number, NaN if either is.
+/// Returns the larger number, NaN if either is NaN.
 pub(crate) fn higher(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// The smaller number, NaN if either is.
+/// Returns the smaller number, NaN if either is NaN.
 pub(crate) fn lower(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }
 }
 
-/// The larger of each pair, NaN if either is.
+/// Returns the larger number of each pair, NaN if either is NaN.
 pub(crate) fn higher_each<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
     std::array::from_fn(|k| higher(a[k], b[k]))
 }

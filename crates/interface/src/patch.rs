@@ -3,24 +3,24 @@ use std::sync::Arc;
 use gfmd_contact::RigidSurface;
 use gfmd_field::Grid;
 
-/// The periodic cell in which the problem of a patch with free boundaries is solved: the patch and, around it, an empty
-/// surface twice as large, where the rigid surface is so [far](FAR) away that no law and no wall acts (theory.md,
-/// section 8.1). Values of the patch are the first of the first rows.
+/// Periodic cell for a patch with free boundaries: the patch and empty surface beside it, with twice the points along
+/// each axis. There the rigid surface is so [far](FAR) away that neither law nor wall acts (theory.md, section 8.1).
+/// The patch is the first part of the first rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
     points: [usize; 2],
     cell: [usize; 2],
     has_level: bool,
-    /// The clearance of the whole cell.
+    /// Clearance of the whole cell.
     clearance: Arc<[f64]>,
 }
 
-/// The clearance outside of the patch, in the units of the solve, in which heights are of the order of 1: every law has
-/// faded away there, and a ninth power is still a number.
+/// Clearance outside the patch, in the units of the solve, where heights are of order 1: every law vanishes there, and
+/// its ninth power does not overflow.
 const FAR: f64 = 1e30;
 
 impl Patch {
-    /// The patch of `surface` in its cell.
+    /// Creates the patch of `surface` in its cell.
     pub(crate) fn of(surface: &RigidSurface, cell: &Grid, has_level: bool) -> Self {
         let points = surface.grid().points();
         let patch = Self { points, cell: cell.points(), has_level, clearance: Arc::default() };
@@ -29,7 +29,7 @@ impl Patch {
         Self { clearance: clearance.into(), ..patch }
     }
 
-    /// False if the displacement is known up to a constant.
+    /// Returns false if the displacement is known only up to a constant.
     pub(crate) fn has_level(&self) -> bool {
         self.has_level
     }
@@ -38,12 +38,12 @@ impl Patch {
         &self.clearance
     }
 
-    /// Number of points of the patch.
+    /// Returns the number of points of the patch.
     pub(crate) fn len(&self) -> usize {
         self.points[0] * self.points[1]
     }
 
-    /// The place in the cell of point `i` of the patch.
+    /// Returns the index in the cell of point `i` of the patch.
     pub(crate) fn place_of(&self, i: usize) -> usize {
         i / self.points[1] * self.cell[1] + i % self.points[1]
     }
@@ -53,7 +53,7 @@ impl Patch {
         values.into_iter().enumerate().for_each(|(i, value)| field[self.place_of(i)] = *value);
     }
 
-    /// The values on the patch of the fields of the cell, one field after another.
+    /// Returns the values on the patch from the fields of the cell, field by field.
     pub(crate) fn inside(&self, fields: &[f64]) -> Vec<f64> {
         let [nx, ny] = self.points;
         let rows =

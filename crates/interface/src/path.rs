@@ -1,50 +1,49 @@
-//! Contacts along a path of drives, with the energy that each step loses (theory.md, section 8).
+//! Contacts along a path of drives, with the energy lost in each step (theory.md, section 8).
 
 use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Visit};
 use gfmd_relax::{Budget, Watch};
 
 use crate::{FrictionState, FrictionalContact, Interface, State};
 
-/// A contact that can be followed along a path of states at rest.
+/// A contact that can be followed along a path of equilibrium states.
 pub trait Quasistatic: Equilibrium {
-    /// The numbers of a state that the energy balance of a path needs.
+    /// Returns the values of a state for the energy balance of a path.
     fn reading(&self, state: &Self::State) -> Reading;
 
-    /// Returns true if the state `end` may depend, by more than a [`change`](Self::change) of `tolerance`, on the
-    /// number of increments in which it was reached from `start`, or from the undeformed surface. The answer takes no
-    /// solve.
+    /// Returns true if the state `end` may depend, by a [`change`](Self::change) above `tolerance`, on the number of
+    /// increments from `start`, or from the undeformed surface. No solve is made.
     fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
         false
     }
 
-    /// The change from a state to another one under the same drive, both reached from `start`, or from the undeformed
-    /// surface, in different numbers of increments: the energy of their difference over that of the forces that depend
-    /// on the way from `start`.
+    /// Returns the change between two states under the same drive, both reached from `start`, or from the undeformed
+    /// surface, in different numbers of increments: the energy of their difference divided by the energy of the forces
+    /// that depend on the path from `start`.
     fn change(&self, _start: Option<&Self::State>, _from: &Self::State, _to: &Self::State) -> f64 {
         0.0
     }
 
-    /// The change of the fraction of the contact that sticks, between two states under the same drive. Points slip in
-    /// the last increment at the end, so that this fraction depends on its length even where the tractions hardly do.
+    /// Returns the change of the sticking fraction between two states under the same drive. Points slip in the last
+    /// increment at the end, so that this fraction depends on its length even where the tractions hardly do.
     fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
         0.0
     }
 }
 
-/// A state at rest, and its forces and energies.
+/// Equilibrium state with its forces and energies.
 type Reached<S> = (S, Reading);
 
-/// A step in equal increments.
+/// Step in equal increments.
 struct Divided<S> {
-    /// The state before the last increment, if there is one.
+    /// State before the last increment, if any.
     before: Option<Reached<S>>,
     end: Reached<S>,
-    /// The sum of the losses of all increments, and that of their imbalances.
+    /// Sums of the losses and of the imbalances of all increments.
     lost: f64,
     imbalance: f64,
 }
 
-/// The numbers of a state at rest that the energy balance needs.
+/// Values of an equilibrium state for the energy balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Mean pressure, stress.
@@ -59,103 +58,101 @@ pub struct Reading {
     pub time: f64,
     /// Sliding distance, if the state has one, length.
     pub distance: f64,
-    /// The way to find the energy lost in the step to this state.
+    /// Source of the energy lost in the step to this state.
     pub loss: Loss,
 }
 
-/// The ways to find the energy lost in a step.
+/// Source of the energy lost in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loss {
-    /// By the balance of work and energy, from this stored energy per area. Energy is lost only in jumps.
+    /// Balance of work and energy, from this stored energy per area. Energy is lost only in jumps.
     Balance(f64),
-    /// The solver returns the loss of an increment, per area. Its error is that of the increment.
+    /// Loss of an increment per area, from the solver. Its error is the error of the increment.
     Known(f64),
-    /// The solver returns the loss of an increment, per area, and the imbalance of its work and energy.
+    /// Loss of an increment per area and imbalance of its work and energy, from the solver.
     Certified {
         /// Energy lost.
         lost: f64,
-        /// Work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude.
+        /// Magnitude of the trapezoidal work of the rigid surface minus the energies gained and lost.
         imbalance: f64,
-        /// The stored energy per area, if energy may be lost in jumps, too. In a step of no time they lose all of it,
-        /// and the balance of work and energy gives the loss.
+        /// Stored energy per area, if energy may also be lost in jumps. In an instantaneous step only jumps lose
+        /// energy, and the balance of work and energy gives the loss.
         stored: Option<f64>,
     },
-    /// The loss is unknown, because the tractions have no energy.
+    /// Unknown loss, because the tractions have no energy.
     Unknown,
 }
 
-/// The accuracy of the energy balance of a path.
+/// Accuracy of the energy balance of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement {
-    /// With an energy, the largest error of a step, relative to the work exchanged in the step or to the mean of that
-    /// work over the steps so far, if that is larger. Where a loss is [known](Loss::Known), the largest error of the
-    /// loss over that work, and twice the largest [change](Quasistatic::change) of the state when its increments are
-    /// halved; its square root is the largest change of the [sticking fraction](Quasistatic::change_of_stick) when the
-    /// last increment is halved.
+    /// With an energy, the largest error of a step, relative to the work exchanged in the step or, if larger, to the
+    /// mean work per step so far. Where a loss is [known](Loss::Known), the largest error of the loss relative to that
+    /// work, and twice the largest [change](Quasistatic::change) of the state when its increments are halved; its
+    /// square root is the largest change of the [sticking fraction](Quasistatic::change_of_stick) when the last
+    /// increment is halved.
     pub tolerance: f64,
-    /// Largest number of further solves per step, on average; the solves for eight steps may be used in advance. With 0
-    /// no step is divided.
+    /// Average limit of extra solves per step; the solves for eight steps may be used in advance. With 0, steps are
+    /// never divided.
     pub solves_per_step: u64,
 }
 
 impl Default for Refinement {
-    /// A tolerance of 1e-3, with at most 4 further solves per step on average.
+    /// Returns a tolerance of 1e-3, with at most 4 extra solves per step on average.
     fn default() -> Self {
         Self { tolerance: 1e-3, solves_per_step: 4 }
     }
 }
 
-/// The energy balance and the effort of one step.
+/// Energy balance and effort of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
     /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// Estimate of the error of `dissipated`. `None` if `dissipated` is unknown, or if the step was not halved. Where
-    /// the loss is [certified](Loss::Certified), it is twice the difference from a path in half as many increments.
+    /// Estimated error of `dissipated`. `None` if `dissipated` is unknown or the step was not halved. Where the loss is
+    /// [certified](Loss::Certified), it is twice the difference from a path with half as many increments.
     pub dissipated_error: Option<f64>,
-    /// The sum over the increments of their imbalance of work and energy, where the loss is
-    /// [certified](Loss::Certified).
+    /// Sum of the imbalances of work and energy over the increments, where the loss is [certified](Loss::Certified).
     pub work_imbalance: Option<f64>,
-    /// The number of equal increments in which the state was reached, where the loss is [known](Loss::Known); else 0.
-    /// The last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
+    /// Number of equal increments, where the loss is [known](Loss::Known) or [certified](Loss::Certified), else 0. The
+    /// last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
     pub increments: u64,
-    /// The [change](Quasistatic::change) of the state from half as many increments; `None` if its division changes
-    /// nothing, NaN if it may do so and extra solves did not suffice to halve the step.
+    /// [Change](Quasistatic::change) of the state from half as many increments; `None` if division changes nothing, NaN
+    /// if it may but there were too few extra solves to halve the step.
     pub change: Option<f64>,
-    /// True if more increments may change the state, its loss or its sticking fraction by more than the tolerance: the
-    /// extra solves did not suffice.
+    /// True if more increments may change the state, its loss or its sticking fraction by more than the tolerance,
+    /// because there were too few extra solves.
     pub is_unsettled: bool,
-    /// True if a jump was enclosed in the step: two states so close that the forces between them, if they change
-    /// monotonically, explain less than the energy that is missing. False if no piece of the step loses more energy
-    /// than the error allowed for it. `None` if the extra solves did not suffice to tell, or if the tractions have no
-    /// energy.
+    /// True if a jump was enclosed in the step: two states so close that the forces between them, if monotonic, explain
+    /// less than the missing energy. False if no piece of the step loses more energy than its allowed error. `None` if
+    /// there were too few extra solves to decide, or if the tractions have no energy.
     pub jumped: Option<bool>,
-    /// Number of solves beyond the one that every step needs.
+    /// Number of extra solves; every step needs one solve.
     pub extra_solves: u64,
     /// Effort of all solves.
     pub effort: Effort,
 }
 
-/// A path of a contact, each state found from the last one.
+/// A path of a contact, each state found from the previous one.
 ///
 /// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in
-/// jumps. A step is therefore divided until the balance of work and energy closes to fourth order and is alike in both
-/// halves, which shows that no energy was lost, or until a jump is enclosed between two states so close that the work
-/// between them is negligible: the energy that is missing is then the loss. Once the solves of a step are used up, the
-/// difference between the halves is an error of the loss.
+/// jumps. A step is therefore divided until one of two conditions holds. Either the balance of work and energy closes
+/// to fourth order and is alike in both halves, which shows that no energy was lost. Or a jump is enclosed between two
+/// states so close that the work between them is negligible; the missing energy is then the loss. Once the solves of a
+/// step are used up, the difference between the halves is an error of the loss.
 ///
-/// With friction the state itself depends on the number of increments in which it is reached, as long as they are few:
-/// slip counts from the start of an increment, and where the contact grows this is too early. A step, also the first
-/// one, whose drive then begins at no load, is made in 1, 2, 4, ... equal increments until the state does not change.
-/// The last of them is then halved until the fraction of the contact that sticks does not change. Steps that change
-/// neither the limits of the shear nor the direction of slip, or that have no shear, are made in one.
+/// With friction the state itself depends on the number of increments, as long as they are few: slip counts from the
+/// start of an increment, which is too early where the contact grows. A step (also the first one, which begins at zero
+/// load) is made in 1, 2, 4, ... equal increments until the state does not change. The last increment is then halved
+/// until the sticking fraction of the contact does not change. Steps that change neither the limits of the shear nor
+/// the direction of slip, or that have no shear, are made in one increment.
 ///
-/// On a body that relaxes, or wears, the imbalance of work and energy of a step shows how far it must be divided. It is
-/// no error of the loss, though: at rest a relaxing body has no imbalance, however long its steps are. The path is
-/// therefore also followed in half as many increments, from its start on; twice the difference is the error. In a step
-/// of no time a law loses energy in jumps alone, as on an elastic body.
+/// If the body relaxes or wears, the imbalance of work and energy of a step shows how far it must be divided. It is not
+/// an error of the loss, though: at rest a relaxing body has no imbalance, however long its steps are. The path is
+/// therefore also followed with half as many increments, from its start on; twice the difference is the error. In an
+/// instantaneous step a law loses energy only in jumps, as on an elastic body.
 ///
-/// A wave that jumps into contact and later out of it loses energy. Loaded and unloaded within the contact it does not:
+/// A wave that jumps into contact and later out of it loses energy. Loading and unloading within the contact does not:
 ///
 /// ```
 /// use gfmd_contact::{Budget, Load, SolveError};
@@ -193,23 +190,23 @@ pub struct Path<'a, P: Quasistatic> {
     problem: &'a P,
     budget: Budget,
     solver: Solver,
-    /// `None` for a path without its energy balance.
+    /// `None` for a path without energy balance.
     refinement: Option<Refinement>,
     last: Option<Reached<P::State>>,
-    /// The end of the path in half as many increments, where the loss is certified and an error is sought.
+    /// End of the path with half as many increments, if the loss is certified and its error is wanted.
     coarse: Option<Reached<P::State>>,
-    /// True as long as every step was made in half as many increments, too.
+    /// True while every step was also made with half as many increments.
     is_halved: bool,
     /// Work exchanged in all steps so far, and their number.
     exchanged: f64,
     steps: u64,
-    /// Extra solves that may still be made.
+    /// Remaining extra solves.
     allowance: u64,
 }
 
 impl<'a, P: Quasistatic> Path<'a, P> {
-    /// Makes a path without a state. With `None` in place of a refinement each step is one solve, and its loss is not
-    /// sought.
+    /// Creates a path without a state. Without a refinement (`None`) each step is one solve, and its loss is not
+    /// computed.
     pub fn new(problem: &'a P, budget: Budget, refinement: impl Into<Option<Refinement>>) -> Self {
         let refinement = refinement.into();
         let allowance = refinement.map_or(0, |refinement| refinement.solves_per_step.saturating_mul(IN_ADVANCE));
@@ -229,13 +226,13 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         Self { is_halved: path.seeks_errors(), ..path }
     }
 
-    /// The method of all solves, [`Solver::Auto`] if none is chosen.
+    /// Sets the method of all solves, [`Solver::Auto`] by default.
     #[must_use]
     pub fn solver(self, solver: Solver) -> Self {
         Self { solver, ..self }
     }
 
-    /// Starts the next step from a state that was found in another way, or from none.
+    /// Sets the starting state of the next step, or none.
     pub fn start_from(&mut self, state: Option<P::State>) {
         self.last = state.map(|state| {
             let reading = self.problem.reading(&state);
@@ -244,13 +241,13 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         (self.coarse, self.is_halved) = (None, self.is_halved && self.last.is_none());
     }
 
-    /// The last state.
+    /// Returns the last state.
     pub fn state(&self) -> Option<&P::State> {
         self.last.as_ref().map(|(state, _)| state)
     }
 
-    /// The [solves per step](Refinement::solves_per_step) that would probably have settled `step`, the last one, if it
-    /// is unsettled: its change falls to a quarter from one division to the next. Never less than those of this path.
+    /// Returns the [solves per step](Refinement::solves_per_step) that would probably have settled the last `step` if
+    /// it is unsettled: its change falls to a quarter with each division. Never less than the value of this path.
     pub fn settling_solves(&self, step: &Step) -> u64 {
         let Some(Refinement { tolerance, solves_per_step }) = self.refinement else { return 0 };
         if !step.is_unsettled {
@@ -264,7 +261,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         solves_per_step.saturating_add((needed.max(1.0) / (IN_ADVANCE + 1) as f64).ceil() as u64)
     }
 
-    /// Visits everything from which [`resume`](Self::resume) continues the path bit for bit; nothing before the first
+    /// Visits everything that [`resume`](Self::resume) needs to continue the path bit for bit; nothing before the first
     /// step.
     pub fn keep(&mut self, visitor: &mut dyn Visit)
     where
@@ -282,7 +279,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         }
     }
 
-    /// Visits the numbers of the energy balance, if there is one.
+    /// Visits the numbers of the energy balance, if any.
     fn visit_balance(&mut self, visitor: &mut dyn Visit) {
         if self.refinement.is_some() {
             visitor.number(&mut self.exchanged);
@@ -291,10 +288,10 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         }
     }
 
-    /// Continues a path after its step to `drive`, from what [`keep`](Self::keep) visited then.
+    /// Continues a path after its step to `drive`, from the values that [`keep`](Self::keep) visited.
     ///
     /// # Errors
-    /// An invalid drive.
+    /// Returns an error for an invalid drive.
     pub fn resume(&mut self, drive: Drive, visitor: &mut dyn Visit) -> Result<(), Refusal>
     where
         P: Resumable,
@@ -318,15 +315,15 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         Ok((state, reading))
     }
 
-    /// True if a path in half as many increments gives the errors of certified losses.
+    /// Returns true if a path with half as many increments gives the errors of certified losses.
     fn seeks_errors(&self) -> bool {
         self.refinement.is_some_and(|refinement| refinement.solves_per_step > 0)
     }
 
-    /// Continues to `drive`. The first step loses no energy.
+    /// Continues to `drive`. With [`Loss::Balance`], the first step loses no energy.
     ///
     /// # Errors
-    /// The errors of the solver. The state is then the last state at rest that is known to lie on the path.
+    /// Returns the errors of the solver. The state is then the last equilibrium state known to lie on the path.
     pub fn step(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<Step, SolveError<P::State>> {
         let solves_per_step = self.refinement.map_or(0, |refinement| refinement.solves_per_step);
         let mut search = Search {
@@ -346,7 +343,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         match (reading.loss, self.last.take()) {
             (Loss::Unknown, last) => self.last = last,
             (Loss::Known(_), last) => {
-                // An error leaves the path where it was.
+                // An error leaves the path unchanged.
                 self.last = last;
                 let made = search.divide(self.last.as_ref(), (state, reading), drive, tolerance);
                 self.allowance = search.allowance;
@@ -394,43 +391,43 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     }
 }
 
-/// A state within a step.
+/// State within a step.
 struct Rest<S> {
     state: S,
     reading: Reading,
-    /// The position of the state within the step, from 0 to 1, and the position of the state from which it was found.
+    /// Position of the state within the step, from 0 to 1, and position of its starting state.
     share: f64,
     origin: f64,
 }
 
-/// The number of steps whose extra solves may be used in advance.
+/// Number of steps whose extra solves may be used in advance.
 const IN_ADVANCE: u64 = 8;
-/// The length over that of the step below which a piece is not divided.
+/// Length relative to the step below which a piece is not divided.
 const SHORTEST: f64 = 1e-9;
-/// The error that a piece with a jump may have, over the error allowed for its step.
+/// Allowed error of a piece with a jump, relative to the allowed error of its step.
 const OF_A_JUMP: f64 = 0.25;
-/// The change from half as many increments that a step may have, over the tolerance. The next change would be a little
-/// more than half of it in the tractions, since their order in the length of an increment is a little below one.
+/// Allowed change from half as many increments, relative to the tolerance. The next change would be a little more than
+/// half of it in the tractions, since their order in the length of an increment is slightly below one.
 const OF_A_CHANGE: f64 = 0.5;
-/// The error of a certified loss over its change from half as many increments. Where a contact begins, the order in
-/// their length is about one, and the error as large as the change.
+/// Error of a certified loss divided by its change from half as many increments. Where a contact begins, the order in
+/// their length is about one, and the error is as large as the change.
 const OF_A_LOSS: f64 = 2.0;
-/// The number of divisions of a step expected if nothing is known of its change, that of the first load of a sphere,
-/// and the largest number.
+/// Number of divisions of a step expected if its change is unknown (from the first loading of a sphere), and the
+/// largest number.
 const DIVISIONS: f64 = 4.0;
 const MOST_DIVISIONS: f64 = 30.0;
-/// The number of solves that must be left before a piece is divided: both halves and the remaining part of the step
-/// then get a state in their middle, without which their error is hardly known.
+/// Number of solves that must be left to divide a piece: both halves and the rest of the step then get a middle state,
+/// without which their error is hardly known.
 const RESERVE: u64 = 5;
 
-/// A step that is being computed.
+/// Step during its computation.
 struct Search<'a, P: Quasistatic> {
     problem: &'a P,
     budget: Budget,
     solver: Solver,
     watch: &'a mut dyn Watch,
     step: Step,
-    /// Extra solves that may still be made.
+    /// Remaining extra solves.
     allowance: u64,
 }
 
@@ -444,7 +441,7 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok((state, reading))
     }
 
-    /// Finds the state at the end of a step from `start`, in twice as many equal increments each time, until it does
+    /// Finds the state at the end of a step from `start`, doubling the number of equal increments until the state does
     /// not change. `end` was found in one increment.
     fn divide(
         &mut self,
@@ -478,7 +475,7 @@ impl<P: Quasistatic> Search<'_, P> {
             self.step.dissipated_error = Some(error);
             made = finer;
         }
-        // The sticking fraction needs a short last increment only.
+        // The sticking fraction only needs a short last increment.
         let mut last = 1.0 / self.step.increments as f64;
         let sticks = |change: f64| change <= tolerance.sqrt();
         while settles && !sticks(change_of_stick) && self.allowance >= 2 {
@@ -496,9 +493,9 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(made.end)
     }
 
-    /// Makes a step in twice as many equal increments each time, until the imbalance of work and energy is at most the
-    /// tolerance times the work exchanged and the energy lost, and in two at least if half as many will be made, too.
-    /// `end` was found in one increment.
+    /// Makes a step, doubling the number of equal increments until the imbalance of work and energy is at most the
+    /// tolerance times the work exchanged and the energy lost. There are at least two if half as many will be made,
+    /// too. `end` was found in one increment.
     fn halve(
         &mut self,
         start: Option<&Reached<P::State>>,
@@ -525,13 +522,13 @@ impl<P: Quasistatic> Search<'_, P> {
             }
         }
         (self.step.dissipated, self.step.work_imbalance) = (Some(made.lost), Some(made.imbalance));
-        // Nothing relaxes, and nothing wears.
+        // Nothing relaxes or wears.
         self.step.dissipated_error = is_at_once.then_some(0.0);
         Ok(made.end)
     }
 
-    /// Makes the step from the end of the path in half as many increments, `coarse`, too, and sets the error of the
-    /// loss, unless it is known. `None` if the step is not divided, or if it cannot be made.
+    /// Makes the step with half as many increments, too, from the end `coarse` of the coarser path, and sets the error
+    /// of the loss unless it is known. Returns `None` if the step is not divided or cannot be made.
     fn beside(
         &mut self,
         coarse: Option<&Reached<P::State>>,
@@ -558,7 +555,7 @@ impl<P: Quasistatic> Search<'_, P> {
         }
     }
 
-    /// A step in so many equal increments.
+    /// Makes a step in `increments` equal increments.
     fn in_increments(
         &mut self,
         start: Option<&P::State>,
@@ -580,7 +577,7 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(Divided { before, end, lost, imbalance })
     }
 
-    /// A step whose last increment is made in two, the second one of the fraction `last` of the step.
+    /// Divides the last increment of a step in two; the second part is the fraction `last` of the step.
     fn halve_last(
         &mut self,
         made: &Divided<P::State>,
@@ -595,14 +592,14 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(Divided { before: Some(middle), end, lost, imbalance: made.imbalance })
     }
 
-    /// The state at rest under `drive`, by a further solve.
+    /// Finds the equilibrium state under `drive` by an extra solve.
     fn further(&mut self, drive: Drive, start: Option<&P::State>) -> Result<Reached<P::State>, SolveError<P::State>> {
         self.step.extra_solves += 1;
         self.allowance = self.allowance.saturating_sub(1);
         self.rest(drive, start)
     }
 
-    /// Moves `here` to `end` piece by piece, and sums the losses of the pieces, to the tolerance times a reference
+    /// Moves `here` to `end` piece by piece and sums the losses of the pieces, to `tolerance` times the `reference`
     /// work.
     fn account(
         &mut self,
@@ -619,11 +616,11 @@ impl<P: Quasistatic> Search<'_, P> {
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
         let (mut jumped, mut is_known) = (false, true);
-        // With less, pieces are no longer divided only because their halves differ; the difference is then their error.
+        // Below this allowance, pieces are not divided for different halves alone; the difference is then their error.
         let enough = self.allowance - self.allowance / IN_ADVANCE;
-        // The end of the last piece that was divided although it balanced.
+        // End of the last piece that was divided although it balanced.
         let mut balanced = 0.0;
-        // The ends of the next one or two pieces, in reverse order.
+        // Ends of the next one or two pieces, in reverse order.
         let mut ahead = vec![end];
         while here.share < 1.0 {
             let mut end = match ahead.pop() {
@@ -636,7 +633,7 @@ impl<P: Quasistatic> Search<'_, P> {
             if piece.1 > allowed * span && span > SHORTEST && self.allowance > 0 {
                 match extra(self, here.share + 0.5 * span, here) {
                     Err(error @ SolveError::Interrupted { .. }) => return Err(error),
-                    // Close to an instability the solver may not converge; the piece is then not divided.
+                    // The solver may not converge close to an instability; the piece is then not divided.
                     Err(_) => {}
                     Ok(middle) => {
                         let mut halves = Halves::new(&here.reading, &middle.reading, &end.reading);
@@ -645,12 +642,12 @@ impl<P: Quasistatic> Search<'_, P> {
                         let is_alike = |halves: &Halves| is_part || halves.unlikeness <= allowed * span;
                         let is_late = self.allowance < enough;
                         let closes = |halves: &Halves| balances(halves) && (is_late || is_alike(halves));
-                        // The ends of a piece do not show a force that rises and falls within; its work is of second
-                        // order in the length of the piece.
+                        // The ends of a piece do not show a force that rises and falls within it; the work of this
+                        // force is of second order in the length of the piece.
                         let enclosed = |halves: &Halves| halves.spread + reference * span * span;
                         let encloses = |halves: &Halves| enclosed(halves) <= OF_A_JUMP * allowed;
                         if encloses(&halves) && !closes(&halves) {
-                            // States that were found from a state before the jump are not valid after it.
+                            // States found from a state before the jump are not valid after it.
                             ahead.clear();
                             if end.origin < here.share {
                                 end = extra(self, end.share, &middle)?;
@@ -686,14 +683,14 @@ impl<P: Quasistatic> Search<'_, P> {
     }
 }
 
-/// The balance of work and energy between two states, per area.
+/// Balance of work and energy between two states, per area.
 #[derive(Clone, Copy, Debug, Default)]
 struct Balance {
-    /// Work by the trapezoidal rule less the energy gained.
+    /// Trapezoidal work minus the energy gained.
     missing: f64,
-    /// The largest error of that work if the forces change monotonically, jumps included.
+    /// Largest error of this work if the forces change monotonically, jumps included.
     spread: f64,
-    /// The magnitude of the work.
+    /// Magnitude of the work.
     exchanged: f64,
 }
 
@@ -717,15 +714,15 @@ impl Balance {
     }
 }
 
-/// The balance of work and energy over a piece of a path, from its two ends and its middle.
+/// Balance of work and energy over a piece of a path, from its ends and its middle.
 struct Halves {
-    /// Work by the trapezoidal rule over the halves less the energy gained.
+    /// Trapezoidal work over the halves minus the energy gained.
     missing: f64,
-    /// The largest error of that work if the forces change monotonically in either half.
+    /// Largest error of this work if the forces change monotonically in each half.
     spread: f64,
-    /// The difference of `missing` from its value over the undivided piece.
+    /// Difference of `missing` from its value for the undivided piece.
     change: f64,
-    /// The difference of `missing` between the two halves, in magnitude. Where small jumps lose energy, the balance by
+    /// Magnitude of the difference of `missing` between the halves. Where small jumps lose energy, the balance by
     /// Simpson's rule can close by chance; the halves then differ.
     unlikeness: f64,
 }
@@ -739,14 +736,13 @@ impl Halves {
         Self { missing, spread: first.spread + second.spread, change, unlikeness }
     }
 
-    /// The work by Simpson's rule less the energy gained.
+    /// Returns the work by Simpson's rule minus the energy gained.
     fn simpson(&self) -> f64 {
         self.missing + self.change / 3.0
     }
 
-    /// An estimate of the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one
-    /// half. No energy is gained, so that one that is missing less than nothing shows that the forces are not
-    /// monotonic.
+    /// Estimates the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half.
+    /// Energy is never gained, so that a negative `missing` shows that the forces are not monotonic.
     fn doubt(&self) -> f64 {
         match self.missing < 0.0 {
             true => self.spread - self.missing,
@@ -756,7 +752,7 @@ impl Halves {
 }
 
 impl Reading {
-    /// The surfaces before the first step.
+    /// Surfaces before the first step.
     const UNLOADED: Self = Self {
         mean_pressure: 0.0,
         approach: 0.0,
@@ -767,12 +763,12 @@ impl Reading {
         loss: Loss::Known(0.0),
     };
 
-    /// The loss of the increment, if it is known.
+    /// Returns the loss of the increment, 0 if it is not known.
     fn lost(&self) -> f64 {
         if let Loss::Known(lost) | Loss::Certified { lost, .. } = self.loss { lost } else { 0.0 }
     }
 
-    /// The imbalance of the increment, if its loss is certified.
+    /// Returns the imbalance of the increment, 0 if its loss is not certified.
     fn imbalance(&self) -> f64 {
         if let Loss::Certified { imbalance, .. } = self.loss { imbalance } else { 0.0 }
     }
@@ -782,7 +778,7 @@ impl Reading {
         self.time == begin.time && self.distance == begin.distance
     }
 
-    /// The drive at the fraction `share` of the way from this state to `drive`.
+    /// Returns the drive at the fraction `share` of the path from this state to `drive`.
     fn towards(&self, drive: Drive, share: f64) -> Drive {
         if share == 1.0 {
             return drive;

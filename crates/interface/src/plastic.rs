@@ -1,4 +1,4 @@
-//! A hard wall whose plastic depth stays, along a path.
+//! Hard wall with permanent plastic depth, along a path.
 
 use gfmd_contact::{
     Contact, Drive, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, Solution, SolveError, Solved, Solver,
@@ -10,25 +10,24 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::path::{Loss, Quasistatic, Reading};
 
-/// A contact with a hard wall whose surfaces keep the shape that their hardness gives them: each state begins at the
-/// plastic depth of the state before (theory.md, section 7.2).
+/// A contact with a hard wall, a hardness and permanent plastic depth: each state begins at the plastic depth of the
+/// previous state (theory.md, section 7.2).
 ///
-/// The depth so far is added to the clearance. Where the pressure is the hardness, the depth grows until the gap is
-/// closed; elsewhere it stays. A step thus is implicit: all of its growth takes place under the pressure at its end.
-/// Its work is lost, the mean of hardness times growth. Unloading, and loading again up to the load before, are
-/// elastic. Without a hardness nothing is lost.
+/// The depth so far is added to the clearance. Where the pressure equals the hardness, the depth grows until the gap is
+/// closed; elsewhere it is constant. A step is implicit: all of its growth takes place under the final pressure. The
+/// plastic work is lost, the mean of hardness times growth. Unloading and reloading up to the previous load are
+/// elastic. Without a hardness no energy is lost.
 #[derive(Clone, Debug)]
 pub struct PlasticContact {
     contact: Contact,
 }
 
-/// The state of a [`PlasticContact`].
+/// State of a [`PlasticContact`].
 #[derive(Clone, Debug)]
 pub struct PlasticState {
-    /// Fields and residuals of the contact of the surface at the start of the step; its plastic part is the growth in
-    /// the step.
+    /// Fields and residuals for the surface at the start of the step; the plastic part is the growth in the step.
     pub solution: Solution,
-    /// The plastic depth so far, in length.
+    /// Plastic depth so far, in length.
     pub depth: Array2<f64>,
     /// Mean of `depth` over the whole surface, in length.
     pub volume: f64,
@@ -36,31 +35,31 @@ pub struct PlasticState {
     pub elastic_energy: f64,
     /// Energy lost in the step, per area, in stress × length.
     pub dissipated: f64,
-    /// Points whose pressure is the hardness, over all points. A pressure counts as the hardness if it is less by no
-    /// more than ten times the pressure that would close the largest gap left in contact, or by a thousandth of the
-    /// hardness if that is less: loaded again to its largest load, a contact has the hardness at all points that it had
-    /// flattened, to the residuals of both states.
+    /// Fraction of points with a pressure equal to the hardness. A pressure counts as equal if it is lower by at most
+    /// ten times the pressure that would close the largest gap left in contact, or by a thousandth of the hardness,
+    /// whichever is less. Reloaded to its largest load, a contact then has the hardness at all points that it had
+    /// flattened, within the residuals of both states.
     pub fraction: f64,
-    /// The depth at the start of the step.
+    /// Depth at the start of the step.
     before: Array2<f64>,
 }
 
 impl PlasticContact {
-    /// A path of `contact`, whose surfaces are undeformed at its start.
+    /// Creates the plastic contact; the surfaces of `contact` are undeformed at the start.
     pub fn new(contact: Contact) -> Self {
         Self { contact }
     }
 
-    /// The contact of the undeformed surfaces.
+    /// Returns the contact of the undeformed surfaces.
     pub fn contact(&self) -> &Contact {
         &self.contact
     }
 
-    /// The state of `pressure` under `load` on surfaces with the plastic `depth`, with its residuals from fresh
+    /// Computes the state of `pressure` under `load` on surfaces with the plastic `depth`, with residuals from fresh
     /// transforms.
     ///
     /// # Errors
-    /// Fields of another shape than the grid; a depth that is not finite.
+    /// Returns an error if the shape of the fields differs from the grid or the depth is not finite.
     pub fn certify(
         &self,
         pressure: &ArrayRef2<f64>,
@@ -70,7 +69,7 @@ impl PlasticContact {
         let contact = self.contact.indented(depth)?;
         let solution = match gap_at(&contact, load) {
             None => contact.certify(pressure, load)?,
-            // Counted from the first touch of the flattened surfaces.
+            // Measured from the first touch of the flattened surfaces.
             Some((approach, gap)) => {
                 let touch = approach + gap;
                 let contact = self.contact.indented(&depth.mapv(|depth| depth - touch))?;
@@ -82,7 +81,7 @@ impl PlasticContact {
         Ok(PlasticState::new(&self.contact, solution, depth.to_owned()))
     }
 
-    /// The contact at the start of the step after `state`, and the depth there.
+    /// Returns the contact and the depth at the start of the step after `state`.
     fn after(&self, state: Option<&PlasticState>) -> Result<(Contact, Array2<f64>), Refusal> {
         let depth =
             state.map_or_else(|| Array2::zeros(self.contact.surface().grid().points()), |state| state.depth.clone());
@@ -90,7 +89,7 @@ impl PlasticContact {
     }
 }
 
-/// Returns a prescribed approach that leaves flattened surfaces apart, and their least gap; `None` of others.
+/// Returns a prescribed approach at which flattened surfaces are apart, and their smallest gap; otherwise `None`.
 fn gap_at(contact: &Contact, load: Load) -> Option<(f64, f64)> {
     let touch = contact.surface().clearance().iter().copied().fold(f64::INFINITY, f64::min);
     match load {
@@ -101,12 +100,12 @@ fn gap_at(contact: &Contact, load: Load) -> Option<(f64, f64)> {
 }
 
 impl PlasticState {
-    /// The state of `contact` after a step from the depth `before`.
+    /// Creates the state of `contact` after a step from the depth `before`.
     fn new(contact: &Contact, solution: Solution, before: Array2<f64>) -> Self {
         let (depth, dissipated) = match &solution.plastic {
             Some(plastic) => {
-                // The depth grows where the pressure is the hardness. A field has points, and so a mean, here and
-                // below.
+                // The depth grows where the pressure is the hardness. A field has points, and therefore a mean, here
+                // and below.
                 let works = &solution.pressure * &plastic.depth;
                 (&before + &plastic.depth, works.mean().unwrap_or(0.0))
             }
@@ -122,13 +121,13 @@ impl PlasticState {
     }
 }
 
-/// The error of a pressure over the one that would close the largest gap left in contact: the depth has the gaps of
-/// earlier states.
+/// Error of a pressure divided by the pressure that would close the largest gap left in contact; the depth contains the
+/// gaps of earlier states.
 const OF_A_GAP: f64 = 10.0;
-/// The largest difference between a pressure and the hardness, over the hardness, at a point that has the hardness.
+/// Largest relative difference between pressure and hardness at a point that counts as plastic.
 const NEAR: f64 = 1e-3;
 
-/// The points whose pressure is the hardness, to the accuracy that the gaps in contact show, over all points.
+/// Returns the fraction of points with a pressure equal to the hardness, to the accuracy shown by the gaps in contact.
 fn saturated(solution: &Solution, hardness: &Hardness, stiffest: f64) -> f64 {
     let Solution { pressure, gap, .. } = solution;
     let touching = pressure.iter().zip(gap).filter(|(p, _)| **p > 0.0);
@@ -156,7 +155,7 @@ impl Equilibrium for PlasticContact {
         self.contact.solvers()
     }
 
-    /// Lateral displacement has no effect without friction.
+    /// Ignores lateral displacement, which has no effect without friction.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         self.contact.check(drive)
     }

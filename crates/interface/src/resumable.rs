@@ -1,4 +1,4 @@
-//! The variables of states, so that they can be kept outside of the process and restored bit for bit.
+//! Variables of states, to save them outside the process and restore them bit for bit.
 
 use gfmd_contact::{Drive, Equilibrium, Refusal, Resumable, Variables, Visit};
 use gfmd_vector::with_contiguous;

@@ -11,7 +11,7 @@ use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::{Interface, State, dynamics, newton};
 
-/// The solvers of an interface. Newton's method needs an energy; dynamics does not.
+/// Solvers of an interface. Newton's method needs an energy; dynamics does not.
 const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
 
 impl Equilibrium for Interface {
@@ -34,7 +34,7 @@ impl Equilibrium for Interface {
         })
     }
 
-    /// Attraction needs no least load: residuals are absolute. A wall alone needs a load that they resolve.
+    /// Accepts any load with attraction, where residuals are absolute. A wall alone needs a load that they resolve.
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         let (what, found) = match drive.load {
             Load::MeanPressure(mean) => ("mean pressure", mean),
@@ -52,8 +52,8 @@ impl Equilibrium for Interface {
     }
 
     /// Lowers the energy from `start` to a stable state. Without `start`, the search begins at the contact with a hard
-    /// wall alone if the drive presses, else at the undeformed surface. [`Solver::Auto`] is Newton's method if there is
-    /// an energy, else FIRE 2.0.
+    /// wall alone if the drive presses, else at the undeformed surface. [`Solver::Auto`] is Newton's method if an
+    /// energy exists, else FIRE 2.0.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -89,17 +89,17 @@ impl Equilibrium for Interface {
     }
 }
 
-/// The least load or approach over the tolerance, relative to the size of the roughness, for a wall alone.
+/// Smallest load or approach of a wall alone, relative to the size of the roughness and divided by the tolerance.
 const RESOLVED: f64 = 10.0;
 
-/// Rounding errors of a mean, over the largest value: a load of this size is zero, such as the middle one from -0.1 to
-/// 0.1.
+/// Rounding error of a mean relative to the largest value: a load of this size counts as zero, such as the middle one
+/// from -0.1 to 0.1.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl Interface {
-    /// Checks that the tractions of the law do not hide a prescribed load, in the units of the input: the residual of
-    /// the load is over the largest traction, and a smaller load than the tolerance of it may be met or not. A load
-    /// that is zero but for rounding is zero.
+    /// Checks that the tractions of the law do not hide a prescribed load, in input units. The load residual is
+    /// relative to the largest traction, so that a load below this traction times the tolerance may or may not be met.
+    /// A load that is zero within rounding counts as zero.
     fn check_load(&self, state: &State, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         let Load::MeanPressure(found) = drive.load else { return Ok(()) };
         let traction = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
@@ -127,7 +127,7 @@ impl Interface {
             Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
         let on_wall = match start {
-            // A search that continues has its own position.
+            // A continued search has its own position.
             None if is_pressed && !self.is_wall_alone() && watch.recall().is_none() => {
                 // The search on the wall is short and writes no checkpoint.
                 self.without_attraction(drive, budget, &mut |now: &Progress| watch.see(now))?
@@ -157,7 +157,7 @@ impl Interface {
 
 enum Method {
     Newton,
-    /// Damped dynamics by FIRE, made from its largest time step.
+    /// Damped dynamics by FIRE, created from its largest time step.
     Dynamics(fn(f64) -> Fire),
 }
 
@@ -176,9 +176,9 @@ impl Interface {
         Ok(Method::Dynamics(engine))
     }
 
-    /// The least stress over which residuals are taken, in [`units`](Self::units): the softest stiffness times the rms
-    /// height, or that of the load of a wall alone, if that is less. Errors that are small beside the roughness may
-    /// exceed a small load.
+    /// Returns the smallest reference stress of residuals, in [`units`](Self::units): the softest stiffness times the
+    /// rms height or, for a wall alone, the stress of the load if lower. Errors that are small relative to the
+    /// roughness may exceed a small load.
     pub(crate) fn stress_scale(&self, load: Load) -> f64 {
         let [softest, _] = self.elastic.stiffness_range();
         let rough = softest * self.surface.rms_height();
@@ -193,8 +193,8 @@ impl Interface {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
     }
 
-    /// Solves the contact with a hard wall in place of the law, roughly. Returns `None` if a wall does not allow the
-    /// drive: an approach beyond full contact, which a law without a wall allows.
+    /// Solves the contact with a hard wall instead of the law, roughly. Returns `None` if a wall does not allow the
+    /// drive: an approach beyond full contact, which is allowed without a wall.
     fn without_attraction(
         &self,
         drive: Drive,
@@ -206,7 +206,7 @@ impl Interface {
             return Ok(None);
         }
         let rough = Budget { tolerance: budget.tolerance.max(1e-3), ..*budget };
-        // Where a traction jumps with the gap, the state that is reached depends on every digit of the start.
+        // If a traction jumps with the gap, the state reached depends on every digit of the start.
         let is_smooth = self.law.stiffness_bound(0.0) > 0.0;
         if let Some(state) = is_smooth.then(|| wall.by_pressure(drive, &rough, watch)).flatten() {
             return Ok(Some(state));
@@ -214,11 +214,11 @@ impl Interface {
         wall.rest(drive, Solver::Newton, &rough, None, watch).map(Some)
     }
 
-    /// Solves the contact with a hard wall of a periodic surface in u_z alone by the solver of the pressure, which is
-    /// faster. Returns `None` if it does not solve it.
+    /// Solves the contact of a periodic surface with a hard wall, in u_z alone, by the faster pressure solver. Returns
+    /// `None` if this fails.
     fn by_pressure(&self, drive: Drive, budget: &Budget, watch: &mut dyn Watch) -> Option<State> {
         let (Elastic::Normal(response), None) = (&self.elastic, &self.patch) else { return None };
-        // A refusal or a search without success is found again, and reported, by the search that follows.
+        // The search that follows finds and reports the same refusal or failure.
         let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
         let contact = Contact::on(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
         let solution = contact.press(drive.load).budget(*budget).watch(watch).solve().ok()?;

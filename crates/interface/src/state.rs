@@ -4,16 +4,16 @@ use gfmd_contact::{Effort, Fields, RigidSurface};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{Array2, Array3, ArrayView2, Axis, CowArray, Ix2};
 
-/// An interface at rest. Fields are `[x, y]`, vectors `[component, x, y]` with z the last component.
+/// An interface in equilibrium. Fields are `[x, y]`, vectors `[component, x, y]` with z the last component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Displacement of the elastic surface, length.
     pub displacement: Array3<f64>,
-    /// Traction on the elastic surface, stress: that of the law and of the wall together.
+    /// Traction on the elastic surface from law and wall together, stress.
     pub traction: Array3<f64>,
     /// Distance between the surfaces, length.
     pub gap: Array2<f64>,
-    /// Pressure of the hard wall, stress ≥ 0; 0 without a wall. Attraction is not part of it.
+    /// Pressure of the hard wall, stress ≥ 0; 0 without a wall. It does not include attraction.
     pub wall_pressure: Array2<f64>,
     /// Mean of −t_z, stress; negative if the surfaces are pulled apart.
     pub mean_pressure: f64,
@@ -33,21 +33,21 @@ pub struct State {
     pub residual: Residual,
     /// Effort of the solve, including the transforms for the final fields.
     pub effort: Effort,
-    /// True if the search from the start met directions of negative curvature. A jump always causes this; a long smooth
-    /// step may. Dynamics does not compute curvatures and leaves it false.
+    /// True if the search from the start found directions of negative curvature. A jump always causes this; a long
+    /// smooth step may. Dynamics does not compute curvatures and leaves it false.
     pub passed_instability: bool,
-    /// The lowest curvature, over the elastic curvature, that conjugate gradients met, started from a force in all
+    /// Lowest curvature, relative to the elastic curvature, found by conjugate gradients started from a force in all
     /// directions; positive in a stable state. 1 for a wall alone, NaN after dynamics.
     pub lowest_curvature: f64,
-    /// The normal traction, in stress, that what is left unbalanced, or rounding, can make.
+    /// Normal traction, in stress, that unbalanced forces or rounding errors can cause.
     pub(crate) noise: f64,
     pub(crate) surface: Arc<RigidSurface>,
     pub(crate) contact_modulus: f64,
 }
 
-/// Distance of a state from equilibrium; zero for the exact state. Stresses are over the largest traction, or over the
-/// softest stiffness times the rms height if that is larger and the contact has a law beside a wall. Lengths are over
-/// the rms height, or in the unit of length for a flat surface.
+/// Distance of a state from equilibrium; zero for the exact state. Stresses are divided by the largest traction, or by
+/// the softest stiffness times the rms height if that is larger and there is a law besides a wall. Lengths are divided
+/// by the rms height; for a flat surface they are in the unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms) of the wall pressure p, in magnitude. It never exceeds the penetration.
@@ -56,14 +56,14 @@ pub struct Residual {
     pub equilibrium: f64,
     /// max(0, −min gap) with a wall, else 0.
     pub penetration: f64,
-    /// Largest tension that the wall would have to exert.
+    /// Largest tension required from the wall.
     pub wall_tension: f64,
-    /// Mean pressure less the prescribed one; 0 if the approach is prescribed.
+    /// Mean pressure minus the prescribed value; 0 if the approach is prescribed.
     pub load: f64,
 }
 
 impl Residual {
-    /// The residuals with their names.
+    /// Returns the residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 5] {
         [
             ("complementarity", self.complementarity),
@@ -74,17 +74,17 @@ impl Residual {
         ]
     }
 
-    /// The largest of the residuals; NaN if any of them is NaN.
+    /// Returns the largest residual; NaN if any residual is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
 }
 
-/// The ratio of mean to largest pressure below which κ is not defined: area over a vanishing load.
+/// Ratio of mean to largest pressure below which κ is undefined: area divided by a vanishing load.
 const LEAST_LOAD: f64 = 1e-6;
 
 impl State {
-    /// The state with all lengths and stresses multiplied by these factors.
+    /// Multiplies all lengths and stresses by the given factors.
     #[must_use]
     pub fn times(mut self, length: f64, stress: f64) -> Self {
         let Self { displacement, traction, gap, wall_pressure, .. } = &mut self;
@@ -114,8 +114,8 @@ impl Fields for State {
         self.normal_traction().mapv(|t| -t).into()
     }
 
-    /// The repulsive pressure: that of the wall, or where no wall presses −t_z at the points where it is larger than
-    /// what is left unbalanced. Where a law vanishes, far from contact, the sign of −t_z is that of rounding errors.
+    /// Returns the repulsive pressure: the wall pressure or, if no wall presses, −t_z at points where it exceeds the
+    /// unbalanced traction. Where a law vanishes, far from contact, rounding errors determine the sign of −t_z.
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
         if self.wall_pressure.iter().any(|p| *p > 0.0) {
             self.wall_pressure.view().into()
@@ -153,7 +153,7 @@ impl Fields for State {
     }
 
     /// Summarises the repulsive pressure; its points are in contact. κ is NaN if attraction carries the load, since
-    /// area over pressure has no meaning then.
+    /// area divided by pressure is then meaningless.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let repulsion = self.repulsion();
         let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());

@@ -7,7 +7,7 @@ use ndarray::{Array2, ArrayRef2};
 use crate::certify::certify;
 use crate::{Interface, State};
 
-/// The fields of a state of u_z alone, as a file keeps them. They determine the state.
+/// Fields of a state of u_z alone, as stored in a file. They determine the state.
 #[derive(Clone, Copy, Debug)]
 pub struct StoredFields<'a> {
     /// Pressure −t_z on the elastic surface, `[x, y]`, stress; attraction is negative.
@@ -21,11 +21,11 @@ pub struct StoredFields<'a> {
 }
 
 impl Interface {
-    /// Returns the state with these fields. A search that starts from it takes the same steps, bit for bit, as one that
-    /// starts from the state whose fields were stored. Numbers and residuals are computed anew.
+    /// Returns the state with these fields. A search from it takes the same steps, bit for bit, as from the stored
+    /// state. Numbers and residuals are recomputed.
     ///
     /// # Errors
-    /// An interface of all components; fields of another size than the grid; numbers that are not finite.
+    /// Returns an error for an interface in all components, fields that do not match the grid, or values not finite.
     pub fn recall(&self, stored: StoredFields<'_>) -> Result<State, Refusal> {
         let StoredFields { pressure, displacement_z, gap, approach } = stored;
         let [nx, ny] = self.surface.grid().points();
@@ -41,14 +41,14 @@ impl Interface {
         let pressures: Vec<f64> = pressure.iter().copied().collect();
         let mean = total(&pressures) / n;
         let frame = self.frame(Load::MeanPressure(mean).into())?;
-        // In the frame of a load, the elastic surface moves in place of the rigid one.
+        // In the frame of a load, the elastic surface moves instead of the rigid one.
         let inside: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();
         if let Some(value) = inside.iter().find(|w| !w.is_finite()) {
             return Err(Refusal::NotFinite { what: "displacement of the start", found: *value });
         }
         let position = frame.position(&self.elastic, inside, pressure);
         let state = certify(self, &frame, &position);
-        // The sum above is rounded. What touches the wall is told by the gap that was stored.
+        // The sum above is rounded. The stored gap determines the points that touch the wall.
         let held = |gap: f64, pressure: f64| {
             let touches = self.law.has_wall() && gap <= 0.0;
             if touches { (self.law.traction(gap, [0.0; 2])[2] + pressure).max(0.0) } else { 0.0 }

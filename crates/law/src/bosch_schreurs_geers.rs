@@ -1,18 +1,18 @@
 use crate::{Law, LawError, MixedMode, Response, Separation};
 
 /// The exponential law of van den Bosch, Schreurs and Geers (2006). The works of opening and sliding are independent,
-/// but there is no potential unless they are equal. The law is meant for tension: at an over-closure above δ_n the
-/// shear traction drives the sliding.
+/// but a potential exists only if they are equal. The law is meant for tension: at an over-closure above δ_n the shear
+/// traction drives the sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoschSchreursGeers {
     separation: Separation,
 }
 
 impl BoschSchreursGeers {
-    /// The law with these works and lengths.
+    /// Creates the law with the given works and lengths.
     ///
     /// # Errors
-    /// Works or lengths that are not positive.
+    /// Returns an error if a work or a length is not positive.
     pub fn new(separation: Separation) -> Result<Self, LawError> {
         Ok(Self { separation: separation.check()? })
     }
@@ -45,7 +45,7 @@ impl Law for BoschSchreursGeers {
         let x0 = (lowest / self.separation.normal_length).min(0.0);
         let e0 = (-x0).exp();
         let coupling = 2.0 * (-x0 * e0).max((-1.0_f64).exp()) * LARGEST_Y_GAUSS;
-        // The largest |1 + x| e^{−x} is 1, or its value at x₀ if x₀ < −1.
+        // The maximum of |1 + x| e^{−x} is 1, or the value at x₀ if x₀ < −1.
         self.separation.bound([[(1.0 - x0) * e0, coupling], [coupling, 2.0 * ((-1.0 - x0) * e0).max(1.0)]])
     }
 
@@ -61,5 +61,5 @@ impl Law for BoschSchreursGeers {
     }
 }
 
-/// The largest value of y e^{−y²}, 1/√(2e) at y = 1/√2.
+/// Maximum of y e^{−y²}, 1/√(2e) at y = 1/√2.
 pub(crate) const LARGEST_Y_GAUSS: f64 = 0.428_881_942_480_353_4;

@@ -1,20 +1,20 @@
 use crate::bosch_schreurs_geers::LARGEST_Y_GAUSS;
 use crate::{Law, LawError, MixedMode, Response, Separation};
 
-/// The coupled exponential law C3D of Khajeh Salehani and Irani (2018): the shear traction resists sliding at any
+/// The coupled exponential law C3D of Khajeh Salehani and Irani (2018). The shear traction resists sliding at any
 /// opening and grows under over-closure. φ_t is the work of sliding (theory.md, section 8); τ_max = √(2/e) φ_t/δ_t.
 ///
-/// Sliding weakens the repulsion of over-closed surfaces; with [`Npb`] it does not.
+/// Sliding weakens the repulsion of over-closed surfaces; in [`Npb`] it does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoupledExponential {
     separation: Separation,
 }
 
 impl CoupledExponential {
-    /// The law with these works and lengths.
+    /// Creates the law with the given works and lengths.
     ///
     /// # Errors
-    /// Works or lengths that are not positive.
+    /// Returns an error if a work or a length is not positive.
     pub fn new(separation: Separation) -> Result<Self, LawError> {
         Ok(Self { separation: separation.check()? })
     }
@@ -59,19 +59,19 @@ impl Law for CoupledExponential {
     }
 }
 
-/// The law [`CoupledExponential`] with a repulsion that does not depend on sliding: for Δ_n < 0, T_n = (φ_n/δ_n) x
-/// e^{−x}. It is safe under over-closure and takes the role of the non-potential laws of McGarry et al. (2014), but its
-/// formulas are not theirs (theory.md, section 8). Its Jacobian jumps at Δ_n = 0 if Δ_t ≠ 0.
+/// The law [`CoupledExponential`] with a repulsion independent of sliding: for Δ_n < 0, T_n = (φ_n/δ_n) x e^{−x}. It is
+/// safe under over-closure and takes the role of the non-potential laws of McGarry et al. (2014), but its formulas
+/// differ from theirs (theory.md, section 8). Its Jacobian jumps at Δ_n = 0 if Δ_t ≠ 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Npb {
     coupled: CoupledExponential,
 }
 
 impl Npb {
-    /// The law with these works and lengths.
+    /// Creates the law with the given works and lengths.
     ///
     /// # Errors
-    /// Works or lengths that are not positive.
+    /// Returns an error if a work or a length is not positive.
     pub fn new(separation: Separation) -> Result<Self, LawError> {
         Ok(Self { coupled: CoupledExponential::new(separation)? })
     }

@@ -1,20 +1,20 @@
 use crate::LawError;
 use crate::separation::positive;
 
-/// The largest shear traction of a contact.
+/// Upper limit of the shear traction in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// Coulomb friction: μ p, with the coefficient of friction μ ≥ 0.
+    /// Coulomb friction: μ p, with the friction coefficient μ ≥ 0.
     Coulomb(f64),
     /// Tresca friction: a shear strength τ_c ≥ 0 (stress) wherever there is contact.
     Tresca(f64),
 }
 
 impl Limit {
-    /// Returns the limit if its value can be used.
+    /// Returns the limit if its value is valid.
     ///
     /// # Errors
-    /// A coefficient or strength that is negative or not finite.
+    /// Returns an error if the coefficient or strength is negative or not finite.
     pub fn check(self) -> Result<Self, LawError> {
         let (name, found) = match self {
             Self::Coulomb(coefficient) => ("mu", coefficient),
@@ -27,7 +27,7 @@ impl Limit {
         }
     }
 
-    /// The largest shear traction at the contact pressure `pressure` ≥ 0, stress.
+    /// Returns the largest shear traction at the contact pressure `pressure` ≥ 0, stress.
     pub fn at(self, pressure: f64) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient * pressure,
@@ -35,7 +35,7 @@ impl Limit {
         }
     }
 
-    /// The derivative of [`at`](Self::at) with respect to the pressure.
+    /// Returns the derivative of [`at`](Self::at) with respect to the pressure.
     fn slope(self) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient,
@@ -47,16 +47,16 @@ impl Limit {
 /// Friction with elastic sticking: the return map of a tangential spring with a sliding end, the foot (theory.md,
 /// section 8).
 ///
-/// The slip s is that of the *elastic* surface relative to the rigid one, and τ has the sign of s − s_p; the traction
-/// on the elastic surface is −τ. This map serves point models and time-stepping codes; the contact with friction in
-/// `gfmd-interface` needs only the [`Limit`] and sticks rigidly.
+/// The slip s is the displacement of the *elastic* surface relative to the rigid one. τ has the sign of s − s_p; the
+/// traction on the elastic surface is −τ. This map serves point models and time-stepping codes; the frictional contact
+/// in `gfmd-interface` needs only the [`Limit`] and sticks rigidly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     limit: Limit,
     stiffness: f64,
 }
 
-/// The result of one increment of slip.
+/// Result of one slip increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
     /// Shear traction τ, stress.
@@ -72,16 +72,16 @@ pub struct Sliding {
 }
 
 impl Friction {
-    /// Friction with a spring of this `stiffness` (stress/length). A spring as stiff as the stiffest mode of the grid
-    /// hardly changes the solution.
+    /// Creates friction with a spring of the given `stiffness` (stress/length). A spring as stiff as the stiffest mode
+    /// of the grid hardly changes the solution.
     ///
     /// # Errors
-    /// A negative limit, or a stiffness that is not positive.
+    /// Returns an error if the limit is negative or the stiffness is not positive.
     pub fn new(limit: Limit, stiffness: f64) -> Result<Self, LawError> {
         Ok(Self { limit: limit.check()?, stiffness: positive("stiffness", stiffness)? })
     }
 
-    /// The increment from the foot s_p of the last one to the slip s under `pressure`.
+    /// Computes the increment from the previous foot s_p to the slip s at the given pressure.
     pub fn slide(&self, slip: [f64; 2], foot: [f64; 2], pressure: f64) -> Sliding {
         let Self { limit, stiffness } = *self;
         let stretch = [slip[0] - foot[0], slip[1] - foot[1]];
@@ -108,16 +108,16 @@ impl Friction {
     }
 }
 
-/// Friction regularised over the sliding velocity v, for time-stepping codes: v_ε is the velocity below which it
-/// deviates from the limit (theory.md, section 8). The quasistatic contacts of this workspace do not use it.
+/// Friction regularised in the sliding velocity v, for time-stepping codes: v_ε is the velocity below which it deviates
+/// from the limit (theory.md, section 8). The quasistatic contacts of this workspace do not use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rate {
-    /// The root law τ = limit · v/√(v² + v_ε²).
+    /// Root law τ = limit · v/√(v² + v_ε²).
     Root {
         /// Velocity v_ε.
         velocity: f64,
     },
-    /// The arctangent law τ = limit · (2/π) atan(|v|/v_ε), along v.
+    /// Arctangent law τ = limit · (2/π) atan(|v|/v_ε), along v.
     Arctangent {
         /// Velocity v_ε.
         velocity: f64,
@@ -125,7 +125,7 @@ pub enum Rate {
 }
 
 impl Rate {
-    /// The shear traction τ at the sliding velocity `v`, with the largest shear traction `limit`.
+    /// Returns the shear traction τ at the sliding velocity `v`; `limit` is the largest shear traction.
     pub fn traction(self, limit: f64, v: [f64; 2]) -> [f64; 2] {
         let speed = v[0].hypot(v[1]);
         if speed == 0.0 {

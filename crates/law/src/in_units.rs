@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use crate::{Law, MixedMode, Opening, Response};
 
-/// A law in other units of stress and length. The new units are given in the units of the law; powers of two keep every
-/// digit.
+/// A law in other units of stress and length. The new units are expressed in the units of the law; powers of two keep
+/// every digit.
 #[derive(Clone, Debug)]
 pub struct InUnits {
     law: Arc<dyn Law>,
@@ -12,7 +12,7 @@ pub struct InUnits {
 }
 
 impl InUnits {
-    /// The `law` in the given units.
+    /// Converts `law` to the given units.
     pub fn new(law: Arc<dyn Law>, stress: f64, length: f64) -> Self {
         Self { law, stress, length }
     }

@@ -5,7 +5,7 @@ use crate::{
     Npc, Separation, XuNeedleman,
 };
 
-/// The table of all laws: names, parameters, constructors.
+/// List of all laws: names, parameters, constructors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// [`HardWall`].
@@ -28,29 +28,29 @@ pub enum Kind {
     HarmonicCosine,
     /// [`Dugdale`].
     Dugdale,
-    /// [`Tabulated`](crate::Tabulated), which has rows instead of parameters.
+    /// [`Tabulated`](crate::Tabulated), defined by rows instead of parameters.
     Table,
 }
 
-/// A parameter of a law.
+/// Parameter of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// The name, as in theory.md, section 8.
+    /// Name, as in theory.md, section 8.
     pub name: &'static str,
-    /// The units, such as `stress*length`.
+    /// Units, such as `stress*length`.
     pub units: &'static str,
-    /// The allowed values.
+    /// Allowed values.
     pub allowed: Allowed,
-    /// The value if none is given; `None` if it must be given.
+    /// Default value; `None` if the parameter is required.
     pub default: Option<f64>,
 }
 
-/// The allowed values of a parameter, always finite.
+/// Allowed values of a parameter; they must also be finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Allowed {
     /// Above zero.
     Positive,
-    /// All except this one.
+    /// All except this value.
     Not(f64),
 }
 
@@ -85,7 +85,7 @@ impl Kind {
         Self::Table,
     ];
 
-    /// The name on a command line.
+    /// Returns the name used on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::HardWall => "hard-wall",
@@ -102,7 +102,7 @@ impl Kind {
         }
     }
 
-    /// The parameters, in the order of [`Kind::with`].
+    /// Returns the parameters, in the order of [`Kind::with`].
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::HardWall | Self::Table => &[],
@@ -113,11 +113,11 @@ impl Kind {
         }
     }
 
-    /// The law with the parameters `given` by name.
+    /// Creates the law from parameters `given` by name.
     ///
     /// # Errors
-    /// An unknown name; a parameter given twice, missing, or out of range; the law of a table, which has rows instead
-    /// of parameters.
+    /// Returns an error if a name is unknown, or a parameter is given twice, missing or out of range; also for
+    /// [`Kind::Table`], which has rows instead of parameters.
     pub fn with(self, given: &[(impl AsRef<str>, f64)]) -> Result<Box<dyn Law>, LawError> {
         if let Some((found, _)) =
             given.iter().find(|(name, _)| self.parameters().iter().all(|p| p.name != name.as_ref()))
@@ -150,13 +150,13 @@ impl Kind {
         })
     }
 
-    /// The names of the laws that are `wanted`, in the order of [`Kind::ALL`], with commas.
+    /// Returns the names of the laws selected by `wanted`, in the order of [`Kind::ALL`], separated by commas.
     pub fn names(wanted: impl Fn(Self) -> bool) -> String {
         let names: Vec<&str> = Self::ALL.into_iter().filter(|kind| wanted(*kind)).map(Self::name).collect();
         names.join(", ")
     }
 
-    /// The law to take for a model of this name that is none of them; nothing if there is none.
+    /// Returns advice on the law to use for the common model `name` that is not a [`Kind`]; empty for other names.
     pub(crate) fn instead_of(name: &str) -> &'static str {
         match name.to_lowercase().as_str() {
             "jkr" => {
@@ -172,7 +172,7 @@ impl Kind {
         }
     }
 
-    /// True if the law has this parameter.
+    /// Returns true if the law has the parameter `name`.
     pub fn has(self, name: &str) -> bool {
         self.parameters().iter().any(|parameter| parameter.name == name)
     }

@@ -1,61 +1,61 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// An isotropic traction–separation law without memory.
+/// An isotropic traction–separation law without history.
 pub trait Law: fmt::Debug + Send + Sync {
-    /// The traction and its derivatives at the `normal` separation Δ_n and the `sliding` separation Δ_t along one
-    /// direction (length, either sign).
+    /// Computes the traction and its derivatives at the `normal` separation Δ_n and the `sliding` separation Δ_t along
+    /// one direction (length, either sign).
     fn response(&self, normal: f64, sliding: f64) -> Response;
 
-    /// The potential Φ, energy per area of surface, zero far away (Δ_n → ∞); `None` if the traction is not the gradient
-    /// of a potential.
+    /// Returns the potential Φ, energy per surface area, zero at infinite separation (Δ_n → ∞); `None` if the traction
+    /// is not the gradient of a potential.
     fn energy(&self, normal: f64, sliding: f64) -> Option<f64>;
 
-    /// The potential of T_n(Δ_n, 0), energy per area, zero far away: without sliding every law has one.
+    /// Returns the potential of T_n(Δ_n, 0), energy per area, zero at infinite separation. It exists for every law.
     fn opening_energy(&self, normal: f64) -> f64;
 
-    /// The energy, the traction and its slope at the separation Δ_n without sliding:
-    /// [`opening_energy`](Self::opening_energy) and [`response`](Self::response) at once.
+    /// Computes energy, traction and slope at the separation Δ_n without sliding:
+    /// [`opening_energy`](Self::opening_energy) and [`response`](Self::response) in one call.
     fn opening(&self, normal: f64) -> Opening {
         let Response { traction: [traction, _], jacobian: [[slope, _], _], .. } = self.response(normal, 0.0);
         Opening { energy: self.opening_energy(normal), traction, slope }
     }
 
-    /// Returns true if a hard wall forbids Δ_n < 0, so that the law holds for Δ_n ≥ 0 only.
+    /// Returns true if a hard wall forbids Δ_n < 0; the law then holds for Δ_n ≥ 0 only.
     fn has_wall(&self) -> bool {
         false
     }
 
-    /// An upper bound of the magnitude of the eigenvalues of the Jacobian over all Δ_n ≥ `lowest` (stress/length), from
-    /// which a time step follows (theory.md, section 8). Jumps of the traction do not count.
+    /// Returns an upper bound of the magnitude of the Jacobian eigenvalues over all Δ_n ≥ `lowest` (stress/length). It
+    /// sets the time step (theory.md, section 8). Jumps of the traction do not count.
     fn stiffness_bound(&self, lowest: f64) -> f64;
 
-    /// The steepest decay of the attraction (stress/length). Lattice trapping is avoided if it is below about half the
-    /// stiffness of the body at the shortest wavelength of the grid (theory.md, section 8).
+    /// Returns the steepest decay of the attraction (stress/length). Lattice trapping is avoided if it is below about
+    /// half the stiffness of the body at the shortest wavelength of the grid (theory.md, section 8).
     fn steepness(&self) -> f64 {
         self.stiffness_bound(0.0)
     }
 
-    /// The number of grid steps in the process zone, (π/4) E*/[`steepness`](Self::steepness), with which the pull-off
-    /// load of a sphere is right to 2.5 %. A traction that is continuous in the gap needs few. With one that ends in a
-    /// jump, the edge of the zone moves from point to point, and the error falls only with the first power of the grid
-    /// step. Measurements: docs/laws/adhesion.md.
+    /// Returns the number of grid steps in the process zone, (π/4) E*/[`steepness`](Self::steepness), at which the
+    /// pull-off load of a sphere is accurate to 2.5 %. A traction that is continuous in the gap needs few. If the
+    /// traction ends in a jump, the edge of the zone moves from point to point, and the error is only of first order in
+    /// the grid step. Measurements: docs/laws/adhesion.md.
     fn resolving_points(&self) -> f64 {
         2.0
     }
 
-    /// The properties of the law under mixed loading; `None` for a law without tangential traction.
+    /// Returns the properties of the law under mixed loading; `None` for a law without tangential traction.
     fn mixed_mode(&self) -> Option<MixedMode> {
         None
     }
 
-    /// The traction (T_x, T_y, T_n), stress.
+    /// Returns the traction (T_x, T_y, T_n), stress.
     fn traction(&self, normal: f64, [x, y]: [f64; 2]) -> [f64; 3] {
         let Response { traction: [n, _], secant, .. } = self.response(normal, x.hypot(y));
         [secant * x, secant * y, n]
     }
 
-    /// The Jacobian ∂T/∂Δ, stress/length.
+    /// Returns the Jacobian ∂T/∂Δ, stress/length.
     fn jacobian(&self, normal: f64, [x, y]: [f64; 2]) -> Jacobian {
         let sliding = x.hypot(y);
         let Response { jacobian: [[nn, nt], [tn, tt]], secant, .. } = self.response(normal, sliding);
@@ -69,7 +69,7 @@ pub trait Law: fmt::Debug + Send + Sync {
         }
     }
 
-    /// The law behind a shared pointer.
+    /// Moves the law into a shared pointer.
     fn into_shared(self) -> Arc<dyn Law>
     where
         Self: Sized + 'static,
@@ -78,7 +78,7 @@ pub trait Law: fmt::Debug + Send + Sync {
     }
 }
 
-/// Implements the law for a pointer to it.
+/// Implements [`Law`] for a pointer to a law.
 macro_rules! pointer_is_law {
     ($pointer:ty) => {
         impl Law for $pointer {
@@ -135,7 +135,7 @@ macro_rules! pointer_is_law {
 pointer_is_law!(Box<dyn Law>);
 pointer_is_law!(Arc<dyn Law>);
 
-/// The response of a law at one normal separation, without sliding.
+/// Response of a law at one normal separation, without sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Opening {
     /// Potential of T_n(Δ_n, 0), energy per area.
@@ -146,25 +146,25 @@ pub struct Opening {
     pub slope: f64,
 }
 
-/// The traction of a law and its derivatives at one separation, along one direction of sliding.
+/// Traction of a law and its derivatives at one separation, along one sliding direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
     /// Traction (T_n, T_t), stress.
     pub traction: [f64; 2],
     /// Jacobian: rows ∂T_n, ∂T_t; columns ∂Δ_n, ∂Δ_t; stress/length.
     pub jacobian: [[f64; 2]; 2],
-    /// Secant stiffness T_t/Δ_t, finite at Δ_t = 0: the stiffness across the direction of sliding.
+    /// Secant stiffness T_t/Δ_t, finite at Δ_t = 0: the stiffness perpendicular to the sliding direction.
     pub secant: f64,
 }
 
 impl Response {
-    /// The response of a law without tangential traction.
+    /// Creates the response of a law without tangential traction.
     pub(crate) fn normal(traction: f64, slope: f64) -> Self {
         Self { traction: [traction, 0.0], jacobian: [[slope, 0.0], [0.0; 2]], secant: 0.0 }
     }
 }
 
-/// The Jacobian ∂T/∂Δ with both tangential directions.
+/// Jacobian ∂T/∂Δ with both tangential directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jacobian {
     /// Derivative ∂T_n/∂Δ_n.
@@ -177,11 +177,11 @@ pub struct Jacobian {
     pub tt: [[f64; 2]; 2],
 }
 
-/// The properties of a cohesive law under mixed loading and over-closure: the requirements R1 to R6 of theory.md,
-/// section 8.
+/// Properties of a cohesive law under mixed loading and over-closure: the requirements R1 to R6 of theory.md, section
+/// 8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MixedMode {
-    /// R1: opening alone takes the work φ_n and sliding alone at Δ_n = 0 the work φ_t, for independent values of both.
+    /// R1: opening alone takes the work φ_n, and sliding alone at Δ_n = 0 the work φ_t; both can be chosen freely.
     pub independent_works: bool,
     /// R2: T_t·Δ_t ≥ 0 at any Δ_n: the shear traction never drives the sliding.
     pub resists_sliding: bool,
@@ -191,7 +191,7 @@ pub struct MixedMode {
     pub holds_under_pressure: bool,
     /// R5: the traction vanishes at large separation, in any direction with Δ_n ≥ 0.
     pub vanishes: bool,
-    /// R6: the traction is continuous, and its derivatives are bounded if Δ_n is.
+    /// R6: the traction is continuous, and its derivatives are bounded if Δ_n is bounded.
     pub continuous: bool,
 }
 

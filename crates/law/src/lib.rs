@@ -1,4 +1,4 @@
-//! Laws of adhesion, cohesion and friction: traction against separation, point by point
+//! Laws of adhesion, cohesion and friction: traction as a function of separation, point by point
 //! ([theory.md](../gfmd/theory/index.html), section 8).
 //!
 //! | law                                        | modes              | energy          | hard wall |
@@ -12,9 +12,9 @@
 //! | [`CoupledExponential`] (C3D), [`Npb`]      | normal, tangential | no              | no        |
 //! | [`Friction`]: Coulomb, Tresca              | tangential         | needs a history |           |
 //!
-//! The separation is that of the rigid surface from the elastic one: normal Δ_n = gap, open > 0; tangential Δ_t. The
-//! traction acts *on the elastic surface*: T_n > 0 attracts, T_t points along Δ_t; T = ∂Φ/∂Δ if there is a potential Φ
-//! (energy per area). All laws are isotropic: T_t is parallel to Δ_t and depends on its magnitude.
+//! The separation is measured from the elastic to the rigid surface: normal Δ_n = gap, open > 0; tangential Δ_t. The
+//! traction acts *on the elastic surface*: T_n > 0 attracts, T_t points along Δ_t; T = ∂Φ/∂Δ if a potential Φ (energy
+//! per area) exists. All laws are isotropic: T_t is parallel to Δ_t and depends on its magnitude.
 //!
 //! ```
 //! use gfmd_law::{Kind, Law, Npb, Separation};
@@ -32,7 +32,7 @@
 //! # Ok::<(), gfmd_law::LawError>(())
 //! ```
 //!
-//! Not here: surfaces, bodies and equilibrium (`gfmd-interface`).
+//! Surfaces, bodies and equilibrium are in `gfmd-interface`.
 
 mod bosch_schreurs_geers;
 mod coupled_exponential;

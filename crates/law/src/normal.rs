@@ -1,4 +1,4 @@
-//! Laws that depend on the gap alone.
+//! Laws that depend only on the gap.
 
 use std::f64::consts::PI;
 
@@ -31,14 +31,14 @@ impl Law for HardWall {
     }
 }
 
-/// The work of adhesion and the range of a law, if both and their steepest slope are valid.
+/// Returns the work of adhesion and the range of a law if both are valid and their steepest slope is finite.
 fn of_range(energy: f64, range: f64) -> Result<(f64, f64), LawError> {
     let (energy, range) = (positive("gamma", energy)?, positive("range", range)?);
     finite("2 gamma/range^2", 2.0 * energy / range / range)?;
     Ok((energy, range))
 }
 
-/// Attraction that decays exponentially, V = −γ e^{−g/ϱ}, with a hard wall.
+/// Exponentially decaying attraction, V = −γ e^{−g/ϱ}, with a hard wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponential {
     energy: f64,
@@ -46,10 +46,10 @@ pub struct Exponential {
 }
 
 impl Exponential {
-    /// The law with the work of adhesion γ (`energy`, per area) and the range ϱ.
+    /// Creates the law with the work of adhesion γ (`energy`, per area) and the range ϱ.
     ///
     /// # Errors
-    /// Parameters that are not positive.
+    /// Returns an error if a parameter is not positive.
     pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
         let (energy, range) = of_range(energy, range)?;
         Ok(Self { energy, range })
@@ -85,8 +85,8 @@ impl Law for Exponential {
     }
 }
 
-/// Constant attraction γ/ϱ up to the gap ϱ and none beyond, with a hard wall: the cohesive zone of Dugdale (1960), with
-/// which Maugis (1992) solved the adhesive sphere.
+/// Constant attraction γ/ϱ up to the gap ϱ, zero beyond, with a hard wall: the cohesive zone of Dugdale (1960), used by
+/// Maugis (1992) for the adhesive sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dugdale {
     energy: f64,
@@ -94,10 +94,10 @@ pub struct Dugdale {
 }
 
 impl Dugdale {
-    /// The law with the work of adhesion γ (`energy`, per area) and the range ϱ.
+    /// Creates the law with the work of adhesion γ (`energy`, per area) and the range ϱ.
     ///
     /// # Errors
-    /// Parameters that are not positive.
+    /// Returns an error if a parameter is not positive.
     pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
         let (energy, range) = of_range(energy, range)?;
         Ok(Self { energy, range })
@@ -129,7 +129,7 @@ impl Law for Dugdale {
         self.energy / self.range.powi(2)
     }
 
-    /// The traction jumps to zero at the end of the range.
+    /// Returns a large number, because the traction jumps to zero at the end of the range.
     fn resolving_points(&self) -> f64 {
         32.0
     }
@@ -144,10 +144,10 @@ pub struct Morse {
 }
 
 impl Morse {
-    /// The law with the depth γ of the minimum (`energy`, per area) and the range ϱ.
+    /// Creates the law with the depth γ of the minimum (`energy`, per area) and the range ϱ.
     ///
     /// # Errors
-    /// Parameters that are not positive.
+    /// Returns an error if a parameter is not positive.
     pub fn new(energy: f64, range: f64) -> Result<Self, LawError> {
         let (energy, range) = of_range(energy, range)?;
         Ok(Self { energy, range })
@@ -201,10 +201,10 @@ pub struct HarmonicCosine {
 }
 
 impl HarmonicCosine {
-    /// The law with the depth γ of the minimum (`energy`, per area) and the curvature k of V there, stress/length.
+    /// Creates the law with the depth γ of the minimum of V (`energy`, per area) and its curvature k, stress/length.
     ///
     /// # Errors
-    /// Parameters that are not positive.
+    /// Returns an error if a parameter is not positive.
     pub fn new(energy: f64, curvature: f64) -> Result<Self, LawError> {
         let (energy, curvature) = (positive("gamma", energy)?, positive("curvature", curvature)?);
         let wavenumber = finite("sqrt(curvature/gamma)", (2.0 * curvature / energy).sqrt())?;
@@ -212,7 +212,7 @@ impl HarmonicCosine {
         Ok(Self { energy, curvature, wavenumber })
     }
 
-    /// The range π/w, the gap beyond which the traction is zero.
+    /// Returns the range π/w, the gap beyond which the traction is zero.
     pub fn cutoff(&self) -> f64 {
         PI / self.wavenumber
     }
@@ -238,7 +238,7 @@ impl Law for HarmonicCosine {
         if normal < 0.0 {
             0.5 * self.curvature * normal * normal - self.energy
         } else if normal < self.cutoff() {
-            // (1 + cos x)/2, without the rounding errors of its terms where they cancel.
+            // (1 + cos x)/2, written without cancellation.
             -self.energy * (0.5 * self.wavenumber * normal).cos().powi(2)
         } else {
             0.0

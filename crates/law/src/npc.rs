@@ -1,17 +1,17 @@
 use crate::{Law, LawError, MixedMode, Response, Separation};
 
-/// A law whose two tractions decay with the magnitude of the separation, λ² = max(Δ_n, 0)²/δ_n² + Δ_t²/δ_t². Under
-/// over-closure the modes are uncoupled (theory.md, section 8). τ_max = φ_t/(e δ_t).
+/// A law with normal and tangential tractions that decay with the magnitude of the separation, λ² = max(Δ_n, 0)²/δ_n² +
+/// Δ_t²/δ_t². Under over-closure the modes are uncoupled (theory.md, section 8). τ_max = φ_t/(e δ_t).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Npc {
     separation: Separation,
 }
 
 impl Npc {
-    /// The law with these works and lengths.
+    /// Creates the law with the given works and lengths.
     ///
     /// # Errors
-    /// Works or lengths that are not positive.
+    /// Returns an error if a work or a length is not positive.
     pub fn new(separation: Separation) -> Result<Self, LawError> {
         Ok(Self { separation: separation.check()? })
     }
@@ -51,7 +51,7 @@ impl Law for Npc {
 
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let x0 = (lowest / self.separation.normal_length).min(0.0);
-        // |x y|/λ ≤ λ/2 and the largest λ e^{−λ} is 1/e.
+        // |x y|/λ ≤ λ/2, and the maximum of λ e^{−λ} is 1/e.
         let coupling = 0.5 * (-1.0_f64).exp();
         self.separation.bound([[(1.0 - x0) * (-x0).exp(), coupling], [coupling, 1.0]])
     }

@@ -1,6 +1,6 @@
 use crate::{Kind, Parameter};
 
-/// The works and lengths of separation of a cohesive law.
+/// Works and lengths of separation of a cohesive law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Separation {
     /// Work φ_n of opening at Δ_t = 0, per area.
@@ -29,19 +29,19 @@ impl Separation {
         Ok(self)
     }
 
-    /// The reduced separations Δ_n/δ_n and Δ_t/δ_t, at most [`FAR`].
+    /// Returns the reduced separations Δ_n/δ_n and Δ_t/δ_t, limited to [`FAR`].
     pub(crate) fn reduce(&self, normal: f64, sliding: f64) -> [f64; 2] {
         let x = normal / self.normal_length;
         [if x > FAR { FAR } else { x }, (sliding / self.tangential_length).clamp(-FAR, FAR)]
     }
 
-    /// The energy of opening −φ_n (1 + x) e^{−x}, zero far away, which all cohesive laws here share.
+    /// Returns the opening energy −φ_n (1 + x) e^{−x} of all cohesive laws here, zero at infinite separation.
     pub(crate) fn opening_energy(&self, normal: f64) -> f64 {
         let [x, _] = self.reduce(normal, 0.0);
         -self.normal_work * (1.0 + x) * (-x).exp()
     }
 
-    /// The response from tractions and derivatives in units of φ_n/δ_n, φ_t/δ_t and the lengths.
+    /// Converts tractions and derivatives in units of φ_n/δ_n, φ_t/δ_t and the lengths to a response.
     pub(crate) fn scale(&self, [n, t]: [f64; 2], [[nn, nt], [tn, tt]]: [[f64; 2]; 2], secant: f64) -> crate::Response {
         let Self { normal_work, tangential_work, normal_length, tangential_length } = *self;
         let (strength, shear_strength) = (normal_work / normal_length, tangential_work / tangential_length);
@@ -55,76 +55,76 @@ impl Separation {
         }
     }
 
-    /// The largest row sum of the [scaled](Self::scale) bounds of the entries, which bounds the eigenvalues.
+    /// Returns the largest row sum of the [scaled](Self::scale) bounds of the entries, which bounds the eigenvalues.
     pub(crate) fn bound(&self, jacobian: [[f64; 2]; 2]) -> f64 {
         let [[nn, nt], [tn, tt]] = self.scale([0.0; 2], jacobian, 0.0).jacobian;
         (nn + nt).max(tn + tt)
     }
 }
 
-/// The largest reduced separation. Tractions at larger separations are computed as at this one: they are zero, while
-/// the product of a larger separation and a vanishing exponential may be NaN.
+/// Largest reduced separation. Larger separations are replaced by it: the tractions there are zero, while the product
+/// of a larger separation and a vanishing exponential may be NaN.
 const FAR: f64 = 1e6;
 
-/// Reasons to refuse the name or the parameters of a law.
+/// Error in the name, the parameters or the table of a law.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LawError {
-    /// A value out of its range.
+    /// Value out of range.
     #[error("{name} is {found}; it must be {allowed}")]
     Range {
-        /// The name of the parameter.
+        /// Parameter name.
         name: &'static str,
         /// Its value.
         found: f64,
-        /// The allowed values, after "it must be".
+        /// Allowed values, completing "it must be".
         allowed: &'static str,
     },
-    /// An unknown name of a law.
+    /// Unknown law.
     #[error("the law is {found:?}; it must be one of {}{}", Kind::names(|_| true), Kind::instead_of(found))]
     Name {
-        /// The name asked for.
+        /// Requested name.
         found: String,
     },
-    /// A parameter that the law does not have.
+    /// Parameter that the law does not have.
     #[error("the law {} has no parameter {found:?}; it takes {}", kind.name(), Parameter::list(kind.parameters()))]
     Unknown {
-        /// The law.
+        /// Law.
         kind: Kind,
-        /// The name found.
+        /// Name of the parameter.
         found: String,
     },
-    /// A parameter without a value.
+    /// Parameter without a value.
     #[error("the law {} needs the parameter {parameter}", kind.name())]
     Missing {
-        /// The law.
+        /// Law.
         kind: Kind,
-        /// The missing parameter.
+        /// Missing parameter.
         parameter: Parameter,
     },
-    /// A table with points that no curve can have.
+    /// Table with points that cannot be interpolated.
     #[error("the table has {0}")]
     Curve(#[from] gfmd_curve::CurveError),
-    /// A table that cannot be a law.
+    /// Table that is not a valid law.
     #[error("the {found}; it must be {allowed}")]
     Table {
-        /// The part of the table and its value.
+        /// Part of the table and its value.
         found: String,
-        /// The allowed values, after "it must be".
+        /// Allowed values, completing "it must be".
         allowed: &'static str,
     },
-    /// The law of a table, without a table.
+    /// [`Kind::Table`] without a table.
     #[error("the law table needs its rows: gaps and tractions")]
     NoTable,
-    /// A parameter with two values.
+    /// Parameter given more than once.
     #[error("the parameter {name} is given more than once")]
     Twice {
-        /// The name of the parameter.
+        /// Parameter name.
         name: &'static str,
     },
 }
 
-/// Returns a ratio of parameters if it is finite.
+/// Returns a ratio of parameters, or an error if it is not finite.
 pub(crate) fn finite(name: &'static str, found: f64) -> Result<f64, LawError> {
     if found.is_finite() { Ok(found) } else { Err(LawError::Range { name, found, allowed: "finite" }) }
 }

@@ -2,30 +2,30 @@ use gfmd_curve::Curve;
 
 use crate::{Law, LawError, Opening, Response};
 
-/// A law of the gap alone from a table: the shape-preserving cubic [`Curve`] through its tractions, whose exact
-/// integral is the energy. The traction is zero beyond the largest gap.
+/// A law of the gap from a table: the shape-preserving cubic [`Curve`] through its tractions. The energy is the exact
+/// integral of the curve. The traction is zero beyond the largest gap.
 ///
-/// A table that begins at the gap 0 has a hard wall there; one that begins at a negative gap must begin with a
+/// A table that begins at gap 0 has a hard wall there. A table that begins at a negative gap must begin with a
 /// repulsion, which is continued along its tangent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     curve: Curve,
     has_wall: bool,
-    /// The integral of the traction over the table.
+    /// Integral of the traction over the table.
     opened: f64,
-    /// The largest magnitude of the slope.
+    /// Largest magnitude of the slope.
     stiffest: f64,
     steepness: f64,
     work: f64,
 }
 
 impl Tabulated {
-    /// The law through the rows [gap, traction], with attractions above zero.
+    /// Creates the law from rows [gap, traction]; attractions are positive.
     ///
     /// # Errors
-    /// Fewer than four rows, a number that is not finite, gaps that do not rise; a smallest gap above 0; a table that
-    /// begins at a negative gap without a repulsion that grows as the surfaces approach; a traction other than 0 at the
-    /// largest gap, or of 0 everywhere; an energy that is not finite.
+    /// Returns an error for fewer than four rows; numbers that are not finite; gaps that do not increase; a smallest
+    /// gap above 0 or a largest gap not above 0; a negative smallest gap without a repulsion that grows on approach; a
+    /// traction other than 0 at the largest gap, or 0 everywhere; an energy that is not finite.
     pub fn new(rows: &[[f64; 2]]) -> Result<Self, LawError> {
         let refuse = |found: String, allowed: &'static str| Err(LawError::Table { found, allowed });
         let curve = Curve::new(rows)?;
@@ -57,7 +57,7 @@ impl Tabulated {
         let [low, high] = curve.slopes(first);
         let [decay, _] = curve.slopes(0.0);
         let opened = curve.integral(last);
-        // The energy is lowest where the traction passes zero from below, or at the wall.
+        // The energy is lowest where the traction crosses zero from below, or at the wall.
         let wall = has_wall.then_some([0.0, 0.0]);
         let roots = rows.windows(2).filter(|pair| pair[0][1] <= 0.0 && pair[1][1] > 0.0);
         let work = roots.map(|pair| root(&curve, [pair[0][0], pair[1][0]])).chain(wall.map(|[gap, _]| gap));
@@ -65,13 +65,13 @@ impl Tabulated {
         Ok(Self { curve, has_wall, opened, stiffest: high.max(-low), steepness: (-decay).max(0.0), work })
     }
 
-    /// The work of separation: the depth of the energy, per area; 0 for a law that only repels.
+    /// Returns the work of separation: the depth of the energy minimum, per area; 0 for a purely repulsive law.
     pub fn work(&self) -> f64 {
         self.work
     }
 }
 
-/// The gap between these two at which the traction changes sign, by bisection.
+/// Finds the gap between `low` and `high` at which the traction changes sign, by bisection.
 fn root(curve: &Curve, [mut low, mut high]: [f64; 2]) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

@@ -10,17 +10,17 @@ use crate::{Law, LawError, MixedMode, Response, Separation};
 pub struct XuNeedleman {
     separation: Separation,
     r: f64,
-    /// The coefficient (1 − q)/(r − 1).
+    /// Coefficient (1 − q)/(r − 1).
     a: f64,
-    /// The coefficient (r − q)/(r − 1).
+    /// Coefficient (r − q)/(r − 1).
     b: f64,
 }
 
 impl XuNeedleman {
-    /// The law with these works and lengths and the ratio r.
+    /// Creates the law with the given works, lengths and ratio r.
     ///
     /// # Errors
-    /// Works or lengths that are not positive, or r = 1.
+    /// Returns an error if a work or a length is not positive, or if r = 1.
     pub fn new(separation: Separation, r: f64) -> Result<Self, LawError> {
         let separation = separation.check()?;
         if !r.is_finite() || r == 1.0 {
@@ -68,7 +68,7 @@ impl Law for XuNeedleman {
     fn stiffness_bound(&self, lowest: f64) -> f64 {
         let Self { separation, r, a, b } = *self;
         let q = self.q();
-        // An upper bound of |c₀ + c₁ x| e^{−x} over x ≥ x₀.
+        // Upper bound of |c₀ + c₁ x| e^{−x} for x ≥ x₀.
         let x0 = (lowest / separation.normal_length).min(0.0);
         let largest = |c0: f64, c1: f64| (c0.abs() + c1.abs() * x0.abs().max(1.0)) * (-x0).exp();
         let coupling = largest(a * r, b) * LARGEST_Y_GAUSS;

@@ -3,22 +3,22 @@ use ndarray::ArrayView2;
 
 use crate::Boundary;
 
-/// The part of the surface in contact.
+/// Contact area of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactArea {
-    /// The number of points with a pressure above zero.
+    /// Number of points with a pressure above zero.
     pub nodes: usize,
-    /// The number of pairs of neighbours (along x and y) of which exactly one is in contact. Points at opposite edges
-    /// are neighbours only in a periodic field.
+    /// Number of pairs of neighbours (along x and y) with exactly one point in contact. Points at opposite edges are
+    /// neighbours only in a periodic field.
     pub boundary_links: usize,
-    /// The fraction of points in contact.
+    /// Fraction of points in contact.
     pub fraction: f64,
-    /// The fraction without the excess due to whole pixels along the perimeter.
+    /// Contact fraction corrected for the excess of whole pixels along the perimeter.
     ///
     /// Yastrebov et al. (2017): A = A_pixels − (π − 1 + ln 2)/24 · S a, with S the length of the pixel edges between
     /// contact and non-contact and a the spacing; for rectangular pixels S a is the sum of the pixel areas over the
     /// boundary links. The edge of a field that does not repeat is not part of S: a contact that reaches it ends there
-    /// exactly. Never below zero. No correction is known for a line contact (one point along y), where it equals
+    /// exactly. Never below zero. No correction is known for a line contact (one point along y), which has the value
     /// `fraction`.
     pub corrected_fraction: f64,
 }
@@ -30,14 +30,14 @@ pub fn contact_area(pressure: ArrayView2<f64>, boundary: Boundary) -> ContactAre
     contact_area_over(&Share::whole(rows, columns), columns, &contiguous(&pressure), boundary)
 }
 
-/// Measures the contact of a pressure field of which each process has its rows of `columns` values.
+/// Measures the contact of a distributed pressure field: each process passes its rows of `columns` values.
 pub(crate) fn contact_area_over(share: &Share, columns: usize, points: &[f64], boundary: Boundary) -> ContactArea {
     let rows = || points.chunks_exact(columns.max(1));
     let is_last = share.rows().end == share.all_rows().iter().map(|rows| rows.end).max().unwrap_or(0);
     let after = match (rows().next(), rows().last()) {
         (Some(first), Some(last)) => {
             let [_, after] = share.beside(first, last);
-            // Pairs of a row with itself are no links.
+            // A row is not linked to itself.
             if is_last && boundary == Boundary::Free { last.to_vec() } else { after }
         }
         _ => Vec::new(),
@@ -60,7 +60,7 @@ pub(crate) fn contact_area_over(share: &Share, columns: usize, points: &[f64], b
     ContactArea { nodes: nodes as usize, boundary_links: boundary_links as usize, fraction, corrected_fraction }
 }
 
-/// The number of pairs of which exactly one is in contact, without branches.
+/// Returns the number of pairs with exactly one point in contact, without branches.
 fn links(here: &[f64], there: &[f64]) -> u64 {
     here.iter().zip(there).map(|(a, b)| u64::from((*a > 0.0) != (*b > 0.0))).sum()
 }
@@ -142,7 +142,7 @@ mod tests {
             for boundary in [Free, Periodic] {
                 let patches = Patches::of(p.mapv(|p| p > 0.0).view(), boundary).patches;
                 let of_patches = patches.iter().map(|patch| patch.links.iter().sum::<u64>()).sum::<u64>();
-                // Two neighbours along an axis of two points that repeats are linked twice.
+                // On a periodic axis of two points, the two neighbours are linked twice.
                 assert_eq!(of_patches, links(boundary), "{rows} x {columns}, {boundary:?}");
             }
         }

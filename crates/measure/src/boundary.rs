@@ -1,14 +1,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Boundary condition of a surface, and of the fields on it.
+/// Boundary condition of a surface and of the fields on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Boundary {
-    /// The surface is one period of an endless one: points at opposite edges are neighbours.
+    /// One period of an endless surface: points at opposite edges are neighbours.
     #[default]
     Periodic,
-    /// The surface is a patch on an unbounded half-space, slab or stack of layers: pressure acts within the patch only,
-    /// and the displacement is zero far away (theory.md, section 3.1). Points at an edge have no neighbours beyond it.
+    /// Patch on an unbounded half-space, slab or stack of layers: pressure acts within the patch only, and the
+    /// displacement is zero far away (theory.md, section 3.1). Points at an edge have no neighbours beyond it.
     Free,
 }
 
@@ -16,7 +16,7 @@ impl Boundary {
     /// Both boundaries.
     pub const ALL: [Self; 2] = [Self::Periodic, Self::Free];
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Periodic => "periodic",
@@ -24,7 +24,7 @@ impl Boundary {
         }
     }
 
-    /// The description in one line.
+    /// Returns the description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Periodic => "the surface repeats without end",
@@ -39,11 +39,11 @@ impl fmt::Display for Boundary {
     }
 }
 
-/// Error: no boundary has the given name.
+/// Error for an unknown name of a boundary.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the boundary is {found}; it must be {} or {}", Boundary::Periodic, Boundary::Free)]
 pub struct UnknownBoundary {
-    /// The name given.
+    /// Name given.
     pub found: String,
 }
 

@@ -1,16 +1,16 @@
-/// A distribution of values between zero and the largest, in bins of equal width.
+/// Distribution of values between zero and the largest, in bins of equal width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution {
-    /// Middles of the bins.
+    /// Centres of the bins.
     pub middles: Vec<f64>,
-    /// Number of values in a bin, divided by the number of all values and by the width: the sum of densities times the
-    /// width is the fraction of values counted.
+    /// Number of values in a bin, divided by the number of all values and by the bin width. The sum of densities times
+    /// the width is the fraction of values counted.
     pub densities: Vec<f64>,
 }
 
 impl Distribution {
-    /// The distribution of the positive `values` over `bins` bins, as fractions of `all` values. Without positive
-    /// values all densities are zero.
+    /// Computes the distribution of the positive `values` over `bins` bins, as fractions of `all` values. Without
+    /// positive values all densities are zero.
     pub fn of(values: impl Iterator<Item = f64> + Clone, all: usize, bins: usize) -> Self {
         let positive = values.filter(|value| *value > 0.0);
         let largest = positive.clone().fold(0.0, f64::max);
@@ -23,15 +23,15 @@ impl Distribution {
         Self { middles: (0..bins).map(|bin| (bin as f64 + 0.5) * width).collect(), densities }
     }
 
-    /// The width of a bin.
+    /// Returns the width of a bin.
     pub fn width(&self) -> f64 {
         2.0 * self.middles.first().copied().unwrap_or(0.5)
     }
 }
 
-/// Geometric middles and densities of bins of equal width on a logarithmic scale, `bins` in each of so many decades up
-/// to the largest value, from the lowest. A density is the number of `values` in a bin over `all` and over the width of
-/// the bin. Smaller values are not counted; without positive values there are no bins.
+/// Returns geometric centres and densities of bins of equal width on a logarithmic scale, from the lowest: `bins` per
+/// decade over the given number of decades up to the largest value. A density is the number of `values` in a bin
+/// divided by `all` and by the bin width. Smaller values are not counted; without positive values there are no bins.
 pub fn density_over_decades(
     values: impl Iterator<Item = f64> + Clone,
     all: usize,
@@ -63,14 +63,14 @@ mod tests {
 
     #[test]
     fn bins_over_decades_have_the_density_of_a_power() {
-        // x = u² of a uniform u has the density 1/(2√x).
+        // x = u² with a uniform u has the density 1/(2√x).
         let n = 1_000_000;
         let values = (0..n).map(|i| ((i as f64 + 0.5) / n as f64).powi(2));
         let found = density_over_decades(values, n, 4, 5);
         assert_eq!(found.len(), 20);
         assert!(found.is_sorted_by(|a, b| a[0] < b[0]));
         for [x, density] in found {
-            // The mean over a bin falls short of the density at its geometric middle by (ln 10/5)²/32.
+            // The mean over a bin is below the density at its geometric centre by (ln 10/5)²/32.
             assert!((density * 2.0 * x.sqrt() - 1.0).abs() < 0.01, "{x} {density}");
         }
         let found = density_over_decades([0.0, 100.0, 10.5, 1e-9, -1.0].into_iter(), 4, 2, 1);

@@ -1,56 +1,56 @@
-//! The value of a number on an infinitely fine grid, and its error, from one solution.
+//! Grid-converged values of contact quantities and their errors, estimated from one solution.
 
 use std::fmt;
 
 use crate::{Peak, Scales, Summary};
 
-/// The value that a number of a contact approaches on finer grids of the same surface, estimated from one solution.
+/// Value that a contact quantity approaches on finer grids of the same surface, estimated from one solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridLimit {
-    /// The estimate, in the unit of the number.
+    /// Estimate, in the unit of the quantity.
     pub limit: f64,
-    /// Half the width of its interval, in the unit of the number. The interval contained the value on a grid 8 times
+    /// Half the width of the interval, in the unit of the quantity. The interval contained the value on a grid 8 times
     /// finer in 93 % of contacts to which the constants were not fitted.
     pub half_width: f64,
 }
 
-/// Reasons why one solution gives no limit of a number.
+/// Reasons why one solution gives no limit of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoLimit {
-    /// Too few boundary links (their number): errors do not average out.
+    /// Too few boundary links (their number), so that errors do not average out.
     FewLinks(u64),
-    /// Boundary links per point in contact: contacts are narrower than the grid resolves.
+    /// Contacts narrower than the grid resolves (boundary links per point in contact).
     Narrow(f64),
-    /// The area fraction is too large.
+    /// Area fraction too large.
     Area(f64),
-    /// The conductivity is so small that only an error of its logarithm is meaningful.
+    /// Conductivity so small that only an error of its logarithm is meaningful.
     NearClosing(f64),
-    /// Several processes share the field, and none has the whole field.
+    /// Field shared by several processes; none has the whole field.
     Shared,
-    /// The electrodes of a conductance lie at a finite depth.
+    /// Conductance between electrodes at a finite depth.
     Electrodes,
-    /// Patches join and separate from grid to grid.
+    /// Patches, which join and separate from grid to grid.
     Patches,
-    /// The difference of two grids is the only measure of the error.
+    /// Quantity with an error estimate only from the difference of two grids.
     OneGrid,
-    /// Two grids may give equal counts by chance.
+    /// Count that two grids may share by chance.
     Counted,
 }
 
-/// The least number of boundary links.
+/// Smallest number of boundary links.
 const LEAST_LINKS: u64 = 16;
 
-/// The largest number of boundary links per point in contact: about 2 over the width of the contacts in points.
+/// Largest number of boundary links per point in contact: about 2 divided by the width of the contacts in points.
 const MOST_LINKS: f64 = 2.6;
 
-/// The largest area fraction.
+/// Largest area fraction.
 const MOST_AREA: f64 = 0.8;
 
-/// The least conductivity relative to a uniform gap.
+/// Smallest conductivity relative to a uniform gap.
 const LEAST_CONDUCTIVITY: f64 = 0.01;
 
-/// The conductivity below which its error grows.
+/// Conductivity below which its error grows.
 const NEAR_CLOSING: f64 = 0.1;
 
 impl fmt::Display for NoLimit {
@@ -89,20 +89,20 @@ impl fmt::Display for NoLimit {
 impl std::error::Error for NoLimit {}
 
 impl GridLimit {
-    /// A limit whose half width is `part` times the limit.
+    /// Returns a limit with a half width of `part` times the limit.
     fn within(limit: f64, part: f64) -> Self {
         Self { limit, half_width: part * limit.abs() }
     }
 
-    /// The limit of a number from its values on a grid and on one of twice as many points along each side alone: the
-    /// second value, within 2.5 times their difference. There the error of a number of first order is the difference,
-    /// of second order a third of it, and differences may be small by chance.
+    /// Returns the limit from the values on a grid and on a grid with twice as many points along each side alone: the
+    /// second value within 2.5 times their difference. The error of a first-order quantity there is the difference, the
+    /// error of a second-order quantity a third of it, and differences may be small by chance.
     pub fn of_two_grids(value: f64, fine: f64) -> Self {
         Self { limit: fine, half_width: 2.5 * (fine - value).abs() }
     }
 
-    /// The limit between those of several surfaces, one of which is the true one: the middle of the smallest and the
-    /// largest one; the half width is half of their difference plus the largest half width. NaN without limits.
+    /// Returns a limit that covers the limits of several surfaces, one of them the true one: the midpoint of the
+    /// extremes, with half their difference plus the largest half width as half width. NaN without limits.
     pub fn between(limits: &[Self]) -> Self {
         let least = limits.iter().fold(f64::INFINITY, |least, found| least.min(found.limit));
         let most = limits.iter().fold(f64::NEG_INFINITY, |most, found| most.max(found.limit));
@@ -110,44 +110,44 @@ impl GridLimit {
         Self { limit: 0.5 * (least + most), half_width: 0.5 * (most - least) + half_width }
     }
 
-    /// A bound of the error of `value`, whose limit this is, in its unit.
+    /// Returns a bound of the error of `value` relative to this limit, in its unit.
     pub fn error_of(&self, value: f64) -> f64 {
         (value - self.limit).abs() + self.half_width
     }
 }
 
-/// A number of one surface under one load on two grids, the finer one with twice as many points along each side
+/// Quantity of one surface under one load on two grids, the finer one with twice as many points along each side
 /// (theory.md, section 9.2).
 #[derive(Clone, Copy, Debug)]
 pub struct Refined {
-    /// The number on the coarser grid.
+    /// Value on the coarser grid.
     pub value: f64,
-    /// Its limit from the coarser grid alone; `None` if that grid gives none.
+    /// Limit from the coarser grid alone; `None` if that grid gives none.
     pub own: Option<GridLimit>,
-    /// The number on the finer grid.
+    /// Value on the finer grid.
     pub fine: f64,
-    /// Its limit from the finer grid alone.
+    /// Limit from the finer grid alone.
     pub limit: GridLimit,
 }
 
 impl Refined {
-    /// The limit in a problem for which the formulas of one grid were calibrated: that of the finer grid. If the two
-    /// limits contradict each other, the half width is their difference.
+    /// Returns the limit in a problem for which the one-grid formulas were calibrated: the limit from the finer grid.
+    /// If the two limits contradict each other, the half width is their difference.
     pub fn calibrated(&self) -> GridLimit {
         let Self { own, limit, .. } = *self;
         let apart = own.filter(|own| (own.limit - limit.limit).abs() > own.half_width + limit.half_width);
         apart.map_or(limit, |own| GridLimit { half_width: (own.limit - limit.limit).abs(), ..limit })
     }
 
-    /// The limit in another problem: its half width is the larger of that of the formula and the difference of the
-    /// limits.
+    /// Returns the limit in any other problem. The half width is the larger of the half width of the formula and the
+    /// difference of the limits.
     pub fn by_difference(&self) -> GridLimit {
         let Self { value, own, fine, limit } = *self;
         let apart = own.map_or(fine - value, |own| own.limit - limit.limit).abs();
         GridLimit { half_width: limit.half_width.max(apart), ..limit }
     }
 
-    /// The limit of a conductivity of the gap, which is of second order.
+    /// Returns the limit of a conductivity of the gap, a second-order quantity.
     pub fn flow(&self) -> GridLimit {
         let Self { value, fine, limit, .. } = *self;
         let apart = ((fine - value) / fine).abs();
@@ -156,14 +156,14 @@ impl Refined {
     }
 }
 
-/// A contact on its grid, from which the limits of its numbers are estimated (theory.md, section 9.2).
+/// Contact on its grid, for estimates of grid-converged values (theory.md, section 9.2).
 ///
-/// L is the number of boundary links, ρ = L / points in contact (about 2 over the width of the contacts in points), A
-/// the area fraction and g = 1 − A. The constants are those of the largest likelihood (Student's t, 4 degrees) on 160
+/// L is the number of boundary links, ρ = L / points in contact (about 2 divided by the width of the contacts in
+/// points), A the area fraction and g = 1 − A. The constants have maximum likelihood (Student's t, 4 degrees) on 160
 /// contacts of self-affine surfaces (H = 0, 0.3, 0.8; p* from 0.005 to 0.6; 4 to 16 points on the shortest wave) with a
-/// hard wall on a half-space, beside grids of 64 points a wave; the half widths were scaled on 800 contacts of 200
-/// other surfaces (p* from 0.01 to 0.5, grids 8 times finer), and those of the peak set on 768 of 96 more, so that 95 %
-/// of the errors are smaller.
+/// hard wall on a half-space, compared with grids of 64 points per wave. The half widths were scaled on 800 contacts of
+/// 200 other surfaces (p* from 0.01 to 0.5, grids 8 times finer), and the half widths of the peak on 768 contacts of 96
+/// more, so that 95 % of the errors are smaller.
 #[derive(Clone, Copy, Debug)]
 pub struct GridLimits<'a> {
     summary: &'a Summary,
@@ -177,33 +177,33 @@ pub struct GridLimits<'a> {
     is_patch: bool,
 }
 
-/// The largest ρ in the formulas; larger values are replaced by it.
+/// Largest ρ in the formulas; larger values are clipped to it.
 const LARGEST_NARROW: f64 = 3.0;
 
-/// The fraction of the strip of Yastrebov et al. by which the counted area is too large.
+/// Returns the excess of the counted area as a fraction of the strip of Yastrebov et al.
 fn strip(narrow: f64) -> f64 {
     0.858 + 0.021 * narrow.min(LARGEST_NARROW).powi(2)
 }
 
-/// The fraction of the mean square pressure that a grid lacks.
+/// Returns the fraction of the mean square pressure that a grid misses.
 fn lacking(narrow: f64) -> f64 {
     0.0071 * narrow.min(LARGEST_NARROW).powf(2.47)
 }
 
 impl Summary {
-    /// Boundary links per point in contact, zero without contact.
+    /// Returns the number of boundary links per point in contact, zero without contact.
     fn narrow(&self) -> f64 {
         if self.boundary_links == 0 { 0.0 } else { self.boundary_links as f64 / self.contact_nodes as f64 }
     }
 
-    /// κ without the excess of whole points along the edge: the limit of [`GridLimits::kappa`], also for contacts for
-    /// which its interval is not calibrated.
+    /// Returns κ without the excess of whole points along the edge: the limit of [`GridLimits::kappa`], also for
+    /// contacts outside the calibration of its interval.
     pub fn kappa_limit(&self) -> f64 {
         self.kappa - strip(self.narrow()) * (self.kappa - self.kappa_corrected)
     }
 
-    /// ⟨p²⟩/(E* ḡ)² on an infinitely fine grid: the limit of [`GridLimits::pressure_moment_2`] in reduced units, also
-    /// for contacts for which its interval is not calibrated.
+    /// Returns ⟨p²⟩/(E* ḡ)² on an infinitely fine grid: the limit of [`GridLimits::pressure_moment_2`] in reduced
+    /// units, also for contacts outside the calibration of its interval.
     pub fn reduced_square_limit(&self) -> f64 {
         let unit = self.mean_pressure / self.p_star;
         self.pressure_moment_2 * (1.0 + lacking(self.narrow())) / (unit * unit)
@@ -211,10 +211,10 @@ impl Summary {
 }
 
 impl<'a> GridLimits<'a> {
-    /// The contact with this `summary` in these scales, on a grid of so many `points`, `spacing` (length) apart.
+    /// Takes a contact with this `summary` and these scales on a grid of `points` at distance `spacing` (length).
     ///
     /// # Errors
-    /// A contact for which the formulas are not calibrated.
+    /// A contact outside the calibration of the formulas.
     pub fn of(summary: &'a Summary, points: usize, spacing: f64, scales: &Scales) -> Result<Self, NoLimit> {
         let &Summary { boundary_links, contact_nodes, area_fraction, .. } = summary;
         let (links, points) = (boundary_links as f64, points as f64);
@@ -240,31 +240,31 @@ impl<'a> GridLimits<'a> {
         })
     }
 
-    /// Limits for a surface of few waves, whose contacts are alike: their edges cross the grid in the same way, and
-    /// errors do not average out. The constants cover 95 % of the errors of 340 contacts of waves (products and sums of
-    /// two, hexagons, two lengths of waves; 8 to 32 points a wave, in phase with the grid and not); those of areas, M₂
-    /// and stiffness of Hertz's contact, too.
+    /// Adapts the limits to a surface of few waves with contacts that are alike: their edges cross the grid in the same
+    /// way, and errors do not average out. The constants cover 95 % of the errors of 340 contacts of waves (products
+    /// and sums of two, hexagons, two wavelengths; 8 to 32 points per wave, in phase with the grid and not), and also
+    /// the errors of area, M₂ and stiffness of Hertz's contact.
     #[must_use]
     pub fn alike(self) -> Self {
         Self { is_alike: true, ..self }
     }
 
-    /// Limits for a patch that does not repeat, whose compliance between points is not that of waves. Errors of area
-    /// and links are 1.2 and 1.25 times as large, those of stiffnesses 0.62 times (95 % of 100 rough spheres under four
-    /// loads).
+    /// Adapts the limits to a patch that does not repeat, since its compliance between points differs from periodic
+    /// waves. Errors of area and links are 1.2 and 1.25 times as large, errors of stiffnesses 0.62 times (95 % of 100
+    /// rough spheres under four loads).
     #[must_use]
     pub fn on_patch(self) -> Self {
         Self { is_patch: true, ..self }
     }
 
-    /// The relative error of a number: a factor times powers of ρ, L and g. For contacts that are alike the factor is
-    /// `alike`, without a power of L.
+    /// Returns the relative error of a quantity: a factor times powers of ρ, L and g. For contacts that are alike the
+    /// factor is `alike`, without a power of L.
     fn part(&self, [factor, narrow, links, apart]: [f64; 4], alike: f64) -> f64 {
         let (factor, links) = if self.is_alike { (alike, 1.0) } else { (factor, self.links.powf(links)) };
         factor * self.narrow.powf(narrow) * links * self.apart.powf(apart)
     }
 
-    /// The contact area: counting adds a strip along the edge, (0.858 + 0.021 ρ²) times that of the
+    /// Returns the contact area fraction. Counting adds a strip along the edge, (0.858 + 0.021 ρ²) times the
     /// [correction](crate::ContactArea) by Yastrebov et al.; the position of the edge on each link is unknown.
     pub fn area_fraction(&self) -> GridLimit {
         let Summary { area_fraction, area_fraction_corrected, .. } = self.summary;
@@ -275,38 +275,38 @@ impl<'a> GridLimits<'a> {
         GridLimit::within(limit, part.max(0.0033 * self.narrow))
     }
 
-    /// The ratio of area to reduced pressure.
+    /// Returns the ratio of contact area fraction to reduced pressure.
     pub fn kappa(&self) -> GridLimit {
         let GridLimit { limit, half_width } = self.area_fraction();
         let p_star = self.summary.p_star;
         GridLimit { limit: limit / p_star, half_width: half_width / p_star.abs() }
     }
 
-    /// The mean pressure over the points in contact, in stress.
+    /// Returns the mean pressure over the points in contact, in stress.
     pub fn mean_pressure_in_contact(&self) -> GridLimit {
         let area = self.area_fraction();
         GridLimit::within(self.summary.mean_pressure / area.limit, area.half_width / area.limit)
     }
 
-    /// The mean square pressure, in stress².
+    /// Returns the mean square pressure, in stress².
     pub fn pressure_moment_2(&self) -> GridLimit {
         let limit = self.summary.pressure_moment_2 * (1.0 + lacking(self.narrow));
         GridLimit::within(limit, self.part([0.0586, 1.91, -0.38, -0.92], 0.055))
     }
 
-    /// The standard deviation of the pressure over the points in contact, in stress.
+    /// Returns the standard deviation of the pressure over the points in contact, in stress.
     pub fn pressure_deviation_in_contact(&self) -> GridLimit {
         let (area, square, mean) = (self.area_fraction(), self.pressure_moment_2(), self.mean_pressure_in_contact());
         let limit = (square.limit / area.limit - mean.limit.powi(2)).max(0.0).sqrt();
         // M2/A − (p/A)².
         let of_area = (2.0 * mean.limit.powi(2) - square.limit / area.limit) * area.half_width / area.limit;
         let of_variance = of_area.hypot(square.half_width / area.limit);
-        // Both parts err together in part; the root of a variance that may be zero errs by that of its error.
+        // The two errors are partly correlated. The half width stays finite for a variance that may be zero.
         let of_variance = of_variance * if self.is_alike { 1.0 } else { 0.92 };
         GridLimit { limit, half_width: of_variance / (limit + (limit.powi(2) + of_variance).sqrt()) }
     }
 
-    /// The mean gap, in length.
+    /// Returns the mean gap, in length.
     pub fn mean_gap(&self) -> GridLimit {
         let Summary { mean_gap, mean_pressure, .. } = *self.summary;
         let load = mean_pressure / self.contact_modulus * (self.spacing / mean_gap);
@@ -314,43 +314,43 @@ impl<'a> GridLimits<'a> {
         GridLimit::within(mean_gap, load * self.part([0.0248, 2.06, -0.38, -2.29], 0.012))
     }
 
-    /// The rigid approach, in length: for a periodic half-space that of the surface's top less the mean gap, where the
-    /// top is `rise` above the highest point of the grid.
+    /// Returns the rigid approach, in length. For a periodic half-space it is the top of the surface minus the mean
+    /// gap, where the top is `rise` above the highest grid point.
     pub fn approach(&self, approach: f64, rise: f64) -> GridLimit {
         GridLimit { limit: approach + rise, ..self.mean_gap() }
     }
 
-    /// The number of boundary links, on a grid with this distance of the points.
+    /// Returns the number of boundary links on a grid of this spacing.
     pub fn boundary_links(&self) -> GridLimit {
         let factor = if self.is_patch { 1.25 * 0.108 } else { 0.108 };
         GridLimit::within(self.summary.boundary_links as f64, self.part([factor, 0.8, -0.16, -1.35], f64::NAN))
     }
 
-    /// The elastic energy per area, in stress × length.
+    /// Returns the elastic energy per area, in stress × length.
     pub fn elastic_energy(&self) -> GridLimit {
         GridLimit::within(self.summary.elastic_energy, self.part([0.0245, 2.38, -0.39, -2.0], 0.030))
     }
 
-    /// The largest pressure, in stress, with its peak.
+    /// Returns the largest pressure, in stress, from its peak.
     pub fn max_pressure(&self, peak: &Peak) -> GridLimit {
         let sharpness = peak.sharpness.max(0.0);
         let alike = if self.is_alike { 0.08 * sharpness } else { 0.0 };
-        // A peak without skewness on its grid still has one of its own.
+        // A peak without skewness on its grid may still be skewed between the points.
         let skewness = peak.skewness.hypot(0.15 * sharpness.powf(1.5));
         let part = alike + 0.112 * sharpness.powf(0.75) * skewness.sqrt() * self.apart.powf(0.3);
         GridLimit::within(peak.value, part)
     }
 
-    /// A stiffness, or a conductance, of this value.
+    /// Returns the limit of a contact stiffness or a conductance of this value.
     pub fn stiffness(&self, value: f64) -> GridLimit {
         let factor = if self.is_patch { 0.62 * 0.310 } else { 0.310 };
         GridLimit::within(value, self.part([factor, 0.93, -0.46, -1.26], 0.16))
     }
 
-    /// The conductivity of the gap along an axis, relative to a uniform gap of the mean height: points in contact count
-    /// as wholly closed, so that their edges narrow the channels. With r the number of boundary links over the number
-    /// of points that are not in contact, the limit is k (1 + 1.75 r^1.18 L^−0.18), and its half width 1.44 r L^−0.28
-    /// of it, times 0.1/k near closing (k < 0.1).
+    /// Returns the conductivity of the gap along an axis, relative to a uniform gap of the mean height. Points in
+    /// contact count as fully closed, so that their edges narrow the channels. With r the number of boundary links
+    /// divided by the number of points out of contact, the limit is k (1 + 1.75 r^1.18 L^−0.18). Its relative half
+    /// width is 1.44 r L^−0.28, times 0.1/k near closing (k < 0.1).
     ///
     /// # Errors
     /// A conductivity so small that only an error of its logarithm is meaningful.
@@ -365,7 +365,7 @@ impl<'a> GridLimits<'a> {
     }
 }
 
-/// The factor by which the error of a conductivity grows near closing, where single channels carry the flow.
+/// Returns the growth factor of the error of a conductivity near closing, where single channels carry the flow.
 fn near_closing(conductivity: f64) -> f64 {
     (NEAR_CLOSING / conductivity).max(1.0)
 }
@@ -376,8 +376,8 @@ mod tests {
     use crate::{Boundary, contact_area};
     use ndarray::Array2;
 
-    /// Thirty discs of this radius (in points), each at a random place of its cell of the grid: their area over that of
-    /// the grid, and the summary of a contact that has their points.
+    /// Places thirty discs of this radius (in points) at random, each in its cell of the grid. Returns their area as a
+    /// fraction of the grid and the summary of a contact with their points.
     fn discs(radius: f64, random: &mut u64) -> (f64, Summary) {
         const SIDE: usize = 180;
         let mut uniform = || {
@@ -416,8 +416,8 @@ mod tests {
 
     const SCALES: Scales = Scales { contact_modulus: 1.0, rms_gradient: 0.1 };
 
-    /// The position at which an edge cuts the links is unknown: points inside of discs have their area on average, and
-    /// no strip along the edge, which is a property of the pressures there.
+    /// The positions where an edge cuts the links are unknown: on average, points inside discs give the disc area. The
+    /// strip along the edge is absent, since it is a property of the pressures there.
     #[test]
     fn counting_the_points_of_discs_at_random_places_errs_by_the_half_width_of_the_area() {
         let mut random = 7;
@@ -449,7 +449,7 @@ mod tests {
         assert_eq!(two(Some(limit(0.999, 0.2))).by_difference(), limit(1.0, 0.01));
         let GridLimit { half_width, .. } = two(None).by_difference();
         assert!((half_width - 0.06).abs() < 1e-15, "without a limit of the first grid the numbers are compared");
-        // k(h) = 1 − h², of which both grids are exact.
+        // k(h) = 1 − h², exact on both grids.
         let flow = Refined { value: 0.96, own: None, fine: 0.99, limit: limit(1.2, 0.004) }.flow();
         assert!((flow.limit - 1.0).abs() < 1e-15 && flow.half_width >= 0.001, "{flow:?}");
         let between = GridLimit::between(&[limit(1.0, 0.1), limit(2.0, 0.25)]);

@@ -1,7 +1,7 @@
-//! Numbers from contact fields, and closed forms for comparison.
+//! Measured quantities of contact fields, and closed forms for comparison.
 //!
-//! Fields are `[x, y]` arrays; the pressure is compression positive and exactly zero out of contact. The fields may
-//! come from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
+//! Fields are `[x, y]` arrays. Pressure is positive in compression and exactly zero out of contact. The fields may come
+//! from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
 //!
 //! ```
 //! use gfmd_measure::{Boundary, contact_area, kappa, theory};
@@ -18,7 +18,7 @@
 //! assert!((kappa(theory::persson_area(p_star), p_star) - (8.0 / std::f64::consts::PI).sqrt()).abs() < 1e-9);
 //! ```
 //!
-//! Not here: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
+//! Related crates: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
 
 mod area;
 mod boundary;
@@ -45,13 +45,13 @@ pub use quantile::quantile;
 pub use self_affine::SelfAffineArea;
 pub use summary::{Column, Scales, Summary};
 
-/// The reduced pressure p* = p̄/(E* ḡ): `mean_pressure` and `contact_modulus` in stress, `rms_gradient` the root mean
-/// square of |∇h| over the whole surface (theory.md, section 10).
+/// Returns the reduced pressure p* = p̄/(E* ḡ). `mean_pressure` and `contact_modulus` are in stress; `rms_gradient` is
+/// the root mean square of |∇h| over the whole surface (theory.md, section 10).
 pub fn reduced_pressure(mean_pressure: f64, contact_modulus: f64, rms_gradient: f64) -> f64 {
     mean_pressure / (contact_modulus * rms_gradient)
 }
 
-/// The coefficient κ = a_r/p* between contact area fraction and reduced pressure (theory.md, section 10).
+/// Returns the ratio κ = a_r/p* of contact area fraction to reduced pressure (theory.md, section 10).
 pub fn kappa(area_fraction: f64, reduced_pressure: f64) -> f64 {
     area_fraction / reduced_pressure
 }

@@ -1,5 +1,4 @@
-//! The contact of an infinitely large self-affine surface, from contacts of surfaces whose spectrum ends at a longest
-//! wave.
+//! Contact of an infinitely large self-affine surface, from contacts of surfaces with a longest wave.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -10,63 +9,62 @@ use crate::theory::persson_area;
 /// Composition with the waves longer than the longest one of a simulated surface, by Persson's theory (theory.md,
 /// section 11).
 ///
-/// They spread the pressure p̄ into a distribution P(σ) with absorption at σ = 0; where they press with σ, the
-/// simulated short waves have the contact area a(σ). Hence a_∞(p̄) = ∫ P(σ) a(σ) dσ. The long waves have the spectrum
-/// of the whole at another scale, so that P has the contact area a_∞ itself, and with [`LongWaves::with_moments`] its
-/// second moment. No parameter is fitted.
+/// The long waves spread the pressure p̄ into a distribution P(σ) with absorption at σ = 0. Under a local pressure σ,
+/// the simulated short waves have the contact area a(σ). Hence a_∞(p̄) = ∫ P(σ) a(σ) dσ. The long waves have the
+/// spectrum of the full surface at another scale, so that P has the contact area a_∞ itself and, with
+/// [`LongWaves::with_moments`], the second moment of the infinite surface. No parameter is fitted.
 ///
-/// The result is linear in the simulated κ; the value stores the weights, so that it applies to means and to single
-/// surfaces alike.
+/// The result is linear in the simulated κ. The value stores the weights, which apply to means and to single surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LongWaves {
     weights: Vec<Vec<f64>>,
     full: Vec<f64>,
 }
 
-/// The smallest allowed value of the largest p*, at which the contact is nearly full: P extends beyond p̄.
+/// Lower bound of the largest p*. There the contact is nearly full; P extends beyond p̄.
 pub const LEAST_LARGEST_LOAD: f64 = 1.0;
 
-/// The largest ratio of neighbouring loads between which κ is interpolated.
+/// Largest ratio of neighbouring loads for the interpolation of κ.
 const WIDEST: f64 = 3.0;
 
-/// Half the range of the integral over the width of P, and the number of intervals.
+/// Half the range of the integral in widths of P, and the number of intervals.
 const REACH: f64 = 8.0;
 const INTERVALS: usize = 512;
 
-/// The contact area fraction above which its distance from one is too small to measure.
+/// Contact area fraction above which its distance from one is too small to measure.
 const FULL: f64 = 0.98;
 
-/// The relative change of κ at which the width is consistent.
+/// Relative change of κ at which the width is consistent.
 const CONSISTENT: f64 = 1e-12;
 
-/// The contact area fraction beyond which area and mean square pressure do not determine two widths: the spread stays,
-/// and the mean square pressure gives the width.
+/// Contact area fraction beyond which area and mean square pressure do not determine two widths. Above it the spread is
+/// kept, and the mean square pressure gives the width.
 const HALF: f64 = 0.5;
 
-/// The largest δ of two widths w (1 ± δ); contacts have a quarter.
+/// Largest δ of two widths w (1 ± δ); contacts have about 1/4.
 const LARGEST_SPREAD: f64 = 0.5;
 
-/// The most steps to a root, and the value that vanishes.
+/// Largest number of steps to a root, and the value that counts as zero.
 const MOST_STEPS: usize = 100;
 const VANISHES: f64 = 1e-15;
 
 impl LongWaves {
-    /// The weights for contacts at the reduced pressures `p_star` with the mean coefficients `kappa`, if the missing
-    /// waves have `missing` times the mean square gradient of the surfaces. P is Persson's, a Gaussian less its mirror
-    /// image, with the width that has the contact area a_∞.
+    /// Computes the weights for contacts at the reduced pressures `p_star` with the mean coefficients `kappa`, if the
+    /// missing waves have `missing` times the mean square gradient of the surfaces. P is Persson's distribution, a
+    /// Gaussian minus its mirror image, with the width that gives the contact area a_∞.
     ///
-    /// `None` if `p_star` has fewer than four loads, does not ascend, ends below [`LEAST_LARGEST_LOAD`] or has gaps of
-    /// more than a factor of 3; if a κ is not positive; if `missing` is negative or not finite.
+    /// Returns `None` if `p_star` has fewer than four loads, does not ascend, ends below [`LEAST_LARGEST_LOAD`] or has
+    /// gaps of more than a factor of 3; if a κ is not positive; if `missing` is negative or not finite.
     pub fn new(p_star: &[f64], kappa: &[f64], missing: f64) -> Option<Self> {
         Self::consistent(p_star, kappa, None, missing)
     }
 
-    /// The weights as by [`LongWaves::new`], with a measured shape of P: `moments` are the mean square pressures
-    /// ⟨p²⟩/(E* g)² of the contacts. P is the mean of two of Persson's distributions, of widths w (1 ± δ), which have
-    /// the contact area and the mean square pressure of the infinite surface; Persson's distribution has a smaller mean
-    /// square pressure.
+    /// Computes the weights as [`LongWaves::new`], with a measured shape of P: `moments` are the mean square pressures
+    /// ⟨p²⟩/(E* g)² of the contacts. P is the mean of two of Persson's distributions, of widths w (1 ± δ), with the
+    /// contact area and the mean square pressure of the infinite surface. A single one of Persson's distributions has a
+    /// smaller mean square pressure.
     ///
-    /// `None` as for [`LongWaves::new`], and if a moment is not above p*².
+    /// Returns `None` as [`LongWaves::new`], and if a moment is not above p*².
     pub fn with_moments(p_star: &[f64], kappa: &[f64], moments: &[f64], missing: f64) -> Option<Self> {
         let good =
             moments.len() == p_star.len() && moments.iter().zip(p_star).all(|(m, p)| m.is_finite() && *m > p * p);
@@ -98,7 +96,7 @@ impl LongWaves {
         Some(found)
     }
 
-    /// True if the loads reach far and lie close enough.
+    /// Returns true if the loads ascend, reach far enough and lie close enough together.
     pub fn suits(p_star: &[f64]) -> bool {
         let ascends = p_star.windows(2).all(|pair| pair[0] > 0.0 && pair[0] < pair[1] && pair[1] <= WIDEST * pair[0]);
         p_star.len() >= 4
@@ -106,46 +104,46 @@ impl LongWaves {
             && p_star.last().is_some_and(|last| *last >= LEAST_LARGEST_LOAD && last.is_finite())
     }
 
-    /// κ of the infinite surface at load number `load`, from κ of the simulated surface at all loads.
+    /// Returns κ of the infinite surface at load number `load`, from κ of the simulated surface at all loads.
     pub fn compose(&self, load: usize, kappa: impl Fn(usize) -> f64) -> f64 {
         self.full[load] + self.compose_difference(load, kappa)
     }
 
-    /// The composition of a difference of two κ; see [`LongWaves::compose`].
+    /// Composes a difference of two κ; see [`LongWaves::compose`].
     pub fn compose_difference(&self, load: usize, difference: impl Fn(usize) -> f64) -> f64 {
         self.weights[load].iter().enumerate().map(|(j, weight)| weight * difference(j)).sum()
     }
 }
 
-/// The numbers of the infinite surface at the given loads.
+/// Results for the infinite surface at the given loads.
 struct Limit {
     kappa: Vec<f64>,
     moments: Option<Vec<f64>>,
 }
 
-/// A number of a contact at a load, as a ratio to that of Persson's theory: the ratio is interpolated.
+/// Contact quantity in Persson's theory. The ratio of the contact to the theory is interpolated.
 struct Reference {
-    /// The number at p* in Persson's theory.
+    /// Value at p* in Persson's theory.
     value: fn(f64) -> f64,
-    /// The scale of the datum: the number over the datum at p*.
+    /// Scale of the datum: value divided by datum at p*.
     scale: fn(f64) -> f64,
-    /// The unit of the number in units of the gradient of all waves, if that of the simulated ones has 1 + missing
-    /// times less mean square.
+    /// Unit in terms of the gradient of all waves, for a mean square gradient of the simulated waves that is smaller by
+    /// the factor 1 + missing.
     unit: fn(f64) -> f64,
 }
 
-/// The contact area, given as κ = a/p*.
+/// Contact area, given as κ = a/p*.
 const AREA: Reference = Reference { value: persson_area, scale: |p_star| p_star, unit: |_| 1.0 };
 
-/// The mean square pressure over (E* g)².
+/// Mean square pressure divided by (E* g)².
 const SQUARE: Reference = Reference { value: persson_square, scale: |_| 1.0, unit: |missing| 1.0 / (1.0 + missing) };
 
-/// ⟨p²⟩/(E* g)² of Persson's distribution, of width 1/2.
+/// Returns ⟨p²⟩/(E* g)² of Persson's distribution, of width 1/2.
 fn persson_square(p_star: f64) -> f64 {
     square(p_star, 0.5)
 }
 
-/// The second moment of a Gaussian about `pressure` of this width less its mirror image, over positive pressures.
+/// Returns the second moment, over positive pressures, of a Gaussian about `pressure` minus its mirror image.
 fn square(pressure: f64, width: f64) -> f64 {
     let ratio = pressure / width;
     (pressure * pressure + width * width) * erf(ratio / SQRT_2)
@@ -159,7 +157,7 @@ struct Integrals {
 }
 
 impl Integrals {
-    /// The distributions with which the long waves have the contact area, and the mean square pressure, of `limit`.
+    /// Computes the distributions that give the long waves the contact area and the mean square pressure of `limit`.
     fn new(p_star: &[f64], missing: f64, limit: &Limit) -> Self {
         let nodes = p_star.iter().map(|&load| {
             // In units of E* times the gradient of the simulated waves.
@@ -178,7 +176,7 @@ impl Integrals {
         Self { missing, nodes: nodes.collect() }
     }
 
-    /// The weights of a number of the contact.
+    /// Returns the weights of a contact quantity.
     fn of(&self, p_star: &[f64], reference: &Reference) -> LongWaves {
         let rows = p_star.iter().zip(&self.nodes).map(|(&load, nodes)| {
             let mut weights = vec![0.0; p_star.len()];
@@ -195,15 +193,15 @@ impl Integrals {
 }
 
 impl Limit {
-    /// The widths of the two distributions of the pressure of the long waves at their reduced pressure `load`, in units
-    /// of E* times their gradient.
+    /// Returns the widths of the two pressure distributions of the long waves at their reduced pressure `load`, in
+    /// units of E* times their gradient.
     fn widths(&self, p_star: &[f64], load: f64) -> [f64; 2] {
         let width = |load: f64| 0.5 / sharpness(p_star, &self.kappa, load);
         let Some(moments) = self.moments.as_ref().filter(|_| load.is_finite()) else { return [width(load); 2] };
         let wanted = |load: f64| persson_square(load) * ratio(p_star, moments, load);
         let pair = |mean: f64, spread: f64| [mean * (1.0 - spread), mean * (1.0 + spread)];
         let mean_of = |pair: [f64; 2], of: &dyn Fn(f64) -> f64| 0.5 * (of(pair[0]) + of(pair[1]));
-        // Two widths of this spread that have the area of `width`.
+        // Returns two widths of this spread with the area of `width`.
         let of_area = |load: f64, spread: f64| {
             let (area, width) = (|width: f64| erf(load / (SQRT_2 * width)), width(load));
             let ends = [width * (1.0 - spread), width / (1.0 - spread * spread)];
@@ -222,7 +220,7 @@ impl Limit {
     }
 }
 
-/// The root of a falling function between two ends, by false position (Illinois), or the end nearest to it.
+/// Returns the root of a falling function between two ends by false position (Illinois), or the end nearest to it.
 fn root([mut low, mut high]: [f64; 2], falls: impl Fn(f64) -> f64) -> f64 {
     let (mut at_low, mut at_high) = (falls(low), falls(high));
     if at_low <= 0.0 {
@@ -245,7 +243,7 @@ fn root([mut low, mut high]: [f64; 2], falls: impl Fn(f64) -> f64) -> f64 {
     middle
 }
 
-/// P(σ) dσ times `part` at the nodes of the trapezoidal rule; Gaussian less its mirror image at σ = 0.
+/// Returns P(σ) dσ times `part` at the nodes of the trapezoidal rule: a Gaussian minus its mirror image at σ = 0.
 fn distribution(pressure: f64, width: f64, part: f64) -> Vec<(f64, f64)> {
     if width < 1e-9 * pressure {
         return vec![(pressure, part)];
@@ -257,13 +255,13 @@ fn distribution(pressure: f64, width: f64, part: f64) -> Vec<(f64, f64)> {
         let sigma = low + step * k as f64;
         (sigma, part * step * (normal(sigma - pressure) - normal(sigma + pressure)))
     };
-    // Both ends carry nothing: P vanishes at σ = 0, and is below 1e-14 of its height at the others.
+    // The ends contribute nothing: P vanishes at σ = 0 and is below 1e-14 of its height at the other ends.
     (1..INTERVALS).map(node).collect()
 }
 
-/// Adds `factor` times a number of the contact at `sigma` to the weights of the data of all loads and returns the part
-/// without data. The ratio to Persson's theory is interpolated, a cubic in the logarithm; below the first load it goes
-/// on as the parabola through the first three loads, linear at first touch; beyond the last load it tends to one.
+/// Adds `factor` times a contact quantity at `sigma` to the weights of the data of all loads and returns the part
+/// without data. The ratio to Persson's theory is interpolated by a cubic in the logarithm. Below the first load it
+/// follows the parabola through the first three loads, linear at first touch; beyond the last load it tends to one.
 fn share(p_star: &[f64], sigma: f64, factor: f64, reference: &Reference, weights: &mut [f64]) -> f64 {
     let (last, persson) = (p_star.len() - 1, factor * (reference.value)(sigma));
     let of_datum = |j: usize| (reference.scale)(p_star[j]) / (reference.value)(p_star[j]);
@@ -288,7 +286,7 @@ fn share(p_star: &[f64], sigma: f64, factor: f64, reference: &Reference, weights
     0.0
 }
 
-/// The ratio of the mean square pressure to Persson's at any load, from those at the given ones: linear in the
+/// Returns the ratio of the mean square pressure to Persson's at any load, from the given loads: linear in the
 /// logarithm between them, constant below, and tending to one beyond.
 fn ratio(p_star: &[f64], moments: &[f64], load: f64) -> f64 {
     let at = |j: usize| moments[j] / persson_square(p_star[j]);
@@ -302,8 +300,8 @@ fn ratio(p_star: &[f64], moments: &[f64], load: f64) -> f64 {
     }
 }
 
-/// q of a_∞ = erf(√2 q p*) at any load, from κ at the given ones; linear in the logarithm between them. Areas above
-/// [`FULL`] do not determine q; the load before them gives it.
+/// Returns q of a_∞ = erf(√2 q p*) at any load, from κ at the given loads, linear in the logarithm between them. Areas
+/// above [`FULL`] do not determine q; the last load below gives it.
 fn sharpness(p_star: &[f64], kappa: &[f64], load: f64) -> f64 {
     let count = (0..p_star.len()).take_while(|&j| kappa[j] * p_star[j] < FULL).count().max(1);
     let q = |j: usize| erf_inv((kappa[j] * p_star[j]).min(FULL)) / (SQRT_2 * p_star[j]);
@@ -340,7 +338,7 @@ mod tests {
         }
     }
 
-    /// A narrower distribution at all scales is Persson's with a smaller width: it is a fixed point, too.
+    /// A distribution that is narrower at all scales is Persson's with a smaller width, also a fixed point.
     #[test]
     fn any_constant_sharpness_is_a_fixed_point() {
         for sharpness in [0.8, 1.1, 1.3] {
@@ -365,7 +363,7 @@ mod tests {
         }
     }
 
-    /// Long waves far shorter than the load asks for are in full contact: a_∞ = a + V a''/2, in units of all waves.
+    /// If the long waves are far too small for this load, they are in full contact: a_∞ = a + V a''/2, for all waves.
     #[test]
     fn full_contact_of_the_long_waves_smooths_by_their_variance() {
         let area = |p: f64| libm::erf(SQRT_2 * p) * (1.0 + 0.3 * (-8.0 * p * p).exp());
@@ -399,7 +397,7 @@ mod tests {
         }
     }
 
-    /// With the moments of Persson's distribution its area stays; a larger mean square pressure lowers the area.
+    /// The moments of Persson's distribution keep its area; a larger mean square pressure lowers the area.
     #[test]
     fn a_wider_distribution_of_the_pressure_has_less_area() {
         let area = |p: f64| libm::erf(SQRT_2 * p) * (1.0 + 0.3 * (-3.0 * p).exp());
@@ -425,7 +423,7 @@ mod tests {
         assert!(LongWaves::with_moments(&LOADS, &kappa, &[0.0; 7], 0.1).is_none());
     }
 
-    /// Below the first load the curve goes on.
+    /// The curve continues below the first load.
     #[test]
     fn loads_below_the_first_are_not_those_of_the_first() {
         let area = |p: f64| libm::erf(SQRT_2 * p) * (1.0 + 0.4 / (1.0 + 8.0 * p) * (-p * p).exp());

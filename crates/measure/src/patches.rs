@@ -2,33 +2,33 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::Boundary;
 
-/// A connected patch of points. Neighbours are those along x and along y, four in all.
+/// Connected patch of points. Neighbours are the four nearest points along x and along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Number of points.
     pub points: u64,
-    /// Pairs of neighbours along x of which one belongs to the patch and one to none, and the same along y. The edge of
-    /// a field that does not repeat has no links, so that the links of all patches add up to those of
+    /// Pairs of neighbours along x with one point in the patch and the other in none, and the same along y. The edge of
+    /// a field that does not repeat has no links. The links of all patches add up to the links of
     /// [`contact_area`](crate::contact_area).
     pub links: [u64; 2],
-    /// Mean of the indices of its points, within the field; NaN along an axis around which the patch winds.
+    /// Mean of the indices of the points, within the field; NaN along an axis around which the patch winds.
     pub centre: [f64; 2],
-    /// True along x (y) if the patch winds around the cell in that direction; in a field that does not repeat, if it
+    /// True along x (y) if the patch winds around the cell in that direction or, in a field that does not repeat,
     /// reaches from edge to edge.
     pub percolates: [bool; 2],
 }
 
-/// The patches of a set of points on a grid.
+/// Patches of a set of points on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patches {
-    /// For each point the number of its patch from 1, or 0.
+    /// Patch number of each point, counted from 1; 0 outside of patches.
     pub labels: Array2<u32>,
-    /// The patches, in the order of their first points.
+    /// Patches in the order of their first points.
     pub patches: Vec<Patch>,
 }
 
 impl Patches {
-    /// The patches of the points at which the field `belongs` is true.
+    /// Finds the patches of the points at which the field `belongs` is true.
     pub fn of(belongs: ArrayView2<bool>, boundary: Boundary) -> Self {
         let (nx, ny) = belongs.dim();
         let mut groups = Groups::default();
@@ -93,17 +93,17 @@ impl Patches {
         }
     }
 
-    /// The largest number of points of a patch; 0 without patches.
+    /// Returns the largest number of points of a patch; 0 without patches.
     pub fn largest(&self) -> u64 {
         self.patches.iter().map(|patch| patch.points).max().unwrap_or(0)
     }
 
-    /// True along x (y) if any patch percolates in that direction.
+    /// Returns true along x (y) if any patch percolates in that direction.
     pub fn percolate(&self) -> [bool; 2] {
         [0, 1].map(|axis| self.patches.iter().any(|patch| patch.percolates[axis]))
     }
 
-    /// The sums of `values` over the points of each patch.
+    /// Returns the sums of `values` over the points of each patch.
     pub fn sums(&self, values: ArrayView2<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; self.patches.len() + 1];
         self.labels.iter().zip(values).for_each(|(label, value)| sums[*label as usize] += value);
@@ -145,7 +145,7 @@ fn inside(belongs: ArrayView2<bool>, groups: &mut Groups) -> Array2<u32> {
 /// distances, Newman and Ziff 2001): a group that meets itself one cell further winds around the cell.
 struct Groups {
     parents: Vec<u32>,
-    /// The cell of a label less that of its parent.
+    /// Cell of a label minus the cell of its parent.
     shifts: Vec<[i32; 2]>,
     winds: Vec<[bool; 2]>,
     sizes: Vec<u32>,
@@ -172,7 +172,7 @@ impl Groups {
         label
     }
 
-    /// The root of a label, and the cell of the label less that of the root.
+    /// Returns the root of a label, and the cell of the label minus the cell of the root.
     fn find(&mut self, label: u32) -> (u32, [i32; 2]) {
         let (mut root, mut shift) = (label, [0; 2]);
         while self.parents[root as usize] != root {
@@ -190,13 +190,13 @@ impl Groups {
         (root, shift)
     }
 
-    /// Joins the groups of neighbours, of which the second lies `step` cells further than its indices say.
+    /// Joins the groups of two neighbours; the second lies `step` cells further than its indices.
     fn join(&mut self, [here, there]: [u32; 2], step: [i32; 2]) {
         if here == 0 || there == 0 {
             return;
         }
         let ((a, of_here), (b, of_there)) = (self.find(here), self.find(there));
-        // The cell of root b less that of root a.
+        // Cell of root b minus the cell of root a.
         let apart = [0, 1].map(|axis| of_here[axis] + step[axis] - of_there[axis]);
         if a == b {
             [0, 1].into_iter().for_each(|axis| self.winds[a as usize][axis] |= apart[axis] != 0);
@@ -252,13 +252,13 @@ mod tests {
         for boundary in [Boundary::Periodic, Boundary::Free] {
             assert_eq!(found(&band, boundary).percolate(), [false, true]);
         }
-        // Reaches all edges, but winds around none.
+        // This patch reaches all edges but winds around none.
         let broken = ["#...", "##..", ".###", "...#"];
         assert_eq!(found(&broken, Boundary::Free).percolate(), [true, true]);
         assert_eq!(found(&broken, Boundary::Periodic).percolate(), [false, false]);
         let open = ["..#.", ".##.", ".#..", "...."];
         assert_eq!(found(&open, Boundary::Periodic).percolate(), [false, false]);
-        // A step of (1, 1) around the cell winds both ways; two bands that meet only as images do not.
+        // A step of (1, 1) around the cell winds both ways; two bands that meet only as images do not wind.
         let spiral = ["##...", ".##..", "..##.", "...##", "#...#"];
         assert_eq!(found(&spiral, Boundary::Periodic).percolate(), [true, true]);
         assert_eq!(found(&spiral, Boundary::Periodic).patches.len(), 1);
@@ -296,7 +296,7 @@ mod tests {
         for (patch, sum) in patches.patches.iter().zip(patches.sums(pressure.view())) {
             assert_eq!(sum, 2.0 * patch.points as f64);
         }
-        // Moved around the cell, the patches are the same.
+        // The patches do not change if the field moves around the cell.
         let moved = Array2::from_shape_fn((37, 26), |(i, j)| field[[(i + 5) % 37, (j + 11) % 26]]);
         let moved = Patches::of(moved.view(), Boundary::Periodic);
         let sorted = |patches: &Patches| {

@@ -1,25 +1,24 @@
-//! The largest value of a field between its points.
+//! Largest value of a field between its points.
 
 use std::array::from_fn;
 
 use ndarray::ArrayView2;
 
-/// The largest value of a periodic field `[x, y]` between its points: the largest maximum of the quadratics through
-/// each high point and the eight around it.
+/// Largest value of a periodic field `[x, y]` between its points: the largest maximum of the quadratics through each
+/// high point and its eight neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// The largest value of the quadratics, in the unit of the field; for a point whose quadratic has no maximum, the
-    /// value there.
+    /// Largest value of the quadratics, in the unit of the field; the value of a point if its quadratic has no maximum.
     pub value: f64,
-    /// The sharpness of the peak on this grid: the larger of both second differences at its point, with the sign of a
-    /// maximum, over its value.
+    /// Sharpness of the peak on this grid: the larger of both second differences at its point, positive for a maximum,
+    /// divided by its value.
     pub sharpness: f64,
-    /// The skewness of the peak on this grid: the larger of both third differences around its point, over its value.
+    /// Skewness of the peak on this grid: the larger of both third differences around its point, divided by its value.
     pub skewness: f64,
 }
 
 impl Peak {
-    /// The peak of `field`; `None` without points.
+    /// Finds the peak of `field`; `None` without points.
     pub fn of(field: ArrayView2<f64>) -> Option<Self> {
         let highest = field.iter().copied().max_by(f64::total_cmp)?;
         let rises = maxima(field, 0.5 * highest).map(|([i, j], around)| {
@@ -33,7 +32,7 @@ impl Peak {
     }
 }
 
-/// The points of a periodic field that are at least this high and no lower than the eight around them, with these.
+/// Returns the local maxima of a periodic field with at least this value, with their 3 × 3 values.
 fn maxima(field: ArrayView2<f64>, least: f64) -> impl Iterator<Item = ([usize; 2], [[f64; 3]; 3])> {
     let (nx, ny) = field.dim();
     let has_one = move |i: &usize| field.row(*i).iter().any(|value| *value >= least);
@@ -52,18 +51,18 @@ const REACH: usize = 21;
 /// Refinement of the grid around a high point.
 const ZOOM: usize = 8;
 
-/// The number of high points that are searched.
+/// Number of high points that are searched.
 const CANDIDATES: usize = 8;
 
-/// The largest value between the points of a periodic field `[x, y]` that has no waves shorter than four points, in the
-/// unit of the field: the quadratic through the largest point of an eight times finer grid around the highest maxima,
-/// to 3e-5 of the amplitude of the shortest waves. NaN without points.
+/// Returns the largest value between the points of a periodic field `[x, y]` without waves shorter than four points, in
+/// the unit of the field: the quadratic through the largest point of an eight times finer grid around the highest
+/// maxima, to 3e-5 of the amplitude of the shortest waves. NaN without points.
 pub fn top(field: ArrayView2<f64>) -> f64 {
     let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
     if !highest.is_finite() {
         return f64::NAN;
     }
-    // Between points four to a wave, a wave rises above them by at most 1/cos(π/4) along each axis.
+    // With four points per wave, a wave exceeds its points by at most 1/cos(π/4) along each axis.
     let mean = field.sum() / field.len() as f64;
     let high = maxima(field, highest - 0.5 * (highest - mean));
     let mut maxima: Vec<(f64, [usize; 2])> =
@@ -77,7 +76,7 @@ pub fn top(field: ArrayView2<f64>) -> f64 {
 /// Points of the finer grid along each side around a point.
 const SIDE: usize = 2 * ZOOM + 1;
 
-/// The weights of the points within reach, for each point of the finer grid along an axis.
+/// Weights of the points within reach, for each point of the finer grid along an axis.
 type Weights = [[f64; 2 * REACH + 1]; SIDE];
 
 fn weights() -> Weights {
@@ -91,7 +90,7 @@ fn weights() -> Weights {
     })
 }
 
-/// The largest value around a point, by interpolation.
+/// Returns the largest value around a point by interpolation.
 fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2], weights: &Weights) -> f64 {
     let (nx, ny) = field.dim();
     let at = |middle: usize, point: usize, n: usize| (middle + point + REACH * n - REACH) % n;
@@ -112,28 +111,27 @@ fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2], weights: &Weights) -> f64
     })
 }
 
-/// The second differences of 3 × 3 points along x and y.
+/// Returns the second differences of 3 × 3 points along x and y.
 fn second_differences(at: &[[f64; 3]; 3]) -> [f64; 2] {
     let middle = at[1][1];
     [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]]
 }
 
-/// The magnitudes of the third differences of a periodic field along x and y, over the two points on each side of a
-/// place.
+/// Returns the magnitudes of the third differences of a periodic field along x and y, from two points on each side.
 fn third_differences(field: ArrayView2<f64>, [i, j]: [usize; 2]) -> [f64; 2] {
     let (nx, ny) = field.dim();
     let difference = |at: &dyn Fn(usize) -> f64| (0.5 * (at(4) - at(0)) - (at(3) - at(1))).abs();
     [difference(&|k| field[[(i + 2 * nx + k - 2) % nx, j]]), difference(&|k| field[[i, (j + 2 * ny + k - 2) % ny]])]
 }
 
-/// The rise of the quadratic through 3 × 3 points above the middle one, zero if it has no maximum.
+/// Returns the rise of the quadratic through 3 × 3 points above the centre, zero if it has no maximum.
 fn rise(at: &[[f64; 3]; 3]) -> f64 {
     let slope = [0.5 * (at[2][1] - at[0][1]), 0.5 * (at[1][2] - at[1][0])];
     let [xx, yy] = second_differences(at);
     let xy = 0.25 * (at[2][2] - at[2][0] - at[0][2] + at[0][0]);
     let determinant = xx * yy - xy * xy;
     let has_maximum = xx < 0.0 && determinant > 0.0;
-    // Less half of the slope times the step to the maximum.
+    // Minus half the slope times the step to the maximum.
     let along = yy * slope[0] * slope[0] - 2.0 * xy * slope[0] * slope[1] + xx * slope[1] * slope[1];
     if has_maximum { -0.5 * along / determinant } else { 0.0 }
 }
@@ -188,7 +186,7 @@ mod tests {
     fn the_top_of_waves_four_points_long_is_found_between_the_points() {
         let tau = std::f64::consts::TAU;
         for (n, m, phase) in [(64, 64, 0.3), (64, 48, 0.5), (4, 8, 0.21), (128, 16, 0.77)] {
-            // One wave of four points along each axis and a long one, all highest at one place.
+            // One wave of four points along each axis and a long one, with their maxima at the same place.
             let place = [phase * n as f64 / 5.0, 1.3 * phase * m as f64 / 5.0];
             let value = |x: f64, y: f64| {
                 let [x, y] = [x - place[0], y - place[1]];

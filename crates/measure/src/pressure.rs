@@ -17,22 +17,22 @@ pub struct PressureStatistics {
     pub mean_in_contact: f64,
     /// Standard deviation over the points in contact.
     pub deviation_in_contact: f64,
-    /// ⟨p^k⟩ over the whole surface for k = 2, 3, 4.
+    /// Moments ⟨p^k⟩ over the whole surface for k = 2, 3, 4.
     pub moments: [f64; 3],
-    /// The quantiles at [`QUANTILE_LEVELS`] over the points in contact; 0 without contact.
+    /// Quantiles at [`QUANTILE_LEVELS`] over the points in contact; 0 without contact.
     pub quantiles_in_contact: [f64; 5],
 }
 
-/// The levels of [`PressureStatistics::quantiles_in_contact`].
+/// Levels of [`PressureStatistics::quantiles_in_contact`].
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-/// The statistics of a pressure field.
+/// Computes the statistics of a pressure field.
 pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     let (rows, columns) = pressure.dim();
     let (share, pressure) = (Share::whole(rows, columns), &*contiguous(&pressure));
     let n = pressure.len().max(1) as f64;
     let contact = InContact::of(&share, pressure);
-    // Positive numbers have the order of their bits, and integers are sorted faster.
+    // Positive floats sort in the order of their bits, and integers are sorted faster.
     let mut bits: Vec<u64> = pressure.iter().filter(|p| **p > 0.0).map(|p| p.to_bits()).collect();
     bits.sort_unstable();
     let sorted: Vec<f64> = bits.into_iter().map(f64::from_bits).collect();
@@ -46,15 +46,15 @@ pub fn pressure_statistics(pressure: ArrayView2<f64>) -> PressureStatistics {
     }
 }
 
-/// The pressures above zero; each process has those of its rows. Sums have the same bits for any number of threads and
-/// of processes.
+/// Pressures above zero; each process holds its own rows. Sums are bitwise equal for any number of threads and
+/// processes.
 pub(crate) struct InContact<'a> {
     share: &'a Share,
     pressure: &'a [f64],
     count: u64,
-    /// Σ p^k for k = 1, 2, 3, 4.
+    /// Sums Σ p^k for k = 1, 2, 3, 4.
     pub(crate) powers: [f64; 4],
-    /// The largest; 0 without contact.
+    /// Largest pressure; 0 without contact.
     pub(crate) max: f64,
 }
 
@@ -72,12 +72,12 @@ impl<'a> InContact<'a> {
         Self { share, pressure, count, powers, max }
     }
 
-    /// The mean; 0 without contact.
+    /// Returns the mean; 0 without contact.
     pub(crate) fn mean(&self) -> f64 {
         self.powers[0] / self.counted()
     }
 
-    /// The standard deviation; 0 without contact.
+    /// Returns the standard deviation; 0 without contact.
     pub(crate) fn deviation(&self) -> f64 {
         let mean = self.mean();
         let squares = self.share.sum(&|range| {
@@ -91,12 +91,12 @@ impl<'a> InContact<'a> {
     }
 }
 
-/// Error: two fields of one surface have different shapes.
+/// Error for two fields of one surface with different shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShapesDiffer {
-    /// The shape of the pressure, `[x, y]`.
+    /// Shape of the pressure, `[x, y]`.
     pub pressure: [usize; 2],
-    /// The shape of the other field.
+    /// Shape of the other field.
     pub other: [usize; 2],
 }
 
@@ -112,11 +112,11 @@ impl fmt::Display for ShapesDiffer {
 
 impl std::error::Error for ShapesDiffer {}
 
-/// The elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
+/// Returns the elastic energy per area, ⟨−p u_z⟩/2, in stress times length; `displacement` is u_z, negative downwards
 /// (theory.md, section 0).
 ///
 /// # Errors
-/// A displacement of another shape than the pressure.
+/// A displacement that does not have the shape of the pressure.
 pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView2<f64>) -> Result<f64, ShapesDiffer> {
     let (shape, other) = (pressure.dim(), displacement.dim());
     if shape != other {
@@ -126,8 +126,8 @@ pub fn elastic_energy_density(pressure: ArrayView2<f64>, displacement: ArrayView
     Ok(elastic_energy_over(&share, &contiguous(&pressure), &contiguous(&displacement)))
 }
 
-/// The elastic energy per area of fields of which each process has its rows; NaN on all processes if the fields of one
-/// have different sizes.
+/// Returns the elastic energy per area of distributed fields, each process passing its rows; NaN on all processes if
+/// the fields of one have different sizes.
 pub(crate) fn elastic_energy_over(share: &Share, pressure: &[f64], displacement: &[f64]) -> f64 {
     let alike = pressure.len() == displacement.len();
     let work = |range: Range<usize>| match displacement.get(range.clone()) {
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn statistics_of_a_known_distribution() {
-        // 1, 2, …, 101 on contact, as many zeros beside.
+        // Values 1, 2, …, 101 in contact, and as many zeros.
         let p = Array2::from_shape_fn((2, 101), |(i, j)| if i == 0 { (j + 1) as f64 } else { 0.0 });
         let s = pressure_statistics(p.view());
         assert_eq!((s.max, s.mean_in_contact, s.mean), (101.0, 51.0, 25.5));

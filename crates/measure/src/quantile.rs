@@ -1,4 +1,4 @@
-/// The quantile `level` (0 to 1) of values in ascending order, linear between neighbours; `None` without values.
+/// Returns the quantile `level` (0 to 1) of ascending values, linear between neighbours; `None` without values.
 pub fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let position = level * last as f64;

@@ -1,10 +1,10 @@
-//! The contact area of self-affine surfaces in the limit, as a formula fitted to computed contacts.
+//! Contact area of self-affine surfaces in the limit, as a formula fitted to computed contacts.
 
 use std::f64::consts::SQRT_2;
 
 use crate::theory::PERSSON_KAPPA;
 
-/// The contact area fraction a_r(p*) of infinitely large isotropic self-affine Gaussian surfaces, and its uncertainty
+/// Contact area fraction a_r(p*) of infinitely large isotropic self-affine Gaussian surfaces, and its uncertainty
 /// (theory.md, section 11; data and errors in results.md): half-space, no friction, no adhesion, thermodynamic, fractal
 /// and continuum limit.
 ///
@@ -30,20 +30,20 @@ pub struct SelfAffineArea {
 }
 
 impl SelfAffineArea {
-    /// c₀ to c₅.
+    /// Coefficients c₀ to c₅.
     pub const COEFFICIENTS: [f64; 6] = [0.46306, 0.5798, 10.03526, 1.21769, 22.85482, 0.13087];
 
-    /// The largest reduced pressure that the formula is fitted to.
+    /// Largest reduced pressure of the fit.
     pub const LARGEST_LOAD: f64 = 1.2;
 
-    /// b₀ to b₅ of [`SelfAffineArea::of_band`] (data/results/formula.py).
+    /// Coefficients b₀ to b₅ of [`SelfAffineArea::of_band`] (data/results/formula.py).
     const BAND: [f64; 6] = [1.744_512, 0.308_395, 1.178_109, 20.123_566, 0.514_813, 0.457_603];
 
-    /// The edge of [`SelfAffineArea::counted`]: the logarithm of its part of κ is linear in these.
+    /// Edge coefficients of [`SelfAffineArea::counted`]: the logarithm of the edge part of κ is linear in them.
     const EDGE: [f64; 8] = [0.388_487, -0.140_448, -0.684_298, 1.053_883, -0.117_174, 0.216_545, 1.173_907, -0.144_89];
 
-    /// The covariance of the coefficients, from the statistical errors of the data and 0.1 % of each for the form,
-    /// stretched by the misfit.
+    /// Covariance of the coefficients, from the statistical errors of the data and a form error of 0.1 % for each
+    /// datum, stretched by the misfit.
     pub const COVARIANCE: [[f64; 6]; 6] = [
         [1.3743e-05, 8.3249e-05, 7.8060e-04, -1.5176e-03, 8.9227e-04, -8.2405e-05],
         [8.3249e-05, 9.5367e-04, 2.9020e-03, -4.7863e-03, -2.5421e-03, -1.1400e-03],
@@ -53,36 +53,36 @@ impl SelfAffineArea {
         [-8.2405e-05, -1.1400e-03, -2.4095e-03, 4.0751e-03, 1.5396e-03, 1.4810e-03],
     ];
 
-    /// The formula for surfaces of Hurst exponent `hurst`, from 0 to 1; `None` otherwise.
+    /// Returns the formula for surfaces of Hurst exponent `hurst`, from 0 to 1; `None` otherwise.
     pub fn new(hurst: f64) -> Option<Self> {
         (0.0..=1.0).contains(&hurst).then_some(Self { hurst })
     }
 
-    /// The contact area fraction at the reduced pressure `p_star` = p̄/(E* ḡ) >= 0.
+    /// Returns the contact area fraction at the reduced pressure `p_star` = p̄/(E* ḡ) >= 0.
     pub fn at(&self, p_star: f64) -> f64 {
         self.with(&Self::COEFFICIENTS, p_star)
     }
 
-    /// The contact area fraction of surfaces whose spectrum ends: `eps_f` is the ratio of their shortest to their
-    /// longest wavelength.
+    /// Returns the contact area fraction of surfaces with a band-limited spectrum; `eps_f` is the ratio of their
+    /// shortest to their longest wavelength.
     ///
     /// ```text
     /// q = 1 + 1/[1/(c₀ (1 − H)^(c₁ + c₅ H) + b₀ w) + c₂ (1 − H) p* + (c₃ + c₄ H) p*² + b₃ (1 + b₅ (1 − H)) w p*^b₄]
     /// w = ε_f^(b₁ + b₂ (1 − H))
     /// ```
     ///
-    /// Fitted to surfaces of 1/ε_f = 16 to 1024 at p* = 0.01 to 1.2, with an error of 0.9 % rms and at most 5 % there;
-    /// it tends to [`SelfAffineArea::at`] for ε_f → 0. A cell of one or of two longest wavelengths makes a smaller
+    /// Fitted to surfaces of 1/ε_f = 16 to 1024 at p* = 0.01 to 1.2, with an error of 0.9 % rms and at most 5 % there.
+    /// It tends to [`SelfAffineArea::at`] for ε_f → 0. A cell of one or of two longest wavelengths makes a smaller
     /// difference.
     pub fn of_band(&self, eps_f: f64, p_star: f64) -> f64 {
         self.with_band(&Self::COEFFICIENTS, eps_f, p_star)
     }
 
-    /// The contact area fraction of such surfaces if points in contact are counted on a grid; `eps_c` is the spacing
-    /// over the shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to the excess of each
-    /// contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and at most 6 %.
-    /// `None` above p* = [`LARGEST_LOAD`](Self::LARGEST_LOAD), the largest load of the fit, and where the excess would
-    /// make the area larger than the surface.
+    /// Returns the contact area fraction of a band-limited surface if points in contact are counted on a grid; `eps_c`
+    /// is the spacing divided by the shortest wavelength. The excess over [`SelfAffineArea::of_band`] is fitted to the
+    /// excess of each contact (`Summary::kappa_limit`) at 1/ε_c = 4 to 16; both together have an error of 0.9 % rms and
+    /// at most 6 %. `None` above p* = [`LARGEST_LOAD`](Self::LARGEST_LOAD), the largest load of the fit, and where the
+    /// area would exceed the surface.
     pub fn counted(&self, eps_f: f64, eps_c: f64, p_star: f64) -> Option<f64> {
         let area = self.of_band(eps_f, p_star);
         let [e0, e1, e2, e3, e4, e5, e6, e7] = Self::EDGE;
@@ -97,14 +97,14 @@ impl SelfAffineArea {
         (p_star <= Self::LARGEST_LOAD && counted <= 1.0).then_some(counted)
     }
 
-    /// κ at first touch, √(8/π) q(0).
+    /// Returns κ at first touch, √(8/π) q(0).
     pub fn first_kappa(&self) -> f64 {
         let [c0, c1, .., c5] = Self::COEFFICIENTS;
         PERSSON_KAPPA * (1.0 + c0 * (1.0 - self.hurst).powf(c1 + c5 * self.hurst))
     }
 
-    /// The standard error of the area at `p_star` from the covariance of the coefficients; the misfit of the form adds
-    /// at most 0.7 % of the area (results.md).
+    /// Returns the standard error of the area at `p_star` from the covariance of the coefficients. The misfit of the
+    /// form adds at most 0.7 % of the area (results.md).
     pub fn standard_error(&self, p_star: f64) -> f64 {
         let slopes: [f64; 6] = std::array::from_fn(|k| {
             let step = 1e-5 * Self::COEFFICIENTS[k];
@@ -185,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Counted areas of surfaces that the formula was not fitted to: 0.9 % rms, at most 6 %.
+    /// Counted areas of surfaces outside the fit: 0.9 % rms, at most 6 %.
     #[test]
     fn the_formula_predicts_the_counted_areas_of_other_surfaces() {
         let report: serde_json::Value =
@@ -211,8 +211,8 @@ mod tests {
         assert!([-0.1, 1.1, f64::NAN].iter().all(|hurst| SelfAffineArea::new(*hurst).is_none()));
     }
 
-    /// The formula against the limits that it is fitted to (ladders.json), and against those of other surfaces
-    /// (ladders-2.json) and other Hurst exponents (between.json).
+    /// Compares the formula with the fitted limits (ladders.json) and with limits of other surfaces (ladders-2.json)
+    /// and other Hurst exponents (between.json).
     #[test]
     fn the_formula_describes_the_data_that_it_was_fitted_to_and_those_that_it_was_not() {
         for (text, limits) in [

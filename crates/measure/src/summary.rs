@@ -7,25 +7,25 @@ use crate::area::contact_area_over;
 use crate::pressure::{InContact, elastic_energy_over};
 use crate::{Boundary, kappa, reduced_pressure};
 
-/// The scales of reduced quantities.
+/// Scales of reduced quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
-    /// E* of the body, in stress.
+    /// Contact modulus E* of the body, in stress.
     pub contact_modulus: f64,
     /// Root mean square of |∇h| over the whole rigid surface, dimensionless.
     pub rms_gradient: f64,
 }
 
-/// The numbers that describe a contact.
+/// Measured quantities of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Mean pressure over the whole surface, in stress.
     pub mean_pressure: f64,
     /// Reduced pressure p̄/(E* ḡ).
     pub p_star: f64,
-    /// Points in contact over all points.
+    /// Number of points in contact divided by the number of all points.
     pub area_fraction: f64,
-    /// The fraction without the excess of whole pixels along the perimeter (Yastrebov et al. 2017).
+    /// Area fraction without the excess of whole pixels along the perimeter (Yastrebov et al. 2017).
     pub area_fraction_corrected: f64,
     /// `area_fraction / p_star`.
     pub kappa: f64,
@@ -50,9 +50,9 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Measures the fields of a contact. With an attraction, `pressure` is the repulsive part alone, whose points are
-    /// in contact, and `mean_pressure` contains all forces. A displacement of another size than the pressure gives an
-    /// elastic energy of NaN, such a gap a mean gap of NaN.
+    /// Measures the fields of a contact. With an attraction, `pressure` is the repulsive part alone, which defines the
+    /// points in contact, and `mean_pressure` contains all forces. A displacement that differs in size from the
+    /// pressure gives a NaN elastic energy, a gap that differs in size a NaN mean gap.
     pub fn of(
         pressure: ArrayView2<f64>,
         displacement_z: ArrayView2<f64>,
@@ -66,8 +66,8 @@ impl Summary {
         Self::over(&Share::whole(rows, columns), fields, mean_pressure, scales, boundary)
     }
 
-    /// Measures `fields` (pressure, displacement, gap) of which each process has the rows of its `share`. All processes
-    /// get the summary that [`of`](Self::of) gives for the whole fields.
+    /// Measures the distributed `fields` (pressure, displacement, gap): each process passes the rows of its `share`.
+    /// All processes get the summary that [`of`](Self::of) gives for the whole fields.
     pub fn over(
         share: &Share,
         fields: [ArrayView2<f64>; 3],
@@ -102,7 +102,7 @@ impl Summary {
         }
     }
 
-    /// The numbers of a contact behind a hard wall: if all points touch, the gap is zero, and not what rounding leaves.
+    /// Removes rounding errors behind a hard wall: sets the mean gap to zero if all points touch.
     #[must_use]
     pub fn at_wall(self) -> Self {
         let is_closed = self.area_fraction == 1.0 && self.mean_gap.is_finite();
@@ -110,7 +110,7 @@ impl Summary {
     }
 }
 
-/// A scalar of `T` as a column of a table or a variable of a file.
+/// Scalar of `T` as a column of a table or a variable of a file.
 #[derive(Debug)]
 pub struct Column<T> {
     /// Name of the variable.
@@ -119,7 +119,7 @@ pub struct Column<T> {
     pub units: &'static str,
     /// Meaning.
     pub long_name: &'static str,
-    /// The value.
+    /// Value of the column.
     pub value: fn(&T) -> f64,
 }
 
@@ -132,7 +132,7 @@ impl<T> Clone for Column<T> {
 impl<T> Copy for Column<T> {}
 
 impl<T> Column<T> {
-    /// A column of the table.
+    /// Makes a column of the table.
     pub const fn new(name: &'static str, units: &'static str, long_name: &'static str, value: fn(&T) -> f64) -> Self {
         Self { name, units, long_name, value }
     }

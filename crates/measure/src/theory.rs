@@ -14,20 +14,20 @@ pub use asperities::{Asperities, AsperityContact, AsperityTheory};
 pub use elastoplastic::ElastoplasticArea;
 pub use persson::{ENERGY_FACTOR, Persson};
 
-/// The κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).
+/// κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).
 pub const PERSSON_KAPPA: f64 = 1.595_769_121_605_731;
 
-/// The κ of Bush, Gibson and Thomas at vanishing load, √(2π) ≈ 2.507 (Bush et al. 1975).
+/// κ of Bush, Gibson and Thomas at vanishing load, √(2π) ≈ 2.507 (Bush et al. 1975).
 pub const BUSH_GIBSON_THOMAS_KAPPA: f64 = 2.506_628_274_631_000_5;
 
-/// The contact area fraction of Persson's theory, erf(√2 p*), with p* the reduced pressure.
+/// Returns the contact area fraction of Persson's theory, erf(√2 p*), with p* the reduced pressure.
 pub fn persson_area(reduced_pressure: f64) -> f64 {
     libm::erf(SQRT_2 * reduced_pressure)
 }
 
-/// The density of a positive pressure in Persson's theory, from its variance in full contact (E*² ḡ²/4 on a
-/// half-space): a Gaussian about the mean pressure less its mirror image (Persson, J. Chem. Phys. 115 (2001) 3840). All
-/// in stress.
+/// Returns the density of a positive pressure in Persson's theory, from its variance in full contact (E*² ḡ²/4 on a
+/// half-space): a Gaussian about the mean pressure minus its mirror image (Persson, J. Chem. Phys. 115 (2001) 3840).
+/// All in stress.
 pub fn persson_pressure(pressure: f64, mean_pressure: f64, variance: f64) -> f64 {
     let gaussian = |distance: f64| (-0.5 * distance * distance / variance).exp();
     let [about, image] = [pressure - mean_pressure, pressure + mean_pressure].map(gaussian);
@@ -45,7 +45,7 @@ pub struct HertzPoint {
     pub approach: f64,
 }
 
-/// Hertz point contact under the normal force `force` (stress × length²).
+/// Computes the Hertz point contact under the normal force `force` (stress × length²).
 pub fn hertz_point(modulus: f64, curvature_radius: f64, force: f64) -> HertzPoint {
     let radius = (0.75 * force * curvature_radius / modulus).cbrt();
     HertzPoint {
@@ -55,8 +55,8 @@ pub fn hertz_point(modulus: f64, curvature_radius: f64, force: f64) -> HertzPoin
     }
 }
 
-/// Hertz line contact of a parabola h = −x²/2R under the force per length `force` (stress × length): the half-width a,
-/// a² = 4 F′R/(π E*), and the peak pressure 2F′/(π a).
+/// Returns half-width and peak pressure of the Hertz line contact of a parabola h = −x²/2R under the force per length
+/// `force` (stress × length): a, a² = 4 F′R/(π E*), and 2F′/(π a).
 pub fn hertz_line(modulus: f64, curvature_radius: f64, force: f64) -> (f64, f64) {
     let half_width = (4.0 * force * curvature_radius / (PI * modulus)).sqrt();
     (half_width, 2.0 * force / (PI * half_width))
@@ -75,7 +75,7 @@ pub struct Westergaard {
 }
 
 impl Westergaard {
-    /// The mean pressure that closes the gap, π E* A/λ.
+    /// Returns the mean pressure that closes the gap, π E* A/λ.
     pub fn full_contact_pressure(&self) -> f64 {
         PI * self.modulus * self.amplitude / self.period
     }
@@ -84,12 +84,12 @@ impl Westergaard {
         (mean_pressure / self.full_contact_pressure()).clamp(0.0, 1.0)
     }
 
-    /// Contact area fraction (2/π) asin √(p̄/p_full).
+    /// Returns the contact area fraction (2/π) asin √(p̄/p_full).
     pub fn area(&self, mean_pressure: f64) -> f64 {
         2.0 / PI * self.load(mean_pressure).sqrt().asin()
     }
 
-    /// Pressure at x, up to full contact.
+    /// Returns the pressure at x, up to full contact.
     pub fn pressure(&self, mean_pressure: f64, x: f64) -> f64 {
         let f = self.load(mean_pressure);
         let s = (PI * x / self.period).sin().powi(2);
@@ -99,22 +99,23 @@ impl Westergaard {
         2.0 * mean_pressure * (PI * x / self.period).cos().abs() * (f - s).sqrt() / f
     }
 
-    /// Mean pressure with an adhesive interface of short range and work of adhesion `work` (stress × length) at the
-    /// contact area fraction a: p_full sin²(π a/2) − √(2 E* w tan(π a/2)/λ) (Johnson 1995). Negative: pulled.
+    /// Returns the mean pressure with an adhesive interface of short range and work of adhesion `work` (stress ×
+    /// length) at the area fraction a: p_full sin²(π a/2) − √(2 E* w tan(π a/2)/λ) (Johnson 1995). Negative under
+    /// tension.
     pub fn adhesive_pressure(&self, work: f64, area_fraction: f64) -> f64 {
         let angle = 0.5 * PI * area_fraction;
         self.full_contact_pressure() * angle.sin().powi(2)
             - (2.0 * self.modulus * work * angle.tan() / self.period).sqrt()
     }
 
-    /// Mean gap A (1 − f + f ln f), f = p̄/p_full.
+    /// Returns the mean gap A (1 − f + f ln f), f = p̄/p_full.
     pub fn mean_gap(&self, mean_pressure: f64) -> f64 {
         let f = self.load(mean_pressure);
         if f == 0.0 { self.amplitude } else { self.amplitude * (1.0 - f + f * f.ln()) }
     }
 }
 
-/// An adhesive sphere (parabola) on a half-space, of any range of adhesion.
+/// Adhesive sphere (parabola) on a half-space, with any range of adhesion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdhesiveSphere {
     /// Contact modulus E*.
@@ -137,32 +138,32 @@ pub struct AdhesiveContact {
 }
 
 impl AdhesiveSphere {
-    /// K = 4 E*/3.
+    /// Returns K = 4 E*/3.
     fn stiffness(&self) -> f64 {
         4.0 / 3.0 * self.modulus
     }
 
-    /// Maugis' unit of force, π w R.
+    /// Returns Maugis' unit of force, π w R.
     pub fn force_unit(&self) -> f64 {
         PI * self.work * self.curvature_radius
     }
 
-    /// Maugis' unit of the contact radius, (π w R²/K)^{1/3} with K = 4 E*/3.
+    /// Returns Maugis' unit of the contact radius, (π w R²/K)^{1/3} with K = 4 E*/3.
     pub fn radius_unit(&self) -> f64 {
         (self.force_unit() * self.curvature_radius / self.stiffness()).cbrt()
     }
 
-    /// Adhesive strength σ₀ (stress) at Maugis' parameter λ = 2 σ₀ (R/π w K²)^{1/3}.
+    /// Returns the adhesive strength σ₀ (stress) at Maugis' parameter λ = 2 σ₀ (R/π w K²)^{1/3}.
     pub fn strength(&self, lambda: f64) -> f64 {
         0.5 * lambda * (PI * self.work * self.stiffness().powi(2) / self.curvature_radius).cbrt()
     }
 
-    /// Pull-off force of a range of adhesion that vanishes, −(3/2) π w R (Johnson, Kendall and Roberts 1971).
+    /// Returns the pull-off force for vanishing range of adhesion, −(3/2) π w R (Johnson, Kendall and Roberts 1971).
     pub fn jkr_pull_off(&self) -> f64 {
         -1.5 * self.force_unit()
     }
 
-    /// Contact with constant adhesive stress out to the radius m a, m = `zone` > 1 (Maugis 1992).
+    /// Returns the contact with constant adhesive stress out to the radius m a, m = `zone` > 1 (Maugis 1992).
     pub fn maugis(&self, lambda: f64, zone: f64) -> AdhesiveContact {
         let m = zone;
         let (root, arc) = ((m * m - 1.0).sqrt(), (1.0 / m).acos());
@@ -177,7 +178,7 @@ impl AdhesiveSphere {
         }
     }
 
-    /// Pull-off force with constant adhesive stress: the least force over all widths of the zone (Maugis 1992).
+    /// Returns the pull-off force with constant adhesive stress, the minimum over all zone widths (Maugis 1992).
     pub fn maugis_pull_off(&self, lambda: f64) -> f64 {
         // The force has one minimum in m. Golden section in ln(m − 1), from m = 1.00005 to 22000.
         const SHORTER: f64 = 0.618_033_988_749_894_9;
@@ -191,18 +192,18 @@ impl AdhesiveSphere {
     }
 }
 
-/// The mean pressure √2 π E* A/λ that closes the gap below Johnson's doubly wavy surface A cos(2π x/λ) cos(2π y/λ)
-/// (Johnson, Greenwood and Higginson 1985).
+/// Returns the mean pressure √2 π E* A/λ that closes the gap below Johnson's doubly wavy surface A cos(2π x/λ) cos(2π
+/// y/λ) (Johnson, Greenwood and Higginson 1985).
 pub fn johnson_full_contact_pressure(modulus: f64, amplitude: f64, period: f64) -> f64 {
     SQRT_2 * PI * modulus * amplitude / period
 }
 
-/// The area fraction of the doubly wavy surface at vanishing load, π (3 f/8π)^{2/3}, f = p̄/p_full.
+/// Returns the area fraction of the doubly wavy surface at vanishing load, π (3 f/8π)^{2/3}, f = p̄/p_full.
 pub fn johnson_area_at_low_load(relative_pressure: f64) -> f64 {
     PI * (3.0 * relative_pressure / (8.0 * PI)).powf(2.0 / 3.0)
 }
 
-/// The area fraction of the doubly wavy surface near full contact, 1 − (3/2π)(1 − f).
+/// Returns the area fraction of the doubly wavy surface near full contact, 1 − (3/2π)(1 − f).
 pub fn johnson_area_near_full_contact(relative_pressure: f64) -> f64 {
     1.0 - 1.5 / PI * (1.0 - relative_pressure)
 }

@@ -1,8 +1,8 @@
-//! The flat square punch that sticks to a slab, 512² points, to 1e-8: conjugate gradients against damped dynamics.
+//! Flat square punch that sticks to a slab, 512² points, to 1e-8: conjugate gradients against damped dynamics.
 //!
 //! `cargo bench -p gfmd-mixed` times conjugate gradients and the best damping, and prints iterations and transform
 //! pairs. The slower methods take a minute for each sample and run only if they are named:
-//! `cargo bench -p gfmd-mixed -- Fire`. `GFMD_BENCH_POINTS=128 cargo bench -p gfmd-mixed` takes a smaller grid.
+//! `cargo bench -p gfmd-mixed -- Fire`. `GFMD_BENCH_POINTS=128 cargo bench -p gfmd-mixed` uses a smaller grid.
 
 use std::hint::black_box;
 use std::time::Duration;

@@ -7,12 +7,12 @@ use gfmd_vector::{dot, for_each};
 
 use crate::surface::{Surface, largest};
 
-/// Returns the number of iterations and the reason why they ended.
+/// Solves for the traction. Returns the number of iterations and the reason why they ended.
 pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> (u64, Ending) {
     let held = &surface.problem.prescribed.held;
     let mut residual = surface.misfit.clone();
     let mut direction = vec![0.0; residual.len()];
-    // The preconditioned residual, then the displacement of the direction.
+    // First the preconditioned residual, then the displacement of the direction.
     let mut image = vec![0.0; residual.len()];
     let mut slope = f64::INFINITY;
     let mut confirmed = f64::INFINITY;
@@ -20,7 +20,7 @@ pub(crate) fn solve(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watc
     let ending = loop {
         let now = Progress { iteration: iterations, residual: surface.relative(largest(&residual)) };
         let stopped = watch.see(&now).is_break();
-        // A residual of NaN ends the iterations, too.
+        // A residual of NaN also ends the iterations.
         let descending = now.residual > budget.tolerance;
         if !descending || stopped || iterations >= budget.max_iterations {
             surface.certify();

@@ -1,5 +1,5 @@
-//! Damped dynamics for the free displacement: the surface layer moves under the given traction and its elastic force −K
-//! u, with the held points fixed (theory.md, section 6).
+//! Damped dynamics for the free displacement: the surface layer moves under the given traction and its elastic force
+//! −K u, with the held points fixed (theory.md, section 6).
 //!
 //! If the mean displacement of a component is zero at any load, the mean of its free points is constant. The mean of
 //! their forces is therefore subtracted; it is the mean traction, which the stiffness does not determine.
@@ -15,7 +15,7 @@ use gfmd_vector::{add, for_each, pass, reduce, sum};
 use crate::Prescribed;
 use crate::surface::Surface;
 
-/// The number of steps and the reason why they ended.
+/// Number of steps and the reason why they ended.
 type Run = Result<(u64, Ending), RelaxError>;
 
 /// Relaxes with the optimal damping and time step for the range of stiffnesses.
@@ -24,7 +24,7 @@ pub(crate) fn verlet(surface: &mut Surface, budget: &Budget, watch: &mut dyn Wat
     run(surface, || Verlet::optimal(softest, stiffest), budget, watch)
 }
 
-/// Relaxes with a time step over its stability limit 2/√k_max, and a damping over a critical one.
+/// Relaxes with a time step relative to its stability limit 2/√k_max and a damping relative to a critical one.
 pub(crate) fn damped(
     surface: &mut Surface,
     time_step: f64,
@@ -52,8 +52,8 @@ pub(crate) fn damped(
 
 /// Relaxes with critical damping of every mode of the free surface.
 ///
-/// Held points do not make it unstable: for a motion v the numbers b = ⟨v, B v⟩ and k = τ ⟨v, K v⟩ meet k < 2 (1 + b),
-/// since each mode does.
+/// Held points do not make the relaxation unstable: for a motion v, b = ⟨v, B v⟩ and k = τ ⟨v, K v⟩ satisfy
+/// k < 2 (1 + b), since they do for each mode.
 pub(crate) fn verlet_modes(
     surface: &mut Surface,
     time_step: Option<f64>,
@@ -78,14 +78,14 @@ pub(crate) fn verlet_modes(
     Ok((steps, ending))
 }
 
-/// Relaxes by the fast inertial relaxation engine of 2006.
+/// Relaxes by the fast inertial relaxation engine (FIRE) of 2006.
 pub(crate) fn fire(surface: &mut Surface, budget: &Budget, watch: &mut dyn Watch) -> Run {
     let [_, stiffest] = surface.problem.response.stiffness_range();
     run(surface, || Ok(Fire::bitzek(Fire::largest_dt(stiffest))), budget, watch)
 }
 
-/// Runs until the displacement that follows from the force on the held points meets the tolerance; small forces on the
-/// free points alone do not suffice.
+/// Relaxes until the displacement that follows from the force on the held points meets the tolerance. Small forces on
+/// the free points alone do not suffice.
 fn run<M: Method>(
     surface: &mut Surface,
     method: impl FnOnce() -> Result<M, RelaxError>,
@@ -118,12 +118,12 @@ fn run<M: Method>(
     Ok((state.step, if is_good { Ending::Converged } else { ending }))
 }
 
-/// The surface as a layer of moving points.
+/// Surface as a layer of moving points.
 struct Layer<'s, 'p> {
     surface: &'s mut Surface<'p>,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// The number of free points of each component whose mean is zero at any load, `None` for all other components.
+    /// Number of free points of each component with zero mean at any load; `None` for the other components.
     floating: Vec<Option<f64>>,
 }
 
@@ -145,7 +145,7 @@ impl<'s, 'p> Layer<'s, 'p> {
         self.surface.problem.response.grid().len()
     }
 
-    /// The displacement at the start: constant on the free points, with the mean that each component must have.
+    /// Returns the displacement at the start: constant on the free points, with the required mean of each component.
     fn start(&self) -> Vec<f64> {
         let Prescribed { held, values, .. } = &self.surface.problem.prescribed;
         let mut u = vec![0.0; self.len()];
@@ -158,7 +158,7 @@ impl<'s, 'p> Layer<'s, 'p> {
         u
     }
 
-    /// Takes the traction that keeps the held points in place, and computes its displacement.
+    /// Takes the traction that keeps the held points in place and computes its displacement.
     fn take_traction(&mut self, force: &[f64]) {
         let held = &self.surface.problem.prescribed.held;
         for_each([&mut self.surface.traction[..]], &|start, [traction]| {
@@ -212,7 +212,7 @@ impl Landscape for Layer<'_, '_> {
         Bounds::Between { lower: &self.lower, upper: &self.upper }
     }
 
-    /// Returns the largest force on a free point over the largest traction.
+    /// Returns the largest force on a free point, divided by the largest traction.
     fn residual(&self, _: &[f64], force: &[f64]) -> f64 {
         let prescribed = &self.surface.problem.prescribed;
         let leaf = |range: Range<usize>| {
@@ -227,7 +227,7 @@ impl Landscape for Layer<'_, '_> {
     }
 }
 
-/// The larger number, NaN if either is.
+/// Returns the larger number; NaN if either is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -9,31 +9,31 @@ pub enum MixedError {
     /// A field on another grid, or with another number of components.
     #[error("the shape [component, x, y] of the {what} is {found:?}; it must be {expected:?}")]
     Shape {
-        /// The field.
+        /// Name of the field.
         what: &'static str,
-        /// Its shape.
+        /// Shape of the field.
         found: [usize; 3],
-        /// The shape of the problem.
+        /// Shape of the problem.
         expected: [usize; 3],
     },
     /// A prescribed value that is NaN or infinite.
     #[error("the value prescribed at [component, x, y] = {index:?} is {value}; it must be finite")]
     Value {
-        /// The index of the entry.
+        /// Index of the entry.
         index: [usize; 3],
-        /// Its value.
+        /// Value of the entry.
         value: f64,
     },
     /// A problem without held points, which needs no solver: the compliance gives its displacement.
     #[error("no displacement is prescribed anywhere; at least one point must be held")]
     NothingHeld,
-    /// A component that is held at every point although its mean traction is undetermined, since it moves nothing.
+    /// A component held at every point, with an undetermined mean traction: a uniform traction moves nothing.
     #[error(
         "component {component} is held at every point; at least one point must be free, since a uniform traction along \
          this component does not move the body"
     )]
     Undetermined {
-        /// The index of the component.
+        /// Index of the component.
         component: usize,
     },
     /// A punch that does not fit into the cell.
@@ -52,17 +52,17 @@ pub enum MixedError {
         solution.residual
     )]
     NotConverged {
-        /// The state reached, with its residual.
+        /// State reached, with its residual.
         solution: Box<MixedSolution>,
-        /// The tolerance.
+        /// Tolerance.
         asked: f64,
-        /// The reason why the search ended.
+        /// Reason why the search ended.
         why: Why,
     },
     /// The observer asked to stop. The state reached is kept.
     #[error("interrupted after {} iterations: residual {:.2e}", solution.iterations, solution.residual)]
     Interrupted {
-        /// The state reached, with its residual.
+        /// State reached, with its residual.
         solution: Box<MixedSolution>,
     },
 }

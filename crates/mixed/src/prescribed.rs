@@ -4,7 +4,7 @@ use ndarray::{Array3, ArrayView2, ArrayView3};
 
 use crate::MixedError;
 
-/// The boundary conditions: at each point and component either the displacement (held) or the traction (free).
+/// Boundary conditions: the displacement (held) or the traction (free) at each point and component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescribed {
     pub(crate) shape: [usize; 3],
@@ -45,7 +45,7 @@ impl Prescribed {
     /// Prescribes `traction` (stress, `[component, x, y]`) on all free entries; its values on held entries are ignored.
     ///
     /// # Errors
-    /// A traction of another shape, or not finite.
+    /// A traction that differs in shape, or is not finite.
     pub fn with_traction(mut self, traction: ArrayView3<f64>) -> Result<Self, MixedError> {
         check_shape("traction", shape_of(&traction), self.shape)?;
         check_finite(&traction)?;
@@ -72,17 +72,17 @@ impl Prescribed {
         Self::new(held.view(), values.view())
     }
 
-    /// The number of components, of points along x, and of points along y.
+    /// Returns the number of components, of points along x, and of points along y.
     pub fn shape(&self) -> [usize; 3] {
         self.shape
     }
 
-    /// True for the entries whose displacement is prescribed, `[component, x, y]` row-major.
+    /// Returns true for each entry with a prescribed displacement, `[component, x, y]` row-major.
     pub fn held(&self) -> &[bool] {
         &self.held
     }
 
-    /// The displacement of held entries and the traction of free ones, `[component, x, y]` row-major.
+    /// Returns the displacement of held entries and the traction of free ones, `[component, x, y]` row-major.
     pub fn values(&self) -> &[f64] {
         &self.values
     }

@@ -7,7 +7,7 @@ use gfmd_response::FullResponse;
 
 use crate::{MixedError, Prescribed};
 
-/// The solution methods. All find the same solution and differ in cost (docs/solvers.md).
+/// Solution methods. All find the same solution and differ in cost (docs/solvers.md).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
@@ -22,14 +22,14 @@ pub enum Method {
     VerletCritical,
     /// Damped position Verlet with a given time step and damping.
     Damped {
-        /// The time step over the stability limit without damping, 2/√k_max.
+        /// Time step divided by the stability limit without damping, 2/√k_max.
         time_step: f64,
-        /// The damping.
+        /// Damping.
         damping: Factors,
     },
     /// Position Verlet with critical damping of every mode of the free surface (theory.md, section 6.2).
     VerletModes {
-        /// The time step over the stability limit without damping; by default the one that is best for the range of
+        /// Time step divided by the stability limit without damping; by default the best one for the range of
         /// stiffnesses.
         time_step: Option<f64>,
     },
@@ -38,12 +38,12 @@ pub enum Method {
 }
 
 impl Method {
-    /// The time step of [`Method::VerletCritical`] over the stability limit. The thesis gives Δt = 0.25 without a unit
-    /// (docs/solvers.md).
+    /// Time step of [`Method::VerletCritical`] divided by the stability limit. The thesis gives Δt = 0.25 without a
+    /// unit (docs/solvers.md).
     pub const TIME_STEP: f64 = 0.25;
 }
 
-/// An elastic body with the boundary conditions on its surface. A clone shares the response of the body.
+/// Elastic body with the boundary conditions on its surface. A clone shares the response of the body.
 #[derive(Clone, Debug)]
 pub struct MixedProblem {
     pub(crate) response: Arc<FullResponse>,
@@ -83,7 +83,7 @@ impl MixedProblem {
         Ok(problem)
     }
 
-    /// The boundary conditions.
+    /// Returns the boundary conditions.
     pub fn prescribed(&self) -> &Prescribed {
         &self.prescribed
     }

@@ -5,10 +5,10 @@ use crate::surface::Surface;
 use crate::{Method, MixedError, MixedProblem, MixedSolution, conjugate_gradients, dynamics};
 
 impl MixedProblem {
-    /// Computes the state of a traction, with its residual, by new transforms. The effort counts only these.
+    /// Computes the state of a traction, with its residual, by fresh transforms. The effort counts only these.
     ///
     /// # Errors
-    /// A traction of another shape than the prescribed values.
+    /// A traction that differs in shape from the prescribed values.
     pub fn certify(&self, traction: &Array3<f64>) -> Result<MixedSolution, MixedError> {
         let shape = self.prescribed.shape();
         let found = traction.dim().into();
@@ -54,8 +54,8 @@ impl MixedProblem {
         };
         let most = budget.tolerance / f64::EPSILON * self.response.stiffness_range()[0] * surface.scale;
         let solution = self.solution(surface, iterations);
-        // The rounding errors of the displacement are those of the softest wave, even if most of the traction deforms
-        // the body less. The residual does not see them, since its transforms round in the same way.
+        // The rounding error of the displacement follows from the softest wave, even if most of the traction deforms
+        // the body less. The residual does not show this error, since its transforms round in the same way.
         let is_rounded = solution.traction.iter().any(|t| t.abs() > most);
         let ending = if ending == Ending::Converged && is_rounded { Ending::GaveUp(Why::Rounding) } else { ending };
         match ending {

@@ -5,15 +5,15 @@ use gfmd_vector::{for_each, reduce};
 
 use crate::{MixedProblem, Prescribed};
 
-/// The surface during a solve: the traction, given on free entries, and its displacement.
+/// Surface during a solve: the traction, given on free entries, and its displacement.
 pub(crate) struct Surface<'a> {
     pub(crate) problem: &'a MixedProblem,
     pub(crate) traction: Vec<f64>,
-    /// The displacement G t at the last [`certify`](Self::certify).
+    /// Displacement G t at the last [`certify`](Self::certify).
     pub(crate) displacement: Vec<f64>,
-    /// The prescribed less the found displacement on held entries, zero on free ones, at the last certify.
+    /// Prescribed minus computed displacement on held entries, zero on free ones, at the last certify.
     pub(crate) misfit: Vec<f64>,
-    /// The largest misfit without traction on the held entries.
+    /// Largest misfit without traction on the held entries.
     pub(crate) scale: f64,
     pub(crate) transforms: FullTransforms,
 }
@@ -48,18 +48,18 @@ impl<'a> Surface<'a> {
         });
     }
 
-    /// The [`MixedSolution::residual`] at the last certify.
+    /// Returns the [`MixedSolution::residual`] at the last certify.
     pub(crate) fn residual(&self) -> f64 {
         self.relative(largest(&self.misfit))
     }
 
-    /// A misfit over the scale. If the scale is zero, all misfits are zero.
+    /// Returns `misfit` divided by the scale. If the scale is zero, all misfits are zero.
     pub(crate) fn relative(&self, misfit: f64) -> f64 {
         if misfit == 0.0 { 0.0 } else { misfit / self.scale }
     }
 }
 
-/// The largest magnitude; NaN if any value is NaN.
+/// Returns the largest magnitude; NaN if any value is NaN.
 pub(crate) fn largest(field: &[f64]) -> f64 {
     // The bit patterns of positive numbers have the order of the numbers, with NaN last.
     let leaf = |range: Range<usize>| field[range].iter().fold(0, |most, value| u64::max(most, value.abs().to_bits()));

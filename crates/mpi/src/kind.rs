@@ -1,10 +1,10 @@
-//! The binary interfaces of MPI libraries, by what their headers state.
+//! Binary interfaces of MPI libraries, with the constants of their headers.
 
-/// The constants of a library in which handles are numbers.
+/// Constants of a library that has numbers as handles.
 #[derive(Clone, Copy)]
 pub(crate) struct Constants {
     pub(crate) world: usize,
-    /// An unsigned number of 64 bits.
+    /// Type of an unsigned integer of 64 bits.
     pub(crate) word: usize,
     pub(crate) serialized: i32,
 }
@@ -16,21 +16,21 @@ pub(crate) enum Kind {
     OpenMpi,
     /// Handles are numbers of the size of an `int`: MPICH and its relatives.
     Mpich,
-    /// Handles are addresses, of which the predefined ones are small numbers: the standard of MPI 5.
+    /// Handles are addresses, or small numbers if predefined: the standard of MPI 5.
     Standard,
 }
 
-/// `mpi.h` of MPICH 5.0.2; the same since MPICH 3.1 (the common interface of its relatives).
+/// `mpi.h` of MPICH 5.0.2; unchanged since MPICH 3.1 (the common interface of its relatives).
 pub(crate) const MPICH: Constants = Constants { world: 0x4400_0000, word: 0x4c00_083e, serialized: 2 };
 
 /// `mpi_abi.h` of MPI 5.0.
 pub(crate) const STANDARD: Constants = Constants { world: 0x101, word: 0x259, serialized: 2048 };
 
-/// `mpi.h` of Open MPI, whose handles are symbols.
+/// `mpi.h` of Open MPI, in which handles are symbols.
 pub(crate) const OPEN_MPI_SERIALIZED: i32 = 2;
 
 impl Kind {
-    /// The interface of a library with this file name, of which it is known whether it has the symbols of Open MPI.
+    /// Returns the interface of a library from its file name; `has_open_mpi` is true if it has the symbols of Open MPI.
     pub(crate) fn of(file: &str, has_open_mpi: bool) -> Self {
         let name = file.rsplit('/').next().unwrap_or(file);
         match has_open_mpi {

@@ -1,26 +1,26 @@
-//! Programs that start processes, by the variables that they set for each.
+//! Detection of the launcher by the variables that it sets for each process.
 
-/// The launcher that started this process as one of several.
+/// Launcher that started this process as one of several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Launcher {
-    /// The name of the launcher.
+    /// Name of the launcher.
     pub name: &'static str,
-    /// The number of this process.
+    /// Rank of this process.
     pub rank: usize,
-    /// The number of processes, more than one.
+    /// Number of processes, more than one.
     pub size: usize,
-    /// The number of processes on this machine, if the launcher gives it.
+    /// Number of processes on this machine; 1 if the launcher does not give it.
     pub local: usize,
-    /// The files of its libraries, the most likely one first.
+    /// Files of its libraries, the most likely one first.
     pub(crate) libraries: &'static [&'static str],
 }
 
-/// The name, the variables with number, count, and count on this machine, and the libraries.
+/// Name, variables with rank, size and number of processes on this machine, and libraries.
 type Known = (&'static str, [&'static str; 3], &'static [&'static str]);
 
 const OPEN_MPI: &str = "Open MPI's mpirun";
 
-/// The order matters: mpirun inside a SLURM job is recognised as mpirun.
+/// Known launchers. The order matters: mpirun inside a SLURM job is recognised as mpirun.
 const LAUNCHERS: [Known; 3] = [
     (
         OPEN_MPI,
@@ -28,7 +28,7 @@ const LAUNCHERS: [Known; 3] = [
         &["libmpi.so.40", "libmpi.so", "libmpi.dylib"],
     ),
     ("MPICH's mpiexec or one like it", ["PMI_RANK", "PMI_SIZE", "MPI_LOCALNRANKS"], &MPICH),
-    // A batch script has the number of tasks of its job, and is one process; this variable is that of a step.
+    // Set for a step only: a batch script, which is one process, has the number of tasks of its job.
     ("srun", ["SLURM_PROCID", "SLURM_STEP_NUM_TASKS", "SLURM_NTASKS_PER_NODE"], &MPICH),
 ];
 
@@ -36,12 +36,12 @@ const MPICH: [&str; 6] =
     ["libmpi.so.12", "libmpi_abi.so.1", "libmpi_abi.so.0", "libmpi.so.40", "libmpi.so", "libmpi.dylib"];
 
 impl Launcher {
-    /// The launcher that has started this process as one of several.
+    /// Returns the launcher that started this process as one of several.
     pub fn found() -> Option<Self> {
         Self::by(|name| std::env::var(name).ok())
     }
 
-    /// False for a library that does not belong to this launcher, and may end the process when it is initialised.
+    /// Returns false for a library of another launcher, which may end the process when it is initialised.
     pub(crate) fn starts(&self, version: &str) -> bool {
         self.name != OPEN_MPI || version.starts_with("Open MPI")
     }

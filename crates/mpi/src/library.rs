@@ -1,7 +1,6 @@
-//! The functions of an MPI library, the only unsafe code of the crate.
+//! Functions of an MPI library; the only unsafe code of the crate.
 //!
-//! The signatures are those of the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of
-//! [`Kind`].
+//! The signatures follow the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of [`Kind`].
 #![expect(unsafe_code, reason = "a C library has no other interface")]
 
 use std::ffi::{c_char, c_int, c_void};
@@ -13,7 +12,7 @@ use libloading::Library;
 
 use crate::kind::{Kind, MPICH, OPEN_MPI_SERIALIZED, STANDARD};
 
-/// A handle: an `int` in MPICH, an address elsewhere, stored as a number of its size.
+/// MPI handle: an `int` in MPICH, an address elsewhere, stored as a number of its size.
 pub(crate) trait Handle: Copy + Send + Sync + 'static {
     const NONE: Self;
     fn of(number: usize) -> Self;
@@ -36,7 +35,7 @@ impl Handle for usize {
     }
 }
 
-/// The functions, and the handles of the two communicators: all processes, and all processes for the end.
+/// Functions of a library, and two communicators of all processes: one for messages, one for the meeting at the end.
 pub(crate) struct Functions<H> {
     word: H,
     communicator: H,
@@ -62,23 +61,23 @@ pub(crate) struct Functions<H> {
     finalize: unsafe extern "C" fn() -> c_int,
 }
 
-/// The size of the buffer for the version text of a library, and for a status, which has less than 100 bytes.
+/// Size of the buffer for the version text of a library, in bytes. A status, below 100 bytes, gets an eighth of it.
 const TEXT: usize = 8192;
 
-/// An initialised library.
+/// Initialised library, by the type of its handles.
 pub(crate) enum Begun {
     Numbers(Functions<c_int>),
     Addresses(Functions<usize>),
 }
 
-/// The version text of a library.
+/// Version text of a library, rank of this process and number of processes.
 pub(crate) struct About {
     pub(crate) version: String,
     pub(crate) rank: usize,
     pub(crate) size: usize,
 }
 
-/// Loads the library `file` and initialises MPI. If its version does not satisfy `fits`, only the version is returned.
+/// Loads the library `file` and initialises MPI. If its version does not satisfy `fits`, returns only the version.
 pub(crate) fn begin(
     file: &str,
     fits: impl Fn(&str) -> bool,
@@ -88,7 +87,7 @@ pub(crate) fn begin(
     if !fits(&version) {
         return Ok(Err(version));
     }
-    // SAFETY: symbols are looked up, not used.
+    // SAFETY: the symbol is looked up, not used.
     let has_open_mpi = unsafe { library.get::<*const c_void>(b"ompi_mpi_comm_world\0") }.is_ok();
     let (begun, rank, size) = match Kind::of(file, has_open_mpi) {
         Kind::OpenMpi => {
@@ -114,24 +113,24 @@ pub(crate) fn begin(
     Ok(Ok((begun, About { version, rank, size })))
 }
 
-/// The first line of the version text, which is available before the initialisation.
+/// Returns the first line of the version text, which is available before the initialisation.
 fn version(library: &Library) -> Result<String, libloading::Error> {
     type Version = unsafe extern "C" fn(*mut c_char, *mut c_int) -> c_int;
-    // SAFETY: the type is that of the standard.
+    // SAFETY: the type is the one in the standard.
     let version = unsafe { library.get::<Version>(b"MPI_Get_library_version\0") }?;
     let (mut text, mut length) = (vec![0_u8; TEXT], 0);
-    // SAFETY: the text has the greatest length that any library states, and the length is a living variable.
+    // SAFETY: the buffer has the greatest length that any library states, and `length` outlives the call.
     unsafe { version(text.as_mut_ptr().cast(), &raw mut length) };
     text.truncate(usize::try_from(length).unwrap_or(0));
     Ok(String::from_utf8_lossy(&text).lines().next().unwrap_or_default().trim_matches('\0').to_owned())
 }
 
-/// Opens a library and never closes it: its threads and handlers would be left without code.
+/// Opens a library that is never closed: its threads and handlers would be left without code.
 fn open(file: &str) -> Result<ManuallyDrop<Library>, libloading::Error> {
     #[cfg(unix)]
     {
         use libloading::os::unix::{self, RTLD_GLOBAL, RTLD_NOW};
-        // SAFETY: the initialisers of an MPI library have no conditions. Its own modules need its symbols to be global
+        // SAFETY: the initialisers of an MPI library have no conditions. Its modules need its symbols to be global
         // (Open MPI).
         let library = unsafe { unix::Library::open(Some(file), RTLD_NOW | RTLD_GLOBAL) }?;
         Ok(ManuallyDrop::new(library.into()))
@@ -148,10 +147,10 @@ impl<H: Handle> Functions<H> {
         word: H,
         serialized: c_int,
     ) -> Result<(Self, usize, usize), libloading::Error> {
-        /// The function of a name.
+        /// Looks up a function by its name.
         macro_rules! function {
             ($name:literal, $type:ty) => {
-                // SAFETY: the type is that of the standard, with the handles of this library, which is never closed.
+                // SAFETY: the type is the one in the standard, with the handles of this library, which is never closed.
                 *unsafe { library.get::<$type>(concat!($name, "\0").as_bytes()) }?
             };
         }
@@ -174,9 +173,8 @@ impl<H: Handle> Functions<H> {
             finalize: function!("MPI_Finalize", _),
         };
         let (mut provided, mut own, mut all) = (0, 0, 0);
-        // SAFETY: begun once, by `start`; every pointer is to a living variable of the type that the standard states,
-        // and the text has the greatest length that any library states. Both communicators are duplicated in the same
-        // order by all.
+        // SAFETY: called once, by `start`. Every pointer is to a living variable of the type in the standard, and all
+        // processes duplicate the two communicators in the same order.
         unsafe {
             init(null(), null(), serialized, &raw mut provided);
             rank(world, &raw mut own);
@@ -187,14 +185,13 @@ impl<H: Handle> Functions<H> {
         Ok((functions, own.unsigned_abs() as usize, all.unsigned_abs() as usize))
     }
 
-    /// Gathers the words `own` of each rank into `all`; rank r sends `lengths[r]` words. All together are fewer than
-    /// 2³¹.
+    /// Gathers `own` from all ranks into `all`; rank r sends `lengths[r]` words. The sum must be below 2³¹.
     pub(crate) fn gather(&self, own: &[u64], all: &mut [u64], lengths: &[usize]) {
         let (counts, places) = counts(lengths);
         let count = int(own.len());
         assert_eq!(all.len(), lengths.iter().sum::<usize>(), "the words of all ranks");
-        // SAFETY: `own` has `count` words, `all` has those of all ranks at their places, and both live until the call
-        // returns.
+        // SAFETY: `own` has `count` words, `all` has room for the words of all ranks at their places, and both live
+        // until the call returns.
         unsafe {
             (self.all_gather)(
                 own.as_ptr(),
@@ -209,17 +206,17 @@ impl<H: Handle> Functions<H> {
         }
     }
 
-    /// Broadcasts the `words` of the rank `from`.
+    /// Broadcasts `words` from the rank `from`.
     pub(crate) fn broadcast(&self, words: &mut [u64], from: usize) {
         let count = int(words.len());
-        // SAFETY: there are so many words, and they live until the call returns.
+        // SAFETY: `count` is the length of `words`, which live until the call returns.
         unsafe { (self.broadcast)(words.as_mut_ptr(), count, self.word, int(from), self.communicator) };
     }
 
-    /// Starts an exchange, which owns the messages until its end.
+    /// Starts an exchange that owns `messages` until it ends.
     pub(crate) fn post(&self, mut messages: Messages) -> Exchange<'_, H> {
-        // Open MPI takes two equal addresses, as empty vectors have, for a call in place, which waits for all the
-        // others.
+        // Open MPI treats equal addresses, as of two empty vectors, as a call in place, which waits for all other
+        // processes.
         for words in [&mut messages.out, &mut messages.into] {
             if words.is_empty() {
                 words.reserve(1);
@@ -251,12 +248,12 @@ impl<H: Handle> Functions<H> {
         exchange
     }
 
-    /// Waits until all processes have arrived, or `goes_on` returns false; true if all have arrived.
+    /// Waits until all processes have arrived or `goes_on` returns false. Returns true if all have arrived.
     pub(crate) fn meet(&self, mut goes_on: impl FnMut() -> bool) -> bool {
         let (mut request, mut done) = (H::NONE, 0);
         let mut status = [0_u64; TEXT / 64];
-        // SAFETY: the request is written by the first call and belongs to this function, the status has room for that
-        // of any library, and all ranks meet once. A meeting that is given up is followed by the abortion of all.
+        // SAFETY: the first call writes the request, which belongs to this function; the status has room for the status
+        // of any library, and all ranks meet once. If the meeting is given up, all processes are aborted.
         unsafe { (self.barrier)(self.last, &raw mut request) };
         while done == 0 && goes_on() {
             // SAFETY: as above.
@@ -267,19 +264,18 @@ impl<H: Handle> Functions<H> {
 
     /// Aborts all processes with this exit status.
     pub(crate) fn abort(&self, status: u8) {
-        // SAFETY: it may be called at any time after the beginning.
+        // SAFETY: it may be called at any time after the initialisation.
         unsafe { (self.abort)(self.communicator, c_int::from(status)) };
     }
 
     /// Finalises MPI in this process.
     pub(crate) fn finalize(&self) {
-        // SAFETY: called once, by `World::end`, which consumes the world, when all have met and no exchange is under
-        // way.
+        // SAFETY: called once, by `World::end`, when all have met and no exchange is under way.
         unsafe { (self.finalize)() };
     }
 }
 
-/// A pending exchange.
+/// Exchange in progress.
 pub(crate) struct Exchange<'a, H: Handle> {
     functions: &'a Functions<H>,
     messages: Messages,
@@ -293,7 +289,7 @@ impl<H: Handle> Exchange<'_, H> {
     fn finish(&mut self) {
         if !std::mem::replace(&mut self.over, true) {
             let mut status = [0_u64; TEXT / 64];
-            // SAFETY: the request is that of `post`, waited for once; the status has room for that of any library.
+            // SAFETY: `post` has written the request, which is waited for once; the status has room for any library.
             unsafe { (self.functions.wait)(&raw mut self.request, status.as_mut_ptr().cast()) };
         }
     }
@@ -313,7 +309,7 @@ impl<H: Handle> Drop for Exchange<'_, H> {
     }
 }
 
-/// Counts and displacements of words, as integers of the library.
+/// Returns counts and displacements of words, as integers of the library.
 fn counts(lengths: &[usize]) -> (Vec<c_int>, Vec<c_int>) {
     let places = lengths.iter().scan(0, |place, length| {
         let own = *place;
@@ -324,7 +320,7 @@ fn counts(lengths: &[usize]) -> (Vec<c_int>, Vec<c_int>) {
     (lengths.iter().map(|length| int(*length)).collect(), places)
 }
 
-/// A count of the library.
+/// Converts a count to an integer of the library.
 fn int(count: usize) -> c_int {
     c_int::try_from(count).expect("messages are below 2³¹ words: the rounds of a transform see to it")
 }

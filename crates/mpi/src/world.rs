@@ -1,4 +1,4 @@
-//! All processes that a launcher has started together.
+//! Processes started together by a launcher.
 
 use std::time::{Duration, Instant};
 
@@ -7,16 +7,16 @@ use gfmd_vector::{Messages, Pending, Ranks};
 use crate::Launcher;
 use crate::library::{About, Begun, begin};
 
-/// The file of the library, or `none`.
+/// Environment variable with the file of the library, or `none`.
 const VARIABLE: &str = "GFMD_MPI";
 
-/// The largest number of words gathered in one call: counts must be below 2³¹.
+/// Largest number of words gathered in one call: counts must be below 2³¹.
 const PIECE: usize = 1 << 28;
 
-/// The time that a failed process waits for the others to fail as well.
+/// Time that a failed process waits for the others to fail as well.
 const TOGETHER: Duration = Duration::from_secs(3);
 
-/// All processes that a launcher has started together.
+/// Processes started together by a launcher.
 pub struct World {
     begun: Begun,
     rank: usize,
@@ -34,24 +34,24 @@ pub enum MpiError {
          and GFMD_MPI=none lets each process run alone"
     )]
     NoLibrary {
-        /// The launcher.
+        /// Name of the launcher.
         launcher: &'static str,
-        /// The number of processes.
+        /// Number of processes.
         size: usize,
-        /// The last reason.
+        /// Reason why the first library was not loaded.
         reason: String,
     },
-    /// A library of another launcher: each process would run alone.
+    /// The library belongs to another launcher; each process would run alone.
     #[error(
         "{launcher} has started {size} processes, which the library {version} does not know; it must be the library of \
          the launcher, which GFMD_MPI=FILE names"
     )]
     OtherLibrary {
-        /// The launcher.
+        /// Name of the launcher.
         launcher: &'static str,
-        /// The number of its processes.
+        /// Number of processes started.
         size: usize,
-        /// The library.
+        /// Version text of the library.
         version: String,
     },
 }
@@ -59,7 +59,7 @@ pub enum MpiError {
 /// Initialises MPI if a launcher started this process as one of several; otherwise returns `None`. Call it once.
 ///
 /// # Errors
-/// No library was found, or only that of another launcher.
+/// No library was found, or only the library of another launcher.
 pub fn start() -> Result<Option<World>, MpiError> {
     let Some(launcher) = Launcher::found() else { return Ok(None) };
     let Launcher { name, size, libraries, .. } = launcher;
@@ -95,13 +95,13 @@ macro_rules! of {
 }
 
 impl World {
-    /// The version text of the library.
+    /// Returns the version text of the library.
     pub fn version(&self) -> &str {
         &self.version
     }
 
-    /// Waits up to three seconds for all processes; true if all arrive, so that all have ended in the same way. Call it
-    /// once.
+    /// Waits up to three seconds for all processes. Returns true if all arrive, which means that all ended in the same
+    /// way. Call it once.
     pub fn is_met(&self) -> bool {
         let begun = Instant::now();
         of!(self, functions => functions.meet(|| {

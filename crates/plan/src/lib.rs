@@ -1,7 +1,7 @@
 //! Plans of fast Fourier transforms, compiled once.
 //!
 //! The planners of RustFFT, `realfft` and `rustdct` are generic and take a minute to compile. The functions here are
-//! not generic, so that the planners are compiled once, and not with every crate and test that uses transforms.
+//! not generic, so the planners are compiled once instead of with every crate and test that uses transforms.
 //!
 //! ```
 //! use gfmd_plan::Plans;
@@ -23,13 +23,13 @@ use rustfft::{Fft, FftPlanner};
 
 /// Plans of forward and inverse transforms, in single and in double precision.
 pub trait Plans: Sized {
-    /// Transforms of real rows of `points` points to half spectra, and back, without normalisation.
+    /// Plans transforms of real rows of `points` points to half spectra and back, without normalisation.
     fn real(points: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>);
 
-    /// Transforms of complex rows of `points` points, and back, without normalisation.
+    /// Plans transforms of complex rows of `points` points and back, without normalisation.
     fn complex(points: usize) -> (Arc<dyn Fft<Self>>, Arc<dyn Fft<Self>>);
 
-    /// Cosine transforms (types 2 and 3) of rows of either number of points.
+    /// Plans cosine transforms (types 2 and 3) for rows of each of two lengths.
     fn cosines(points: [usize; 2]) -> [Arc<dyn TransformType2And3<Self>>; 2];
 }
 

@@ -1,25 +1,25 @@
-//! Ranges and ticks of an axis: round numbers, superscripts for powers of ten, true minus signs.
+//! Range and ticks of an axis, with round numbers, superscripts for powers of ten and true minus signs.
 
 use super::{PlotError, Scale};
 
-/// The largest end of an axis.
+/// Largest absolute value of an axis end.
 const LARGEST: f64 = 1e307;
 
-/// The shortest linear axis, and the lowest end of a logarithmic one.
+/// Minimum length of a linear axis, and minimum lower end of a logarithmic one.
 const SMALLEST: f64 = 1e-304;
 
-/// The shortest linear axis relative to its ends, so that its ticks still differ.
+/// Minimum length of a linear axis relative to its ends, so that its ticks still differ.
 const NARROWEST: f64 = 1e-13;
 
-/// An axis with its range and its ticks.
+/// Axis with its range and ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
     scale: Scale,
     range: [f64; 2],
-    /// Position and label.
+    /// Positions and labels.
     pub(super) major: Vec<(f64, String)>,
     pub(super) minor: Vec<f64>,
-    /// The common power of ten of linear labels, as markup, or empty.
+    /// Common power of ten of linear labels as markup; may be empty.
     pub(super) factor: String,
 }
 
@@ -27,7 +27,7 @@ impl Ticks {
     /// Chooses the ticks; `about` is the number of labels that fit.
     pub(super) fn new(scale: Scale, range: [f64; 2], about: f64) -> Result<Self, PlotError> {
         let [low, high] = range;
-        // Beyond these sizes steps, powers of ten and distances are no numbers.
+        // Beyond these sizes, steps, powers of ten and distances can no longer be represented.
         let largest = low.abs().max(high.abs());
         let is_drawable = largest <= LARGEST && high - low >= SMALLEST && high - low > NARROWEST * largest;
         if !(low.is_finite() && high.is_finite() && low < high && is_drawable) {
@@ -40,7 +40,7 @@ impl Ticks {
         }
     }
 
-    /// The position of a value along the axis: 0 at the lower end, 1 at the upper end.
+    /// Returns the relative position of a value along the axis: 0 at the lower end, 1 at the upper end.
     pub(super) fn fraction(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         match self.scale {
@@ -59,8 +59,8 @@ impl Ticks {
             .unwrap_or((10.0, 5));
         let step = multiple * decade;
         let largest = low.abs().max(high.abs());
-        // Numbers from 0.001 to 99999 are written in full; all others have a common power of ten, with an exponent
-        // divisible by three, that leaves 0.1 to 99.
+        // Numbers from 0.001 to 99999 are written in full. Others share a power of ten, with an exponent divisible by
+        // three, that leaves 0.1 to 99.
         let power = if (1e-3..1e5).contains(&largest) { 0 } else { 3 * ((largest.log10() + 1.0) / 3.0).floor() as i32 };
         let unit = 10_f64.powi(power);
         let decimals = (-(step / unit * 1.000_001).log10().floor()).max(0.0) as usize;
@@ -94,7 +94,7 @@ impl Ticks {
             let minor = if every == 1 { between(&[2, 3, 4, 5, 6, 7, 8, 9]) } else { decades };
             (major.collect(), minor)
         } else {
-            // Fewer than three decades also get labels within a decade: the sparsest choice with three labels.
+            // Fewer than three decades get labels within a decade: the sparsest choice with at least three labels.
             let choices: [&[i32]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
             let enough = choices.iter().map(|digits| between(digits)).find(|positions| positions.len() >= 3);
             (enough.unwrap_or_else(|| between(choices[3])), between(choices[3]))
@@ -122,7 +122,7 @@ fn log_label(value: f64, plain: bool) -> String {
     if digit == 1.0 { format!("10^{{{power}}}") } else { format!("{digit}×10^{{{power}}}") }
 }
 
-/// A number with a minus sign instead of a hyphen, and without a sign before zero.
+/// Replaces the hyphen of a number by a minus sign, and drops the sign of zero.
 pub(super) fn minus(number: &str) -> String {
     match number.strip_prefix('-') {
         Some(digits) if digits.chars().all(|c| "0.".contains(c)) => digits.to_owned(),
@@ -131,7 +131,7 @@ pub(super) fn minus(number: &str) -> String {
     }
 }
 
-/// The range of an axis that shows the values, with a margin at both ends; `None` without values.
+/// Returns the range of an axis that shows the values, with a margin at both ends, or `None` without values.
 pub(super) fn padded(scale: Scale, values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low > high {

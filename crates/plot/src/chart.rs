@@ -1,4 +1,4 @@
-//! Panels side by side or one below the other, with a legend above.
+//! Charts: panels side by side or one below the other, with a legend above.
 
 use std::path::{Path, PathBuf};
 
@@ -22,41 +22,41 @@ pub const TWO_COLUMNS: f64 = 516.0;
 pub struct Chart {
     /// Panels from left to right, or from top to bottom.
     pub panels: Vec<Panel>,
-    /// True if all panels have one common ordinate, labelled at the left.
+    /// True if all panels share one ordinate, labelled at the left.
     pub share_y: bool,
-    /// True if the panels lie one below the other, with the abscissa of the lowest; `share_y` then has no effect.
+    /// True if panels are one below the other with the abscissa of the lowest; `share_y` then has no effect.
     pub stacked: bool,
     /// Width of the figure in points.
     pub width: f64,
-    /// Height of the axes in points. For stacked panels the height of the first; each other one has half of it.
+    /// Height of the axes in points. If stacked, the height of the first panel; the others have half of it.
     pub height: f64,
 }
 
 impl Chart {
-    /// A chart one column wide if it has one panel, else two columns wide with a common ordinate.
+    /// Creates a chart: one column wide for one panel, else two columns wide with a shared ordinate.
     pub fn new(panels: Vec<Panel>) -> Self {
         let several = panels.len() > 1;
         let width = if several { TWO_COLUMNS } else { COLUMN };
         Self { panels, share_y: several, stacked: false, width, height: 150.0 }
     }
 
-    /// A chart two columns wide with its panels one below the other.
+    /// Creates a chart two columns wide with its panels one below the other.
     pub fn stacked(panels: Vec<Panel>) -> Self {
         Self { stacked: true, share_y: false, width: TWO_COLUMNS, ..Self::new(panels) }
     }
 
-    /// The figure as SVG text.
+    /// Returns the figure as SVG text.
     pub fn svg(&self) -> Result<String, PlotError> {
         draw(self)?.svg()
     }
 
-    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, a word that no other figure of the
-    /// page may have; `title` is its alternative text.
+    /// Returns the figure as an `svg` element for an HTML page. Its ids begin with `name`, which must be unique in the
+    /// page; `title` is the alternative text.
     pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
         draw(self)?.element(name, title)
     }
 
-    /// The figure as PNG bytes.
+    /// Returns the figure as PNG bytes.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         draw(self)?.png()
     }
@@ -90,7 +90,7 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
     let above = if titled || factored { HEAD } else { 0.0 };
     let top = EDGE + legend_height + above + 0.5 * TICK;
 
-    // The margins hold tick labels and the label of the ordinate at the left, names of reference lines at the right.
+    // The margins hold tick labels and the ordinate label at the left, names of reference lines at the right.
     let lefts: Vec<f64> = (0..count)
         .map(|i| if i == 0 || !chart.share_y { left_margin(&y_ticks[i], &chart.panels[i].y) } else { 0.0 })
         .collect();

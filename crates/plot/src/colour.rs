@@ -1,4 +1,4 @@
-//! Colours: seven that colour-blind readers can distinguish, and a perceptually uniform scale.
+//! Colours: a palette of seven for colour-blind readers, and perceptually uniform scales.
 
 /// Red, green, blue.
 pub(super) type Rgb = [u8; 3];
@@ -31,17 +31,17 @@ pub(super) fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The colour of the maps at a fraction from 0 to 1: viridis, dark to light, perceptually uniform.
+/// Returns the colour of a sequential map at a fraction from 0 to 1: viridis, dark to light, perceptually uniform.
 pub(super) fn sequential(fraction: f64) -> Rgb {
     colorous::VIRIDIS.eval_continuous(fraction.clamp(0.0, 1.0)).as_array()
 }
 
-/// The colour of the maps with two signs at a fraction from 0 to 1: red, white in the middle, blue.
+/// Returns the colour of a diverging map at a fraction from 0 to 1: red, white in the middle, blue.
 pub(super) fn diverging(fraction: f64) -> Rgb {
     colorous::RED_BLUE.eval_continuous(fraction.clamp(0.0, 1.0)).as_array()
 }
 
-/// The mixture of `share` of `a` with 1 − `share` of `b`, linear in light intensity.
+/// Mixes `share` of `a` with 1 − `share` of `b`, linearly in light intensity.
 pub(super) fn mix(a: Rgb, b: Rgb, share: f64) -> Rgb {
     let light = |c: u8| (f64::from(c) / 255.0).powf(2.2);
     let channel = |a, b| (255.0 * (share * light(a) + (1.0 - share) * light(b)).powf(1.0 / 2.2)).round() as u8;

@@ -1,4 +1,4 @@
-//! A finished figure: SVG text with embedded images, rendered to PNG by `resvg` with the bundled font only.
+//! Finished figures: SVG text with embedded images, rendered to PNG by `resvg` with the bundled font only.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,13 +12,13 @@ use super::PlotError;
 use super::colour::Rgb;
 use super::text::{FAMILY, ITALIC, REGULAR, escape, number};
 
-/// Dots per inch of a PNG, unless its pictures have more pixels.
+/// Dots per inch of a PNG, unless its pictures need more.
 const RESOLUTION: f64 = 300.0;
 
 /// Points per inch.
 const POINTS: f64 = 72.0;
 
-/// An image in the drawing; its first row is at the top.
+/// Image in the drawing; its first row is at the top.
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
     /// Left, top, width and height in the drawing, in points.
@@ -28,7 +28,7 @@ pub(super) struct Picture {
     pub(super) pixels: Vec<Rgb>,
 }
 
-/// A figure; all lengths are in points, y points downwards.
+/// Figure; all lengths are in points, with y downwards.
 #[derive(Clone, Debug)]
 pub(super) struct Drawing {
     pub(super) width: f64,
@@ -53,8 +53,8 @@ impl Drawing {
         Ok(self.wrap(&pictures))
     }
 
-    /// The figure as one element of a page: the ids begin with `name`, since a page has several figures, and `title` is
-    /// its alternative text.
+    /// Returns the figure as an element of a page. Ids begin with `name`, since a page has several figures; `title` is
+    /// the alternative text.
     pub(super) fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
         let svg = self.svg()?;
         let element = svg.split_once("?>\n").map_or(svg.as_str(), |(_, element)| element);
@@ -62,7 +62,7 @@ impl Drawing {
         Ok(with_ids(element, name).replacen(">\n", &title, 1))
     }
 
-    /// Drawings side by side, from left to right.
+    /// Places drawings side by side, from left to right.
     pub(super) fn row(drawings: impl IntoIterator<Item = Self>) -> Self {
         let mut row = Self { width: 0.0, height: 0.0, pictures: Vec::new(), elements: String::new() };
         for (index, drawing) in drawings.into_iter().enumerate() {
@@ -96,7 +96,7 @@ impl Drawing {
         for picture in &self.pictures {
             picture.paint(&mut page, scale).ok_or_else(|| render(&"a picture has no area"))?;
         }
-        // `usvg` has converted points to pixels of its own size.
+        // `usvg` has converted points to its own pixels.
         let stretch = width as f32 / tree.size().width();
         resvg::render(&tree, Transform::from_scale(stretch, stretch), &mut page.as_mut());
         let pixels: Vec<Rgb> = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect(); // opaque
@@ -129,13 +129,13 @@ impl Drawing {
 }
 
 impl Picture {
-    /// The dots per inch that give every pixel a dot.
+    /// Returns the dots per inch at which every pixel has a dot.
     fn resolution(&self) -> f64 {
         let [_, _, width, height] = self.frame;
         POINTS * (self.columns as f64 / width).max(self.rows as f64 / height)
     }
 
-    /// True if the pixels are so large that they should be visible as squares.
+    /// Returns true if the pixels are large enough to be visible as squares.
     fn is_coarse(&self) -> bool {
         self.columns as f64 * 3.0 < self.frame[2] * RESOLUTION / POINTS
     }
@@ -151,7 +151,7 @@ impl Picture {
         }
         let [mut x, mut y, width, height] = self.frame.map(|length| length * scale);
         let stretch = [width / self.columns as f64, height / self.rows as f64].map(|s| s as f32);
-        // A picture of one dot a pixel begins at a dot.
+        // A picture with one dot per pixel is aligned to the dots.
         let is_fine = self.resolution() * (1.0 + 1e-9) > scale * POINTS;
         if is_fine {
             (x, y) = (x.round(), y.round());
@@ -163,9 +163,9 @@ impl Picture {
     }
 }
 
-/// The elements with ids that begin with `name`.
+/// Prefixes the ids of the elements with `name`.
 fn with_ids(elements: &str, name: &str) -> String {
-    // Quotes are escaped in texts, so that these are attributes.
+    // Quotes are escaped in texts, so these are attributes.
     elements.replace(" id=\"", &format!(" id=\"{name}-")).replace("\"url(#", &format!("\"url(#{name}-"))
 }
 

@@ -8,27 +8,26 @@ pub enum PlotError {
     /// There is nothing to draw.
     #[error("nothing to plot: {what}")]
     Empty {
-        /// Description of the missing data.
+        /// Missing data, in words.
         what: &'static str,
     },
     /// A value is not finite.
     #[error("{place} is {found}; it must be finite")]
     NotFinite {
-        /// The value.
+        /// Value.
         found: f64,
-        /// Its place in the figure.
+        /// Place in the figure.
         place: String,
     },
     /// A value on a logarithmic axis is not positive.
     #[error("{place} is {found}; it must be above zero on a logarithmic axis")]
     NotPositive {
-        /// The value.
+        /// Value.
         found: f64,
-        /// Its place in the figure.
+        /// Place in the figure.
         place: String,
     },
-    /// The range of an axis is empty or reversed, not positive on a logarithmic axis, or beyond the numbers that have
-    /// ticks.
+    /// The range of an axis is empty or reversed, not positive on a logarithmic axis, or too large or small for ticks.
     #[error(
         "the range of an axis is {:?} to {:?}; it must be increasing, with ends up to 1e307, longer than 1e-304 and \
          than 1e-13 of its ends, and from 1e-304 on if logarithmic",
@@ -60,7 +59,7 @@ pub enum PlotError {
     /// The file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,

@@ -17,7 +17,7 @@ pub(super) const EDGE: f64 = 4.0;
 const MAJOR: f64 = 3.2;
 const MINOR: f64 = 1.8;
 
-/// A pair of axes and its position in the drawing, in points.
+/// Pair of axes and its position in the drawing, in points.
 pub(super) struct Frame {
     pub(super) left: f64,
     pub(super) top: f64,
@@ -29,7 +29,7 @@ pub(super) struct Frame {
 
 impl Frame {
     pub(super) fn at(&self, x: f64, y: f64) -> (f64, f64) {
-        // Points far outside are clipped anyway, and SVG renderers need moderate coordinates.
+        // Points far outside are clipped anyway; SVG renderers need moderate coordinates.
         let far = |fraction: f64| fraction.clamp(-50.0, 50.0);
         (self.left + far(self.x.fraction(x)) * self.width, self.top + (1.0 - far(self.y.fraction(y))) * self.height)
     }
@@ -41,10 +41,10 @@ pub(super) fn left_margin(ticks: &Ticks, axis: &Axis) -> f64 {
     widest + GAP + label
 }
 
-/// The height of the labels below the axes.
+/// Height of the labels below the axes.
 pub(super) const UNDER: f64 = GAP + TICK + GAP + 1.3 * LABEL;
 
-/// Draws the box, the ticks and all labels; an axis that is not given has no labels.
+/// Draws the box, ticks and labels; an omitted axis has no labels.
 pub(super) fn draw_axes(svg: &mut String, frame: &Frame, x: Option<&Axis>, y: Option<&Axis>) {
     let Frame { left, top, width, height, .. } = frame;
     let (right, bottom) = (left + width, top + height);

@@ -1,4 +1,4 @@
-//! The legend: each label once, with the marks of all series of that label.
+//! Legend: each label once, with the marks of all its series.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use super::{Mark, Panel, Series, Side};
 
 const SAMPLE: f64 = 16.0;
 
-/// A label of the legend, with the marks of all series of that label, by colour.
+/// Label of the legend, with the marks of all its series by colour.
 pub(super) struct Entry {
     text: Text,
     samples: Vec<Vec<Series>>,
@@ -46,7 +46,7 @@ pub(super) fn legend(panels: &[Panel]) -> Vec<Entry> {
     entries.into_iter().map(|(_, entry)| entry).collect()
 }
 
-/// Rows of entries that fit into `width`, and the height of all rows.
+/// Arranges entries in rows that fit into `width`; returns the rows and their total height.
 pub(super) fn arrange(entries: &[Entry], width: f64) -> (Vec<Vec<&Entry>>, f64) {
     let mut rows: Vec<Vec<&Entry>> = Vec::new();
     let mut used = f64::INFINITY;

@@ -1,13 +1,13 @@
 //! Figures for print as SVG and PNG: charts with error bars and reference lines, and maps of fields. The input is
 //! numbers and labels; this crate knows no physics.
 //!
-//! All figures have one style: Arimo 8 pt (bundled, so that no system font is needed, and as wide as Arial, so that the
-//! SVG and the PNG agree), the colour-blind-safe colours of Okabe and Ito, ticks inside on all sides, true minus signs
-//! and superscripts. The sizes are those of journal columns; PNG files have 300 dots per inch, or more, so that each
-//! pixel of a map has at least one dot. Equal input gives equal bytes.
+//! All figures have one style: Arimo 8 pt (bundled, so that no system font is needed, and as wide as Arial, so that SVG
+//! and PNG agree), the colour-blind-safe colours of Okabe and Ito, ticks inside on all sides, true minus signs and
+//! superscripts. Figures are as wide as journal columns. PNG files have 300 dots per inch, or more, so that each pixel
+//! of a map has at least one dot. Equal input gives equal bytes.
 //!
-//! Labels may contain markup: `*kappa*` is italic, `a_r` and `10^{-3}` are sub- and superscripts, `\` takes the next
-//! character literally.
+//! Labels may contain markup: `*kappa*` is italic, `a_r` and `10^{-3}` are sub- and superscripts, `\` makes the next
+//! character literal.
 //!
 //! ```
 //! use gfmd_plot::{Axis, Chart, Level, Panel, Point, Series};

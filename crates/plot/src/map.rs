@@ -17,13 +17,13 @@ const PIXELS: usize = 1 << 20;
 /// Largest number of pixels along one side.
 const LONGEST: usize = 1 << 13;
 
-/// The decades that a logarithmic scale has at most, unless its range is given.
+/// Maximum number of decades of a logarithmic scale, unless its range is given.
 const DECADES: i32 = 8;
 
 /// Width of the colour bar in points.
 const BAR: f64 = 9.0;
 
-/// A map of values on a regular grid.
+/// Map of values on a regular grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map<'a> {
     /// Values, row-major `[x, y]`.
@@ -32,7 +32,7 @@ pub struct Map<'a> {
     pub shape: [usize; 2],
     /// Length along x and y.
     pub size: [f64; 2],
-    /// The coordinates of the lower left corner.
+    /// Coordinates of the lower left corner.
     pub origin: [f64; 2],
     /// Label of the x axis.
     pub x: String,
@@ -40,34 +40,34 @@ pub struct Map<'a> {
     pub y: String,
     /// Label of the colour bar.
     pub label: String,
-    /// Spacing of the colours. If it is logarithmic, all values above the threshold of `below` must be above zero.
+    /// Spacing of the colours. If logarithmic, all values above the threshold of `below` must be positive.
     pub scale: Scale,
-    /// The colours of the scale.
+    /// Colours of the scale.
     pub colours: Colours,
-    /// Values that have one colour of their own.
+    /// Class of values with a single colour.
     pub below: Option<Below>,
-    /// Range of the colour scale; from the values if absent. Values beyond an end have the colour of that end, and the
-    /// bar then has a triangle there.
+    /// Range of the colour scale; from the values if absent. Values beyond an end have its colour, and the bar has a
+    /// triangle there.
     pub range: Option<[f64; 2]>,
-    /// True if there is a colour bar; false if colours only distinguish values.
+    /// True if the map has a colour bar; false if colours only distinguish values.
     pub bar: bool,
     /// Width of the figure in points.
     pub width: f64,
 }
 
-/// A class of values up to a threshold that has one colour, such as "no contact".
+/// Class of values up to a threshold that share one colour, such as "no contact".
 #[derive(Clone, Debug, PartialEq)]
 pub struct Below {
-    /// The largest value of the class.
+    /// Largest value of the class.
     pub threshold: f64,
-    /// Its name beside the colour bar.
+    /// Name beside the colour bar.
     pub label: String,
-    /// Its colour, an index like that of [`Series`](super::Series); pale grey if absent.
+    /// Index of its colour, as in [`Series`](super::Series); pale grey if absent.
     pub hue: Option<usize>,
 }
 
 impl Below {
-    /// A pale class.
+    /// Creates a pale class.
     pub fn pale(threshold: f64, label: &str) -> Self {
         Self { threshold, label: label.into(), hue: None }
     }
@@ -77,14 +77,13 @@ impl Below {
     }
 }
 
-/// The colours of a map.
+/// Colours of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Colours {
     /// From dark to light.
     #[default]
     Sequential,
-    /// Red below the middle of the range, white in the middle, blue above: for values of two signs, with a range about
-    /// zero.
+    /// Red below the middle of the range, white in it, blue above: for values of two signs, with a range about zero.
     Diverging,
 }
 
@@ -98,7 +97,7 @@ impl Colours {
 }
 
 impl<'a> Map<'a> {
-    /// A map of `values` on a cell of `size`, one column wide, with all values coloured.
+    /// Creates a map of `values` on a cell of `size`, one column wide, with all values coloured.
     pub fn new(values: &'a [f64], shape: [usize; 2], size: [f64; 2], label: &str) -> Self {
         let (x, y, label) = ("*x*".into(), "*y*".into(), label.into());
         let (scale, colours) = (Scale::default(), Colours::default());
@@ -112,18 +111,18 @@ impl<'a> Map<'a> {
 }
 
 impl Map<'_> {
-    /// The figure as SVG text, with the field as an embedded PNG image.
+    /// Returns the figure as SVG text, with the field as an embedded PNG image.
     pub fn svg(&self) -> Result<String, PlotError> {
         draw(self)?.svg()
     }
 
-    /// The figure as an `svg` element for a page of HTML. Its ids begin with `name`, a word that no other figure of the
-    /// page may have; `title` is its alternative text.
+    /// Returns the figure as an `svg` element for an HTML page. Its ids begin with `name`, which must be unique in the
+    /// page; `title` is the alternative text.
     pub fn element(&self, name: &str, title: &str) -> Result<String, PlotError> {
         draw(self)?.element(name, title)
     }
 
-    /// The figure as PNG bytes.
+    /// Returns the figure as PNG bytes.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         draw(self)?.png()
     }
@@ -139,12 +138,12 @@ impl Map<'_> {
 pub struct Maps<'a>(pub Vec<Map<'a>>);
 
 impl Maps<'_> {
-    /// The figure as SVG text, with the fields as embedded PNG images.
+    /// Returns the figure as SVG text, with the fields as embedded PNG images.
     pub fn svg(&self) -> Result<String, PlotError> {
         self.draw()?.svg()
     }
 
-    /// The figure as PNG bytes.
+    /// Returns the figure as PNG bytes.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         self.draw()?.png()
     }
@@ -182,12 +181,12 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     let below_label = map.below.as_ref().map_or(0.0, |below| Text::new(&below.label, TICK).width());
     let y_label = Axis::linear(&map.y);
     // The height follows from the width, and the final ticks from the height. The margin is computed from preliminary
-    // ticks, whose labels have about the width of the final ones.
+    // ticks with labels about as wide as the final ones.
     let right = 3.0 * GAP + BAR + (GAP + bar_labels + LABEL + 2.0 * GAP).max(GAP + below_label);
     let [along_x, along_y] = [0, 1].map(|axis| [map.origin[axis], map.origin[axis] + map.size[axis]]);
     let left = EDGE + left_margin(&ticks(along_y, 4.0)?, &y_label);
     let width = (map.width - left - right - EDGE).max(40.0);
-    // A flat map is stretched so that the labels along y fit, that of the bar beside its coloured part.
+    // A flat map is stretched to fit the labels along y, and the bar label beside the coloured part of the bar.
     let beside = Text::new(&map.label, LABEL).width() + swatch(map) + beyond.map(point).iter().sum::<f64>();
     let lowest = Text::new(&map.y, LABEL).width().max(beside).min(width);
     let height = (width * map.size[1] / map.size[0]).clamp(lowest, 3.0 * width);
@@ -206,11 +205,12 @@ pub(super) fn draw(map: &Map) -> Result<Drawing, PlotError> {
     Ok(Drawing { width: map.width, height: bottom, pictures: vec![picture], elements: svg })
 }
 
-/// The range of the colour scale, and two flags: values lie below it, values lie above it.
+/// Returns the range of the colour scale, and two flags: values lie below it, values lie above it.
 ///
-/// A field with singular edges has a few extremely large values. Unless the range is given, the scale therefore ends at
-/// the 99.5 % quantile of the coloured values if the largest value lies more than 1.5 times as far from the lower end,
-/// and begins at the 0.5 % quantile, if no class lies below, in the same way; a logarithmic one always begins there.
+/// A field with singular edges has a few extremely large values. Unless the range is given, a linear scale therefore
+/// ends at the 99.5 % quantile of the coloured values if the maximum is more than 1.5 times as far from the lower end.
+/// It begins at the threshold of the class below, or else in the same way at the minimum or the 0.5 % quantile. A
+/// logarithmic scale always begins at the 0.5 % quantile, or [`DECADES`] below the maximum, and ends at the maximum.
 fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     let mut values: Vec<f64> = map.values.iter().copied().filter(|&value| map.is_coloured(value)).collect();
     let (least, most) =
@@ -245,7 +245,7 @@ fn colour_range(map: &Map) -> Result<([f64; 2], [bool; 2]), PlotError> {
     Ok((range, [least < range[0], most > range[1]]))
 }
 
-/// The number of points along x and along y that become one pixel: one, unless there are more than [`PIXELS`].
+/// Returns the number of points along x and y per pixel: one, unless [`PIXELS`] or [`LONGEST`] is exceeded.
 fn block([nx, ny]: [usize; 2]) -> [usize; 2] {
     let mut block = [nx, ny].map(|n| n.div_ceil(LONGEST));
     while nx.div_ceil(block[0]) * ny.div_ceil(block[1]) > PIXELS {
@@ -254,8 +254,8 @@ fn block([nx, ny]: [usize; 2]) -> [usize; 2] {
     block
 }
 
-/// The image with one pixel per point or block of points: the colour of the mean over its coloured points, mixed with
-/// the colour of the others in proportion to their number.
+/// Paints one pixel per point or block of points: the colour of the mean of its coloured points, mixed with the colour
+/// of the others in proportion to their number.
 fn paint(map: &Map, ticks: &Ticks, frame: [f64; 4]) -> Picture {
     let [nx, ny] = map.shape;
     let block = block(map.shape);
@@ -286,12 +286,12 @@ fn paint(map: &Map, ticks: &Ticks, frame: [f64; 4]) -> Picture {
     Picture { frame, columns, rows, pixels }
 }
 
-/// The height of the swatch of a class below the bar, with its distance.
+/// Returns the height of the swatch of a class below the bar, including its distance.
 fn swatch(map: &Map) -> f64 {
     if map.below.is_some() { 0.8 * BAR + 2.0 * GAP } else { 0.0 }
 }
 
-/// The height of the point of the bar for values beyond an end.
+/// Returns the height of the triangle of the bar for values beyond an end.
 fn point(beyond: bool) -> f64 {
     if beyond { BAR } else { 0.0 }
 }
@@ -299,7 +299,7 @@ fn point(beyond: bool) -> f64 {
 fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [bool; 2]) {
     let ink = hex(INK);
     let left = frame.left + frame.width + 3.0 * GAP;
-    // Space below for the swatch of the class, and for the triangles of values beyond the range.
+    // Leaves space below for the swatch of the class, and for the triangles of values beyond the range.
     let points = beyond.map(point);
     let (top, bottom) = (frame.top + points[1], frame.top + frame.height - swatch(map) - points[0]);
     let stops: String = (0..=32)
@@ -347,7 +347,7 @@ fn draw_bar(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [
     }
 }
 
-/// The label of the map, and the swatch of its class.
+/// Draws the label of the map and the swatch of its class.
 fn draw_beside(svg: &mut String, map: &Map, frame: &Frame, ticks: &Ticks, beyond: [bool; 2]) {
     let ink = hex(INK);
     let left = frame.left + frame.width + 3.0 * GAP;

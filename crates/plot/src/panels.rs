@@ -1,4 +1,4 @@
-//! The panels of a chart: ranges, axes, series, reference lines.
+//! Drawing of the panels of a chart: ranges, axes, series, reference lines.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ use super::{Axis, Mark, Panel, PlotError, Point, Scale, Series, Side};
 /// Height of the titles and factors above the axes.
 pub(super) const HEAD: f64 = LABEL + GAP + 1.0;
 
-/// Checks that every value is finite, and above zero on a logarithmic axis.
+/// Checks that every value is finite, and positive on a logarithmic axis.
 pub(super) fn check(panel: &Panel) -> Result<(), PlotError> {
     let one = |found: f64, axis: &Axis, place: &dyn Fn() -> String| {
         if !found.is_finite() {
@@ -31,7 +31,7 @@ pub(super) fn check(panel: &Panel) -> Result<(), PlotError> {
             let place = || format!("point {i} of series \"{}\"", series.label);
             one(point.x, &panel.x, &place)?;
             one(point.y, &panel.y, &place)?;
-            // An error bar that reaches zero on a logarithmic axis is no error: it is clipped at the frame.
+            // An error bar that reaches zero on a logarithmic axis is allowed: it is clipped at the frame.
             for end in point.range.into_iter().flatten() {
                 one(end, &Axis::default(), &place)?;
             }
@@ -43,7 +43,7 @@ pub(super) fn check(panel: &Panel) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// The ranges of x and y for each panel, with a common one of y or one for each.
+/// Returns the ranges of x and y of each panel. With `share_y`, all panels have the same range of y.
 pub(super) fn ranges(panels: &[Panel], share_y: bool) -> Result<Vec<[[f64; 2]; 2]>, PlotError> {
     let xs = |panel: &Panel| -> Vec<f64> { panel.series.iter().flat_map(|s| s.points.iter().map(|p| p.x)).collect() };
     let ys = |panel: &Panel| -> Vec<f64> {
@@ -73,7 +73,7 @@ pub(super) fn right_margin(panel: &Panel) -> f64 {
     if widest > 0.0 { widest + GAP } else { 0.5 * TICK }
 }
 
-/// The parts of a panel that have labels.
+/// Labelled parts of a panel.
 #[derive(Clone, Copy)]
 pub(super) struct Labels {
     pub(super) x: bool,
@@ -126,7 +126,7 @@ pub(super) fn draw_panel(svg: &mut String, panel: &Panel, frame: &Frame, index: 
     }
 }
 
-/// Writes the labels of the reference lines at the right, moved apart where they would overlap.
+/// Writes the names of the reference lines at the right, moved apart where they would overlap.
 fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
     let mut names: Vec<(f64, Text)> = panel
         .levels

@@ -1,4 +1,4 @@
-//! Panels one below the other, with one abscissa.
+//! Panels one below the other with a common abscissa.
 
 use super::axis::Ticks;
 use super::drawing::Drawing;
@@ -7,21 +7,21 @@ use super::legend::{arrange, draw_legend, legend};
 use super::panels::{HEAD, Labels, draw_panel, right_margin};
 use super::{Panel, PlotError};
 
-/// The height that a label of an ordinate takes.
+/// Height per label of an ordinate.
 const LABEL_HEIGHT: f64 = 20.0;
 
-/// The distance between two panels.
+/// Distance between two panels.
 const BETWEEN: f64 = 7.0;
 
-/// Draws panels, of which there is at least one, with these ranges from top to bottom, in a figure of this width with
-/// axes of this height.
+/// Draws panels (at least one) with their `ranges` from top to bottom. `total` is the width of the figure, `height` the
+/// height of the first axes; the others have half of it.
 pub(super) fn draw(
     panels: &[Panel],
     ranges: &[[[f64; 2]; 2]],
     [total, height]: [f64; 2],
 ) -> Result<Drawing, PlotError> {
     let lowest = panels.len() - 1;
-    // The abscissa holds all panels, unless the lowest has a range.
+    // The abscissa spans all panels, unless the lowest has a given range.
     let whole = |[a, b]: [f64; 2], [[low, high], _]: &[[f64; 2]; 2]| [a.min(*low), b.max(*high)];
     let abscissa = &panels[lowest].x;
     let range = abscissa.range.unwrap_or_else(|| ranges.iter().fold([f64::INFINITY, f64::NEG_INFINITY], whole));

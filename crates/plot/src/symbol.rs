@@ -1,4 +1,4 @@
-//! The symbols of points, the lines between them.
+//! Symbols of points, and line widths.
 
 use std::fmt::Write;
 
@@ -8,10 +8,10 @@ use super::text::number;
 /// Half the size of a symbol, in points.
 pub(super) const SYMBOL: f64 = 2.3;
 
-/// The opacity of the area beside a filled line.
+/// Opacity of the area beside a filled line.
 pub(super) const PALE_AREA: f64 = 0.2;
 
-/// The width of the line of a mark, in points; `None` for symbols alone.
+/// Returns the line width of a mark in points, or `None` for symbols alone.
 pub(super) fn line_width(mark: Mark) -> Option<f64> {
     match mark {
         Mark::Line | Mark::Dashes => Some(1.1),
@@ -22,7 +22,7 @@ pub(super) fn line_width(mark: Mark) -> Option<f64> {
     }
 }
 
-/// The outline of a symbol; each colour has its own symbol, so that a figure can be read without colours.
+/// Returns the outline of a symbol. Each colour has its own symbol, so that figures can be read without colours.
 pub(super) fn symbol(hue: usize, (x, y): (f64, f64)) -> String {
     let polygon = |corners: &[(f64, f64)]| {
         let mut path = String::new();

@@ -1,6 +1,6 @@
 use super::*;
 
-/// A chart with all features: levels, bands, all marks, a shared ordinate, a legend.
+/// Returns a chart with all features: levels, bands, all marks, a shared ordinate, a legend.
 fn everything() -> Chart {
     let panel = |title: &str, axis: &str| Panel {
         title: title.into(),
@@ -37,7 +37,7 @@ fn residuals() -> Chart {
     Chart::new(vec![panel])
 }
 
-/// Bumps on a plane, zero between them.
+/// Returns bumps on a plane, zero between them.
 fn bumps(nx: usize, ny: usize) -> Vec<f64> {
     let wave = |i: usize, n: usize| (std::f64::consts::TAU * 3.0 * i as f64 / n as f64).sin();
     (0..nx * ny).map(|k| (wave(k / ny, nx) * wave(k % ny, ny) - 0.3).max(0.0)).collect()
@@ -48,7 +48,7 @@ fn pressure_map<'a>(values: &'a [f64], shape: [usize; 2]) -> Map<'a> {
     Map { below, ..Map::new(values, shape, [2.0, 1.0], "pressure *p* / *E*\\*") }
 }
 
-/// Width, height and pixels of a PNG.
+/// Decodes a PNG into width, height and pixels.
 fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -57,7 +57,7 @@ fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
     (info.width, info.height, pixels)
 }
 
-/// The text of each `<text>` element of an SVG, in order; panics if the SVG is not well-formed XML.
+/// Returns the text of each `<text>` element of an SVG in order; panics if the SVG is not well-formed XML.
 fn words(svg: &str) -> Vec<String> {
     let document = resvg::usvg::roxmltree::Document::parse(svg).unwrap();
     let texts = document.descendants().filter(|node| node.has_tag_name("text"));
@@ -173,7 +173,7 @@ fn large_maps_stay_small() {
 
 #[test]
 fn maps_lie_the_right_way_round() {
-    // One contact point near the corner x = 0, y = large: top left of the picture.
+    // One contact point near the corner x = 0, large y: top left of the picture.
     let (nx, ny) = (8, 4);
     let mut field = vec![0.0; nx * ny];
     field[3] = 1.0;
@@ -183,7 +183,7 @@ fn maps_lie_the_right_way_round() {
     assert_eq!((picture.columns, picture.rows), (8, 4));
     assert_eq!(picture.pixels[0], colour::sequential(1.0));
     assert!(picture.pixels[1..].iter().all(|&pixel| pixel == colour::PALE));
-    // The rendered page has these colours, too.
+    // The rendered page has the same colours.
     let (columns, _, pixels) = decode(&map.png().unwrap());
     let scale = 300.0 / 72.0;
     let [left, top, width, height] = picture.frame;
@@ -197,7 +197,7 @@ fn maps_lie_the_right_way_round() {
     approx::assert_relative_eq!(width / height, 2.0, max_relative = 1e-9);
 }
 
-/// A flat section in its true proportions would have no room for its labels.
+/// A flat section in true proportions would leave no room for its labels.
 #[test]
 fn a_flat_map_is_high_enough_for_its_labels() {
     let field = bumps(64, 4);
@@ -230,7 +230,7 @@ fn a_few_singular_values_do_not_set_the_colour_range() {
     let highest = |svg: &str| words(svg).iter().filter_map(|word| word.parse::<f64>().ok()).fold(0.0, f64::max);
     assert!(highest(&spiked) <= 2.0 && highest(&plain) <= 2.0);
     assert!(spiked.matches("<path").count() > plain.matches("<path").count(), "the bar has a point");
-    // Without a class below, the lower end is as the upper one.
+    // Without a class below, outliers are clipped at the lower end as well.
     let heights: Vec<f64> = (0..10_000).map(|i| f64::from(i) / 10_000.0).collect();
     let map = |heights: &[f64]| Map::new(heights, [100, 100], [2.0, 1.0], "height").svg().unwrap();
     let pitted: Vec<f64> = heights.iter().map(|h| if *h == 0.5 { -1e6 } else { *h }).collect();
@@ -291,7 +291,7 @@ fn degenerate_data_are_drawn() {
     }
 }
 
-/// Numbers of any size are drawn or refused in words, without a panic, and no coordinate is written that is no number.
+/// Numbers of any size are drawn or refused in words, without a panic and without NaN or infinite coordinates.
 #[test]
 fn numbers_of_any_size_are_drawn_or_refused() {
     let extremes = [
@@ -362,7 +362,7 @@ fn numbers_of_any_size_are_drawn_or_refused() {
     assert!(drawn > 500 && refused > 500, "{drawn} {refused}");
 }
 
-/// Two figures in one page must not share ids; labels stay as they are.
+/// Two figures in one page must not share ids; labels stay unchanged.
 #[test]
 fn elements_of_a_page_have_ids_of_their_own() {
     let values = bumps(8, 6);
@@ -382,7 +382,7 @@ fn elements_of_a_page_have_ids_of_their_own() {
     );
 }
 
-/// Colours that tell values apart have no scale; the class has its swatch.
+/// A map without a colour bar has no scale, but the class has its swatch.
 #[test]
 fn a_map_without_a_bar_has_its_label_and_its_class() {
     let values: Vec<f64> = (0..16).map(|i| f64::from(i % 5)).collect();
@@ -427,7 +427,7 @@ fn a_long_map_keeps_a_pixel_a_point() {
         let expected = colour::sequential(((i + ny - 1 - 20) % 2) as f64);
         assert_eq!(pixels[at..at + 3], expected, "{i}");
     }
-    // A scan of more points is cut into blocks as long as high.
+    // A larger scan is divided into square blocks of points.
     let field = vec![1.0; 32768 * 64];
     let picture = map::draw(&Map::new(&field, [32768, 64], [512.0, 1.0], "")).unwrap().pictures.remove(0);
     assert!(picture.columns <= 8192 && picture.columns * picture.rows <= 1 << 20);
@@ -444,7 +444,7 @@ fn logarithmic_colours_have_equal_factors() {
     let found = words(&map.svg().unwrap());
     assert!(found.iter().any(|word| word == "0.01") || found.iter().any(|word| word == "10−2"), "{found:?}");
 
-    // A class below has its own colour, and takes no part in the range.
+    // A class below has its own colour and does not affect the range.
     let closed = [0.0, 1e-2, 1e-1, 1.0];
     let below = Some(Below { hue: Some(1), ..Below::pale(0.0, "contact") });
     let classed = Map { scale: Scale::Log, below, ..Map::new(&closed, [2, 2], [1.0, 1.0], "gap") };
@@ -459,12 +459,12 @@ fn logarithmic_colours_have_equal_factors() {
         let line = Map { scale: Scale::Log, ..Map::new(&field, [2, 2], [1.0, 1.0], "") }.svg().unwrap_err();
         assert!(matches!(line, PlotError::NotPositive { found, .. } if found == value));
     }
-    // All in one class, and all equal.
+    // All values in one class, and all values equal.
     for value in [0.0, 3.0] {
         let below = Some(Below::pale(0.0, "contact"));
         Map { scale: Scale::Log, below, ..Map::new(&[value; 4], [2, 2], [1.0, 1.0], "") }.png().unwrap();
     }
-    // Eight decades at most.
+    // At most eight decades.
     let deep = [1e-20, 1e-20, 1e-20, 1.0];
     let svg = Map { scale: Scale::Log, ..Map::new(&deep, [2, 2], [1.0, 1.0], "") }.svg().unwrap();
     assert!(words(&svg).iter().any(|word| word == "10−8") && !words(&svg).iter().any(|word| word == "10−10"));
@@ -481,7 +481,7 @@ fn two_signs_have_two_colours_and_zero_none() {
     assert!(repulsion[2] > repulsion[0] && attraction[0] > attraction[2] && repulsion != attraction);
 }
 
-/// A map as flat as its bar has room for the label of the bar beside its coloured part.
+/// A map as flat as its bar leaves room for the bar label beside the coloured part.
 #[test]
 fn the_label_of_a_bar_with_points_is_not_cut_off() {
     let mut field = vec![0.5; 4096 * 4];
@@ -515,7 +515,7 @@ fn stacked_panels_have_one_abscissa() {
     let found = words(&svg);
     let count = |word: &str| found.iter().filter(|found| *found == word).count();
     assert_eq!([count("place"), count("height"), count("pressure"), count("area"), count("bold")], [1; 5], "{found:?}");
-    // Both panels have the same left edge and width; zero is in the range of what is filled from there.
+    // Both panels have the same left edge and width. Zero is in the range of an area that is filled from zero.
     let boxes: Vec<&str> = svg.split("<clipPath").skip(1).collect();
     let side = |panel: usize, name: &str| -> f64 {
         boxes[panel].split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
@@ -523,7 +523,7 @@ fn stacked_panels_have_one_abscissa() {
     assert_eq!((boxes.len(), side(0, "x"), side(0, "width")), (2, side(1, "x"), side(1, "width")));
     assert!(side(1, "y") > side(0, "y") + side(0, "height") && side(0, "height") == 2.0 * side(1, "height"));
     assert!(found.iter().any(|word| word == "0"), "{found:?}");
-    // The area to the upper edge ends there.
+    // The area up to the upper edge ends there.
     let top = text::number(side(0, "y"));
     assert!(svg.contains(&format!(" {top}Z\" fill=\"{}\"", colour::hex(colour::hue(6)))), "{svg}");
     let drawn = decode(&chart.png().unwrap());

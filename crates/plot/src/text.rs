@@ -1,4 +1,4 @@
-//! Text with italics, sub- and superscripts: parsed, measured with the bundled font, written as SVG.
+//! Text with italics, subscripts and superscripts: parsed, measured with the bundled font, written as SVG.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -8,7 +8,7 @@ use ttf_parser::Face;
 pub(super) const REGULAR: &[u8] = include_bytes!("../fonts/Arimo-Regular.ttf");
 pub(super) const ITALIC: &[u8] = include_bytes!("../fonts/Arimo-Italic.ttf");
 
-/// The bundled font, followed by fonts with equal widths.
+/// Bundled font, followed by fonts of equal width.
 pub(super) const FAMILY: &str = "Arimo, Liberation Sans, Arial, Helvetica, sans-serif";
 
 /// Size and vertical offsets of sub- and superscripts, as fractions of the font size.
@@ -34,7 +34,7 @@ struct Run {
     level: Level,
 }
 
-/// The point of a text that is placed at its position.
+/// Point of a text that is placed at the given position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -42,7 +42,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A parsed piece of text.
+/// Parsed text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Text {
     runs: Vec<Run>,
@@ -79,7 +79,7 @@ impl Text {
         Self { runs, size }
     }
 
-    /// Width of each run.
+    /// Returns the width of each run.
     fn widths(&self) -> Vec<f64> {
         let width = |run: &Run| {
             let size = if run.level == Level::Base { self.size } else { SCRIPT_SIZE * self.size };
@@ -88,7 +88,7 @@ impl Text {
         self.runs.iter().map(width).collect()
     }
 
-    /// Start of each run, and the end of the text. A superscript after a subscript stands above it.
+    /// Returns the start of each run and the end of the text. A superscript after a subscript stands above it.
     fn starts(&self) -> (Vec<f64>, f64) {
         let (mut x, mut end) = (0.0, 0.0_f64);
         let mut starts = Vec::with_capacity(self.runs.len());
@@ -106,16 +106,16 @@ impl Text {
         self.starts().1
     }
 
-    /// The text without its markup.
+    /// Returns the text without markup.
     #[cfg(test)]
     pub(super) fn plain(&self) -> String {
         self.runs.iter().map(|run| run.text.as_str()).collect()
     }
 
-    /// Writes one `<text>` element with its baseline through (x, y), rotated by `angle` degrees about that point.
+    /// Writes a `<text>` element with its baseline through (x, y), rotated by `angle` degrees about that point.
     ///
-    /// Runs have relative positions, given only where a script ends: in a viewer with another font the text becomes
-    /// wider or narrower, but runs do not overlap.
+    /// Runs have relative positions, given only where a script ends: in a viewer with another font, text becomes wider
+    /// or narrower, but runs do not overlap.
     pub(super) fn write(&self, svg: &mut String, x: f64, y: f64, anchor: Anchor, angle: f64, fill: &str) {
         let _ =
             write!(svg, r#"<text x="{}" y="{}" font-size="{}" fill="{fill}""#, number(x), number(y), number(self.size));
@@ -159,7 +159,7 @@ impl Text {
     }
 }
 
-/// The advance width of a character as a fraction of the font size.
+/// Returns the advance width of a character as a fraction of the font size.
 fn advance(c: char, italic: bool) -> f64 {
     let Some(faces) = FACES.as_ref() else { return 0.55 };
     let face = &faces[usize::from(italic)];
@@ -167,7 +167,7 @@ fn advance(c: char, italic: bool) -> f64 {
     advance.map_or(0.55, |advance| f64::from(advance) / f64::from(face.units_per_em()))
 }
 
-/// A coordinate rounded to 0.01 points, without trailing zeros.
+/// Formats a coordinate, rounded to 0.01 points, without trailing zeros.
 pub(super) fn number(value: f64) -> String {
     let mut text = format!("{value:.2}");
     while text.ends_with('0') {
@@ -179,7 +179,7 @@ pub(super) fn number(value: f64) -> String {
     if text == "-0" { "0".into() } else { text }
 }
 
-/// Text escaped as XML character data; characters that XML forbids are left out.
+/// Escapes text as XML character data; characters that XML forbids are dropped.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn widths_are_those_of_the_font() {
-        // Arimo has the advances of Arial: digits 0.556, space and full stop 0.278 of the size.
+        // Arimo has the advances of Arial: digits 0.556, space and full stop 0.278 of the font size.
         approx::assert_relative_eq!(Text::new("0.1", 10.0).width(), 2.0 * 5.56 + 2.78, max_relative = 1e-3);
         approx::assert_relative_eq!(Text::new("10^{2}", 10.0).width(), 5.56 * 2.72, max_relative = 1e-3);
         assert_eq!(Text::new("", 10.0).width(), 0.0);

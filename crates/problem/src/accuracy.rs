@@ -1,21 +1,21 @@
-//! The accuracy that is asked of numbers.
+//! Accuracy requested for numbers.
 
 use std::str::FromStr;
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The largest relative error by the grid (95 %) that a number may have: `0.01`, or `1%`.
+/// Largest relative grid error (95 %) allowed for a number: `0.01`, or `1%`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy(f64);
 
-/// Words that are no accuracy.
+/// Error: text that is not an accuracy.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("it must be a relative error from 1e-6 to 0.5, such as 0.01 or 1%")]
 pub struct AccuracyError;
 
 impl Accuracy {
-    /// The relative error.
+    /// Returns the relative error.
     pub fn relative(self) -> f64 {
         self.0
     }

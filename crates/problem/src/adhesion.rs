@@ -1,4 +1,4 @@
-//! An attraction on a surface and a grid in numbers, told before the solve (theory.md, section 8).
+//! Numbers of an attraction on a surface and a grid, reported before the solve (theory.md, section 8).
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -11,40 +11,38 @@ use serde::Serialize;
 use crate::Unusable;
 use crate::options::LawArgs;
 
-/// The numbers of an attraction on a surface and a grid.
+/// Numbers of an attraction on a surface and a grid.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Adhesion {
     /// Work of separation w, stress × length.
     pub work: f64,
-    /// Range ϱ = √(w / steepness), length: that of an exponential attraction of this work and steepness.
+    /// Range ϱ = √(w / steepness), length: the range of an exponential attraction of this work and steepness.
     pub range: f64,
     /// Width of the process zone at the edge of a contact, (π/4) E* ϱ²/w, length.
     pub process_zone: f64,
-    /// Process zone over the grid step.
+    /// Process zone divided by the grid step.
     pub process_zone_points: f64,
-    /// Grid steps in the process zone from which on this law finds the pull-off load of a sphere to 2.5 %.
+    /// Grid steps in the process zone that this law needs to give the pull-off load of a sphere to 2.5 %.
     pub process_zone_needed: f64,
-    /// The criterion of Wang, Zhou and Müser, √(steepness × grid step / E*): below 0.5 the grid resolves the
-    /// attraction.
+    /// Wang-Zhou-Müser criterion √(steepness × grid step / E*); below 0.5 the grid resolves the attraction.
     pub wang_zhou_muser: f64,
-    /// Tabor's number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` of a flat surface.
+    /// Tabor number (R w²/(E*² ϱ³))^⅓ with 1/R the rms curvature of the surface; `None` for a flat surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tabor: Option<f64>,
-    /// The criterion of Pastewka and Robbins: below 1 the surfaces stick; `None` of a flat surface.
+    /// Pastewka-Robbins criterion; below 1 the surfaces stick. `None` for a flat surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pastewka_robbins: Option<f64>,
 }
 
-/// The least width of the process zone in grid steps that is solved without `--coarse`.
+/// Least width of the process zone, in grid steps, that is solved without `--coarse`.
 pub(crate) const LEAST_POINTS: f64 = 0.1;
 
-/// The criterion of Wang, Zhou and Müser (Lubricants 9, 17 (2021), eq. 9 and fig. 8): below it the grid resolves the
-/// attraction.
+/// Wang-Zhou-Müser criterion (Lubricants 9, 17 (2021), eq. 9 and fig. 8); below it the grid resolves the attraction.
 const WANG_ZHOU_MUSER: f64 = 0.5;
 
 impl Adhesion {
-    /// The numbers of a law on a surface with these `moments` on `grid`, on a body of this contact modulus. `None`
-    /// without an attraction, or if a number of it is too large or too small.
+    /// Computes the numbers of a law on a surface with these `moments` on `grid`, and a body of this contact modulus.
+    /// `None` without an attraction, or if one of its numbers is too large or too small.
     pub fn of(args: &LawArgs, law: &dyn Law, grid: &Grid, moments: &Moments, contact_modulus: f64) -> Option<Self> {
         let work = args.work()?;
         let steepness = law.steepness();
@@ -75,7 +73,7 @@ impl Adhesion {
     /// Refuses a grid that is much too coarse, unless `coarse`.
     ///
     /// # Errors
-    /// A process zone below a tenth of a grid step.
+    /// Returns an error if the process zone is below a tenth of a grid step.
     pub fn check(&self, coarse: bool) -> Result<(), Unusable> {
         let points = self.process_zone_points;
         if points < LEAST_POINTS && !coarse {
@@ -86,7 +84,7 @@ impl Adhesion {
         Ok(())
     }
 
-    /// A warning, if the process zone has fewer grid steps than the law needs.
+    /// Returns a warning if the process zone has fewer grid steps than the law needs.
     pub fn unresolved(&self) -> Option<String> {
         let Self { process_zone_points: points, process_zone_needed: needed, .. } = *self;
         (points < needed).then(|| {
@@ -105,7 +103,7 @@ impl fmt::Display for Adhesion {
         let is_resolved = points >= needed;
         let resolved = if is_resolved { "resolved".into() } else { format!("not resolved: {needed} or more are") };
         write!(f, "adhesion: range {range:.3e}; process zone of {points:.2} grid steps ({resolved})")?;
-        // The criterion is that of a smooth law; one that needs more is not resolved by it.
+        // The criterion holds for a smooth law; it does not resolve a law that needs more grid steps.
         let words = match wang_zhou_muser < WANG_ZHOU_MUSER {
             true if is_resolved => "below 0.5: resolved",
             true => "below 0.5, enough for a smooth law",

@@ -5,38 +5,38 @@ use gfmd_viscoelastic::Relaxes;
 
 use crate::{GridError, Unknown};
 
-/// The way through the loads.
+/// Kind of load sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Task {
-    /// Loads, each a problem of its own.
+    /// Loads, each solved as its own problem.
     #[default]
     Loads,
-    /// A path, whose states follow from one another.
+    /// Path of states that follow from one another.
     Path,
 }
 
-/// The limit of the shear between the surfaces.
+/// Limit of the shear between the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Friction {
-    /// In proportion to the pressure.
+    /// Limit proportional to the pressure.
     Coulomb,
-    /// A shear strength.
+    /// Shear strength.
     Tresca,
 }
 
-/// The support of a surface: the body below it.
+/// Support of a surface: the body below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
-    /// A half-space.
+    /// Half-space.
     HalfSpace,
-    /// A slab, or layers, on a base.
+    /// Slab, or layers, on a base.
     Slab(BaseKind),
-    /// A body of which the normal compliance alone is known.
+    /// Body with a known normal compliance only.
     Table,
 }
 
 impl Support {
-    /// The support of a body whose top layer has this height, and its lowest layer this base.
+    /// Returns the support of a body with a top layer of this height, and this base below its lowest layer.
     pub fn of(height: Height, base: BaseKind) -> Self {
         match height {
             Height::Infinite => Self::HalfSpace,
@@ -44,12 +44,12 @@ impl Support {
         }
     }
 
-    /// True if nothing rigid holds the body from below: points far from a line load sink without end.
+    /// Returns true if nothing rigid holds the body from below: points far from a line load sink without bound.
     fn is_open(self) -> bool {
         self != Self::Table && self.ground().is_none_or(|ground| ground.normal == Condition::Free)
     }
 
-    /// The rigid ground below; `None` with a half-space below, or if it is not known.
+    /// Returns the rigid ground below; `None` if a half-space lies below, or if the ground is unknown.
     pub(crate) fn ground(self) -> Option<Ground> {
         match self {
             Self::HalfSpace | Self::Table => None,
@@ -58,59 +58,59 @@ impl Support {
     }
 }
 
-/// The origin of a rigid surface below a slab.
+/// Origin of a rigid surface below a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lower {
-    /// Heights that are given.
+    /// Given heights.
     Surface,
-    /// A seed.
+    /// Seed of a generated surface.
     Seed,
 }
 
-/// The motion of a base.
+/// Motion of a base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MovedBase {
-    /// The displacement of a rigid base.
+    /// Displacement of a rigid base.
     Displacement,
-    /// The traction on the lower face of a plate.
+    /// Traction on the lower face of a plate.
     Traction,
 }
 
-/// The parts of a problem, which decide what goes together and which of its numbers have a meaning. The default is a
-/// hard wall on a half-space, periodic, under loads.
+/// Parts of a problem, which decide what can be combined and which of its numbers have a meaning. The default is a
+/// periodic hard wall on a half-space, under loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facts {
-    /// The way through the loads.
+    /// Kind of load sequence.
     pub task: Task,
-    /// The law across the gap; [`Kind::HardWall`] for none.
+    /// Law across the gap; [`Kind::HardWall`] for none.
     pub law: Kind,
-    /// True if the pressure has a largest value.
+    /// True if a hardness limits the pressure.
     pub hardness: bool,
-    /// The limit of the shear, if there is friction.
+    /// Limit of the shear, if there is friction.
     pub friction: Option<Friction>,
-    /// The surroundings of the surface.
+    /// Surroundings of the surface.
     pub boundary: Boundary,
-    /// The components that are unknown.
+    /// Unknown components of the displacement.
     pub unknown: Unknown,
-    /// True if slopes are not taken as small.
+    /// True if slopes are not assumed small.
     pub finite_slope: bool,
-    /// The rigid surface below the slab, if there is one.
+    /// Rigid surface below the slab, if there is one.
     pub lower: Option<Lower>,
-    /// The elastic body.
+    /// Elastic body.
     pub support: Support,
-    /// True with layers below the top one.
+    /// True if there are layers below the top one.
     pub layers: bool,
-    /// The elastic body that has the rough surface, if there is one.
+    /// Elastic body of the rough surface, if there is one.
     pub second: Option<Support>,
-    /// The moduli that relax, of a viscoelastic body.
+    /// Relaxing moduli of a viscoelastic body.
     pub relaxes: Option<Relaxes>,
     /// True if the surfaces wear.
     pub wears: bool,
-    /// The motion of the base, if it moves.
+    /// Motion of the base, if it moves.
     pub moved_base: Option<MovedBase>,
     /// True for a profile, in plane strain.
     pub line: bool,
-    /// True if an approach is prescribed in place of a load.
+    /// True if an approach is prescribed instead of a load.
     pub approach: bool,
     /// True if a lateral displacement is prescribed.
     pub lateral: bool,
@@ -118,15 +118,15 @@ pub struct Facts {
     pub statistics: bool,
     /// True if the flow through the gap is computed.
     pub flow: bool,
-    /// True if the loads are sought at which the flow stops.
+    /// True if the loads at which the flow stops are computed.
     pub flow_threshold: bool,
-    /// The way in which the error of the grid is found.
+    /// Method to find the grid error.
     pub grid_error: GridError,
     /// True if the search is recorded.
     pub history: bool,
     /// True if a run continues an earlier one.
     pub resume: bool,
-    /// The number of processes that share the problem.
+    /// Number of processes that share the problem.
     pub processes: usize,
 }
 
@@ -162,24 +162,24 @@ impl Default for Facts {
 }
 
 impl Facts {
-    /// True if a law acts across the gap.
+    /// Returns true if a law acts across the gap.
     pub fn has_law(&self) -> bool {
         self.law != Kind::HardWall
     }
 
-    /// True if the displacement has a level: that of points far away, or that of its mean. It has none of a profile on
-    /// a patch over a half-space, whose displacement grows with the logarithm of the distance.
+    /// Returns true if the displacement has a reference level: points far away, or its mean. A profile on a patch over
+    /// a half-space has none, since its displacement grows with the logarithm of the distance.
     pub fn has_level(&self) -> bool {
         let is_open = self.support.is_open() || self.second.is_some_and(Support::is_open);
         self.boundary == Boundary::Periodic || !self.line || !is_open
     }
 
-    /// True if all components of the displacement are unknown.
+    /// Returns true if all components of the displacement are unknown.
     pub fn moves_sideways(&self) -> bool {
         self.unknown == Unknown::All || self.finite_slope || self.friction.is_some() || self.lateral
     }
 
-    /// True if the states are those of a law across the gap; on a periodic path also those of a hard wall.
+    /// Returns true if the states follow a law across the gap; on a periodic path also for a hard wall.
     pub fn solves_a_law(&self) -> bool {
         match self.task {
             Task::Loads => self.has_law(),
@@ -187,8 +187,8 @@ impl Facts {
         }
     }
 
-    /// True for the path of a hard wall alone that is solved by the methods of a hard wall: with a hardness, on a
-    /// patch, on a viscoelastic body, or with surfaces that wear.
+    /// Returns true for the path of a hard wall alone that is solved by hard-wall methods: with a hardness, on a patch,
+    /// on a viscoelastic body, or with wear.
     pub fn is_wall_on_path(&self) -> bool {
         self.task == Task::Path
             && !self.has_law()

@@ -1,27 +1,27 @@
 use std::fmt;
 
-/// The way in which the error of the numbers of a contact by its finite grid is found.
+/// Method to find the grid error of the numbers of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GridError {
-    /// Not at all.
+    /// No error estimate.
     None,
-    /// From the solution alone.
+    /// Estimate from the solution alone.
     #[default]
     Estimate,
-    /// From a second solution, on a grid of twice as many points along each side.
+    /// Estimate from a second solution on a grid with twice as many points along each side.
     Refine,
 }
 
 impl GridError {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 3] = [Self::None, Self::Estimate, Self::Refine];
 
-    /// True for the one that no option asks for.
+    /// Returns true for the method that is used without an option.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -30,7 +30,7 @@ impl GridError {
         }
     }
 
-    /// The description in one line.
+    /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::None => "not at all",

@@ -1,4 +1,4 @@
-//! The kinds of contact.
+//! Kinds of contact.
 
 use gfmd_contact::{
     Contact, Cotangents, Drive, Fields as _, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface,
@@ -15,13 +15,13 @@ use ndarray::ArrayRef2;
 use crate::Unusable;
 use crate::posed::{Kind, NoStiffness};
 
-/// The fields of the basis of a kind, of which there are `N`.
+/// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
     fields.try_into().map_err(|_| Refusal::Basis { found: fields.len(), expected: N })
 }
 
-/// The approach of stored fields. Where the displacement has no level it has no value in a file; the fields of the
-/// state have one of their own.
+/// Returns the approach of stored fields. A file has no value for it if the displacement has no level; then it follows
+/// from the fields, which have a level of their own.
 fn approach(stored: &StoredFields<'_>, clearance: &[f64]) -> f64 {
     if !stored.approach.is_nan() {
         return stored.approach;
@@ -158,7 +158,7 @@ impl Kind for Interface {
     }
 }
 
-/// The reason why states of a path have no stiffness.
+/// Reason why states of a path have no stiffness.
 const ON_A_PATH: NoStiffness = NoStiffness::Undefined("not computed along a path");
 
 impl Kind for FrictionalContact {

@@ -1,12 +1,11 @@
-//! A contact problem of any kind, from its description to its states at rest.
+//! Contact problem of any kind, from its description to its states at rest.
 //!
-//! - [`options`] describe a problem: what the flags of the program, its configurations and the dictionaries of Python
-//!   fill.
-//! - [`Facts`] are what a problem has: a law, free boundaries, a second body, ... [`RULES`] say which of them do not go
-//!   together, once for the program, the Python package, the documentation and the tests.
-//! - [`pose`] is the one place that makes a contact of them: a [`Posed`] problem, which every solver, path and file
-//!   takes as if it were of a single kind. A new kind of contact implements [`Kind`].
-//! - [`Rest`] is a state at rest of any kind, which [`Rest::get`] gives back as its own type.
+//! - [`options`] describe a problem. Command line flags, configurations and Python dictionaries fill them.
+//! - [`Facts`] list the parts of a problem: a law, free boundaries, a second body, ... [`RULES`] say which parts cannot
+//!   be combined, once for the program, the Python package, the documentation and the tests.
+//! - [`pose`] is the only place that makes a contact from them: a [`Posed`] problem, which every solver, path and file
+//!   treats as a single kind. A new kind of contact implements [`Kind`].
+//! - [`Rest`] is a state at rest of any kind; [`Rest::get`] returns it as its own type.
 //!
 //! ```
 //! use gfmd_contact::{Equilibrium, Fields, Load};

@@ -3,61 +3,61 @@ use gfmd_contact::Boundary;
 use crate::facts::{Facts, Task};
 use crate::unknown::Unknown;
 
-/// The number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.
+/// Number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryNeed(pub u64);
 
 impl MemoryNeed {
-    /// A contact with a hard wall.
+    /// Contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
-    /// A contact with a hard wall under one load, which starts from no other one.
+    /// Contact with a hard wall under one load that does not start from another load.
     pub const HARD_WALL_ONCE: Self = Self(10);
-    /// A contact with a hard wall and free boundaries, or with a hardness.
+    /// Contact with a hard wall and free boundaries, or with a hardness.
     pub const FREE: Self = Self(26);
-    /// A contact with finite slopes.
+    /// Contact with finite slopes.
     pub const STEEP: Self = Self(48);
-    /// A contact with a hard wall whose lateral components are unknown, too.
+    /// Contact with a hard wall and unknown lateral components.
     pub const WALL_ALL_COMPONENTS: Self = Self(64);
-    /// A slab between two surfaces.
+    /// Slab between two surfaces.
     pub const SQUEEZED: Self = Self(50);
-    /// A contact with a law that acts across the gap.
+    /// Contact with a law that acts across the gap.
     pub const LAW: Self = Self(29);
-    /// A contact with a law on a patch, which is solved in a cell of four times its points.
+    /// Contact with a law on a patch, which is solved in a cell with four times its points.
     pub const LAW_FREE: Self = Self(98);
-    /// A path of u_z alone, with the states before and after a jump.
+    /// Path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(41);
-    /// A path with surfaces that wear.
+    /// Path with surfaces that wear.
     pub const WEAR: Self = Self(42);
-    /// A path with surfaces that wear, on a patch.
+    /// Path with surfaces that wear, on a patch.
     pub const WEAR_FREE: Self = Self(50);
-    /// A path with a law, on a patch.
+    /// Path with a law, on a patch.
     pub const PATH_FREE: Self = Self(141);
-    /// A path that moves all components.
+    /// Path that moves all components.
     pub const ALL_COMPONENTS: Self = Self(95);
-    /// A path with friction, on a patch.
+    /// Path with friction, on a patch.
     pub const ALL_COMPONENTS_FREE: Self = Self(158);
 
-    /// A contact through whose gap the flow is computed, with the state at rest.
+    /// Flow through the gap of a contact, with the state at rest.
     pub const FLOW: Self = Self(48);
-    /// The same on a path, with the state before.
+    /// Flow through the gap on a path, with the previous state.
     pub const FLOW_ON_PATH: Self = Self(52);
-    /// The flow alone, through a gap that is there.
+    /// Flow alone, through a given gap.
     pub const FLOW_ALONE: Self = Self(34);
 
-    /// A viscoelastic body with so many branches, beside the fields that the path of an elastic one takes.
+    /// Adds the fields of a viscoelastic body with this number of branches to the fields of an elastic path.
     #[must_use]
     pub fn relaxing(self, branches: usize) -> Self {
         Self(self.0 + 14 + 10 * branches as u64)
     }
 
-    /// The number of bytes on a grid of `points`; `u64::MAX` if it is larger.
+    /// Returns the number of bytes on a grid of `points`, at most `u64::MAX`.
     pub fn bytes(self, points: [usize; 2]) -> u64 {
         points.iter().fold(8 * self.0, |bytes, &points| bytes.saturating_mul(points as u64))
     }
 }
 
 impl Facts {
-    /// The memory that the problem needs, which `only` one load without its statistics makes less.
+    /// Returns the memory that the problem needs, which is less for `only` one load without statistics.
     pub fn memory_need(&self, only: bool) -> MemoryNeed {
         let flow = match self.task {
             _ if !self.flow => MemoryNeed(0),

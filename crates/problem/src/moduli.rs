@@ -1,20 +1,20 @@
 use std::fmt;
 
-/// The moduli of a viscoelastic body that are given.
+/// Moduli that are given for a viscoelastic body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Moduli {
-    /// The long-term moduli, after the relaxation of all branches.
+    /// Long-term moduli, after the relaxation of all branches.
     #[default]
     LongTerm,
-    /// Moduli of a load in no time.
+    /// Moduli under an instantaneous load.
     Instantaneous,
 }
 
 impl Moduli {
-    /// All of them.
+    /// All choices.
     pub const ALL: [Self; 2] = [Self::LongTerm, Self::Instantaneous];
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::LongTerm => "long-term",
@@ -22,7 +22,7 @@ impl Moduli {
         }
     }
 
-    /// The description in one line.
+    /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::LongTerm => "those that are left when all branches have relaxed",

@@ -1,5 +1,5 @@
-//! The options of a problem: groups of named values that the flags of the program, the tables of its configurations and
-//! the dictionaries of Python fill alike. A field is an option, its doc comment the help, its name the key.
+//! Options of a problem: groups of named values that command line flags, configuration tables and Python dictionaries
+//! fill alike. A field is an option; its doc comment is the help, its name the key.
 
 mod body;
 mod choice;

@@ -13,37 +13,37 @@ use crate::facts::{Facts, Task};
 use crate::posed::Posed;
 use crate::unknown::Unknown;
 
-/// A problem whose files are read: its facts, and arrays of the rows of this process.
+/// Problem after reading its files: its facts, and arrays with the rows of this process.
 #[derive(Clone)]
 pub struct Given<'a> {
-    /// The parts of the problem.
+    /// Parts of the problem.
     pub facts: Facts,
-    /// The elastic body, with the second one if there are two.
+    /// Elastic body, with the second one if there are two.
     pub body: &'a Body,
-    /// The grid of the surface.
+    /// Grid of the surface.
     pub grid: &'a Grid,
-    /// The rows of this process, all of them if it is alone.
+    /// Rows of this process; all rows if it is alone.
     pub share: Share,
-    /// Heights of the rigid surface, `[x, y]`, length, with the lift of a base that moves; peaks towards the body.
+    /// Heights of the rigid surface, `[x, y]`, length, with the lift of a base that moves; peaks point at the body.
     pub heights: &'a ArrayRef2<f64>,
-    /// Heights of the rigid surface below the slab, `[x, y]`, length; peaks towards the body.
+    /// Heights of the rigid surface below the slab, `[x, y]`, length; peaks point at the body.
     pub lower: Option<&'a ArrayRef2<f64>>,
-    /// The law across the gap.
+    /// Law across the gap.
     pub law: Arc<dyn Law>,
-    /// The largest pressure, stress.
+    /// Largest pressure, stress.
     pub hardness: Option<Hardness>,
-    /// The limit of the shear.
+    /// Limit of the shear.
     pub limit: Option<Limit>,
-    /// The relaxation of the body, whose long-term moduli are given.
+    /// Relaxation of the body, which has its long-term moduli.
     pub prony: Option<&'a Prony>,
-    /// The coefficient of wear, 1/stress.
+    /// Wear coefficient, 1/stress.
     pub wear: Option<f64>,
-    /// Time step and damping of the solvers by dynamics.
+    /// Time step and damping of the dynamic solvers.
     pub dynamics: Dynamics,
 }
 
 impl<'a> Given<'a> {
-    /// A surface behind a hard wall, of the facts that need no more than a body and heights.
+    /// Describes a hard wall, for facts that need no more than a body and heights.
     pub fn new(facts: Facts, body: &'a Body, grid: &'a Grid, heights: &'a ArrayRef2<f64>) -> Self {
         Self {
             facts,
@@ -61,7 +61,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// The contact with a hard wall.
+    /// Builds the contact with a hard wall.
     fn wall(&self) -> Result<Contact, Refusal> {
         let Self { facts, body, grid, share, heights, .. } = self;
         let contact = match (facts.unknown, facts.boundary) {
@@ -77,14 +77,14 @@ impl<'a> Given<'a> {
     }
 }
 
-/// Poses a problem whose parts go together ([`Facts::check`]).
+/// Builds the contact of a problem with parts that can be combined ([`Facts::check`]).
 ///
 /// # Errors
-/// Heights, a body, a hardness or a law that cannot be in contact; a part that is given but not among the facts, or the
-/// other way round.
+/// Returns an error if heights, body, hardness or law cannot be in contact, or if the given parts differ from the
+/// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     let Given { facts, body, grid, share: _, heights, lower, law, hardness, limit, prony, wear, dynamics } = given;
-    // All parts: one that is not handed over would be left out of the contact.
+    // All parts, so that none of them is left out of the contact.
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
         ("hardness", facts.hardness, hardness.is_some()),
@@ -120,7 +120,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     }
     match facts.task {
         Task::Path if facts.is_wall_on_path() => Ok(Posed::new(PlasticContact::new(given.wall()?))),
-        // A path behind a periodic hard wall is that of a law, whose energy tells what is lost.
+        // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
         Task::Path => Ok(Posed::new(Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?)),
         Task::Loads if facts.has_law() => {
             Ok(Posed::new(Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?))
@@ -128,7 +128,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         Task::Loads if facts.unknown == Unknown::All => {
             Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)))
         }
-        // The solvers for a hard wall alone are faster than those for a law.
+        // The solvers for a hard wall alone are faster than the solvers for a law.
         Task::Loads => Ok(Posed::new(given.wall()?)),
     }
 }

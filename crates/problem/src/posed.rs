@@ -10,74 +10,74 @@ use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::Unusable;
 
-/// A kind of contact: all that solvers, paths and files need of it. A new kind implements this trait, once.
+/// Kind of contact, with all that solvers, paths and files need. A new kind implements this trait, once.
 pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
-    /// The rigid surface, the upper one of two.
+    /// Returns the rigid surface; the upper one of two.
     fn surface(&self) -> &RigidSurface;
 
-    /// The names of the fields from which [`certify`](Self::certify) makes a state; none if it cannot.
+    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one.
     fn basis(&self) -> &'static [&'static str] {
         &["pressure"]
     }
 
-    /// The state of the fields of the [`basis`](Self::basis) under a drive, from fresh transforms.
+    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms.
     ///
     /// # Errors
-    /// Fields of another size than the grid; an invalid drive.
+    /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Self::State, Refusal>;
 
-    /// The state of fields that a file keeps, and of the pressure on the lower face if there is one, to start from.
+    /// Restores a state from stored fields, and from the pressure on the lower face if there is one, as a start.
     ///
     /// # Errors
-    /// Fields of another size than the grid, or that are missing.
+    /// Returns an error if fields are missing or do not fit the grid.
     fn recall(&self, stored: StoredFields<'_>, _lower: Option<&ArrayRef2<f64>>) -> Result<Self::State, Refusal> {
         self.certify(&[stored.pressure], Load::Approach(stored.approach).into())
     }
 
-    /// The stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
+    /// Computes the stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
     ///
     /// # Errors
-    /// The reason why there is none, or why it is less exact than it should be.
+    /// Returns the reason why there is no stiffness, or why it is less exact than requested.
     fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, NoStiffness>;
 
-    /// The derivatives of a number of a state, whose own derivatives are given, under a load of this kind.
+    /// Computes the derivatives of a scalar under a load of this kind, from its derivatives with respect to a state.
     ///
     /// # Errors
-    /// The reason why there are none.
+    /// Returns the reason why there are none.
     fn gradient(&self, _state: &Self::State, _load: Load, _of: &Cotangents) -> Result<Gradient, Unusable> {
         Err(Unusable::of(
             "derivatives are those of a hard wall in u_z alone; those of this contact are not implemented",
         ))
     }
 
-    /// The forces, the places and the energy of a state, for the balance of a path.
+    /// Returns the forces, positions and energy of a state, for the balance of a path.
     fn reading(&self, state: &Self::State) -> Reading {
         of_fields(state)
     }
 
-    /// True if the state `end` may depend on the division of the step from `start`
+    /// Returns true if the state `end` may depend on the division of the step from `start`
     /// ([`Quasistatic::depends_on_division`]).
     fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
         false
     }
 
-    /// The change between two states under one drive, both reached from `start` ([`Quasistatic::change`]).
+    /// Returns the change between two states under one drive, both reached from `start` ([`Quasistatic::change`]).
     fn change(&self, _start: Option<&Self::State>, _from: &Self::State, _to: &Self::State) -> f64 {
         0.0
     }
 
-    /// The change of the part of the contact that sticks ([`Quasistatic::change_of_stick`]).
+    /// Returns the change of the sticking part of the contact ([`Quasistatic::change_of_stick`]).
     fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
         0.0
     }
 
-    /// The warning that the law is too steep for the grid, if it is.
+    /// Returns a warning if the law is too steep for the grid.
     fn trapping(&self) -> Option<Trapping> {
         None
     }
 }
 
-/// The reading of a state that is pressed without a shear, and of whose losses nothing is known.
+/// Returns the reading of a state that is pressed without shear and has an unknown loss.
 fn of_fields(state: &impl Fields) -> Reading {
     let (mean_pressure, approach) = (state.mean_pressure(), state.approach());
     Reading {
@@ -91,21 +91,21 @@ fn of_fields(state: &impl Fields) -> Reading {
     }
 }
 
-/// The reasons why a contact has no stiffness, or not the one that it should have.
+/// Reasons why a contact has no stiffness, or an inexact one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoStiffness {
-    /// It is not computed.
+    /// Not computed.
     Undefined(&'static str),
-    /// It is less exact than it should be: as far as its solve came, and the remark.
+    /// Less exact than requested: the stiffness reached, and a remark.
     Inexact(Stiffness, String),
 }
 
-/// A state of any kind.
+/// State of any kind.
 pub trait State: Fields + Any + Send + Sync {
-    /// The state, to be asked for its type.
+    /// Returns the state for a downcast to its type.
     fn as_any(&self) -> &dyn Any;
 
-    /// The same, to be changed.
+    /// Returns the state for a mutable downcast to its type.
     fn as_any_mut(&mut self) -> &mut dyn Any;
 }
 
@@ -119,7 +119,7 @@ impl<S: Fields + Any + Send + Sync> State for S {
     }
 }
 
-/// A state at rest of a [`Posed`] problem, or one as far as its solve came.
+/// State at rest of a [`Posed`] problem, or the state reached by a solve that failed.
 pub struct Rest(Box<dyn State>);
 
 impl Rest {
@@ -128,7 +128,7 @@ impl Rest {
         Self(Box::new(state))
     }
 
-    /// The state as its own type, for what one kind of contact alone has; `None` if it is of another kind.
+    /// Returns the state as its own type, for data that only one kind of contact has; `None` if it is of another kind.
     pub fn get<S: 'static>(&self) -> Option<&S> {
         (*self.0).as_any().downcast_ref()
     }
@@ -184,7 +184,7 @@ impl Fields for Rest {
     }
 }
 
-/// [`Kind`] without the type of its state.
+/// [`Kind`] without its state type.
 trait Erased: Send + Sync {
     fn surface(&self) -> &RigidSurface;
     fn solvers(&self) -> &'static [Solver];
@@ -300,8 +300,8 @@ impl<K: Kind> Erased for K {
     }
 }
 
-/// A problem of any kind, ready to be solved. All that takes an [`Equilibrium`] takes it, such as
-/// [`Press`](gfmd_contact::Press), and [`Path`](gfmd_interface::Path).
+/// Problem of any kind, ready to be solved. Everything that takes an [`Equilibrium`] takes it, such as
+/// [`Press`](gfmd_contact::Press) and [`Path`](gfmd_interface::Path).
 pub struct Posed(Box<dyn Erased>);
 
 impl Posed {
@@ -310,50 +310,50 @@ impl Posed {
         Self(Box::new(kind))
     }
 
-    /// The rigid surface, the upper one of two.
+    /// Returns the rigid surface; the upper one of two.
     pub fn surface(&self) -> &RigidSurface {
         self.0.surface()
     }
 
-    /// The names of the fields from which [`certify`](Self::certify) makes a state; none if it cannot.
+    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one.
     pub fn basis(&self) -> &'static [&'static str] {
         self.0.basis()
     }
 
-    /// The state of the fields of the [`basis`](Self::basis) under a drive, from fresh transforms.
+    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms.
     ///
     /// # Errors
-    /// Fields of another size than the grid; an invalid drive.
+    /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
     pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal> {
         self.0.certify(fields, drive)
     }
 
-    /// The state of fields that a file keeps, and of the pressure on the lower face if there is one, to start from.
+    /// Restores a state from stored fields, and from the pressure on the lower face if there is one, as a start.
     ///
     /// # Errors
-    /// Fields of another size than the grid, or that are missing.
+    /// Returns an error if fields are missing or do not fit the grid.
     pub fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
         self.0.recall(stored, lower)
     }
 
-    /// The stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
+    /// Computes the stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
     ///
     /// # Errors
-    /// The reason why there is none, or why it is less exact than it should be.
+    /// Returns the reason why there is no stiffness, or why it is less exact than requested.
     pub fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         self.0.stiffness(state, tolerance)
     }
 
-    /// The derivatives of a number of a state, whose own derivatives are `of`, under a `load` of this kind; see
-    /// [`Facts::check_gradient`](crate::Facts::check_gradient).
+    /// Computes the derivatives of a scalar under a `load` of this kind, from its derivatives `of` with respect to a
+    /// state; see [`Facts::check_gradient`](crate::Facts::check_gradient).
     ///
     /// # Errors
-    /// The reason why there are none.
+    /// Returns the reason why there are none.
     pub fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
         self.0.gradient(state, load, of)
     }
 
-    /// The warning that the law is too steep for the grid, if it is.
+    /// Returns a warning if the law is too steep for the grid.
     pub fn trapping(&self) -> Option<Trapping> {
         self.0.trapping()
     }

@@ -9,12 +9,12 @@ use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 use crate::grid_error::GridError;
 use crate::unknown::Unknown;
 
-/// The flag of a part, its value, and the words for it beside another part.
+/// Flag of a part, its value, and its words beside another part.
 type Words = (&'static str, &'static str, &'static str);
 
 macro_rules! parts {
     ($($(#[$doc:meta])+ $part:ident: $words:expr, $test:expr;)+) => {
-        /// A part of a problem that does not go with some others.
+        /// Part of a problem that cannot be combined with some others.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Part { $($(#[$doc])+ $part),+ }
 
@@ -22,7 +22,7 @@ macro_rules! parts {
             /// All parts.
             pub const ALL: &[Self] = &[$(Self::$part),+];
 
-            /// True if the problem has the part.
+            /// Returns true if the problem has the part.
             pub fn is_in(self, facts: &Facts) -> bool {
                 match self { $(Self::$part => { let test: fn(&Facts) -> bool = $test; test(facts) })+ }
             }
@@ -35,104 +35,104 @@ macro_rules! parts {
 }
 
 parts! {
-    /// A law across the gap.
+    /// Law across the gap.
     Law: |f| ("--law", f.law.name(), "--law"), |f| f.has_law();
-    /// A largest pressure.
+    /// Upper limit of the pressure.
     Hardness: |_| ("--hardness", "given", "--hardness"), |f| f.hardness;
-    /// A limit of the shear.
+    /// Limit of the shear.
     Friction: |f| match f.friction {
         Some(Friction::Tresca) => ("--shear-strength", "given", "--shear-strength"),
         _ => ("--friction", "given", "--friction"),
     }, |f| f.friction.is_some();
-    /// A patch that does not repeat.
+    /// Patch that is not periodic.
     Free: |_| ("--boundary", "free", "--boundary free"), |f| f.boundary == Boundary::Free;
     /// All components unknown.
     All: |_| ("--components", "all", "--components all"), |f| f.unknown == Unknown::All;
-    /// The surface held sideways.
+    /// Surface held sideways.
     Held: |_| ("--components", "held", "--components held"), |f| f.unknown == Unknown::Held;
     /// Slopes that are not small.
     FiniteSlope: |_| ("--finite-slope", "given", "--finite-slope"), |f| f.finite_slope;
-    /// A rigid surface below the slab.
+    /// Rigid surface below the slab.
     Lower: |f| match f.lower {
         Some(Lower::Seed) => ("--lower-seed", "given", "--lower-seed"),
         _ => ("--lower-surface", "given", "--lower-surface"),
     }, |f| f.lower.is_some();
-    /// A half-space.
+    /// Half-space.
     HalfSpace: |_| ("--height", "inf", "--height inf"), |f| f.support == Support::HalfSpace;
-    /// A body of which the normal compliance alone is known.
+    /// Body with a known normal compliance only.
     Table: |_| ("--compliance", "given", "--compliance"), |f| f.support == Support::Table;
-    /// A slab that no base holds along z.
+    /// Slab without a base that holds it along z.
     Plate: |f| base(f, "free"), |f| f.support.ground().is_some_and(|ground| ground.normal == Condition::Free);
-    /// A base that holds a slab along z alone.
+    /// Base that holds a slab along z only.
     Sliding: |f| base(f, "sliding"), |f| f.support.ground() == Some(Ground::SLIDING);
-    /// A base that is not the rigid one to which a slab is bonded.
+    /// Base other than the rigid one that is bonded to a slab.
     OtherBase: |f| base(f, "given"), |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
-    /// A second elastic body.
+    /// Second elastic body.
     SecondBody: |_| ("--second-body", "given", "--second-body"), |f| f.second.is_some();
     /// Layers below the top one.
     Layers: |_| ("--layer", "given", "--layer"), |f| f.layers;
-    /// A viscoelastic body.
+    /// Viscoelastic body.
     Prony: |_| ("--prony", "given", "--prony"), |f| f.relaxes.is_some();
-    /// A viscoelastic body with a constant bulk modulus.
+    /// Viscoelastic body with a constant bulk modulus.
     Shear: |_| ("--relaxes", "shear", "--relaxes shear"), |f| f.relaxes == Some(Relaxes::Shear);
     /// Surfaces that wear.
     Wear: |_| ("--coefficient", "given", "wear"), |f| f.wears;
-    /// A patch on a slab.
+    /// Patch on a slab.
     FreeSlab: |_| ("--boundary", "free", "a slab with --boundary free"),
         |f| f.boundary == Boundary::Free && f.support != Support::HalfSpace;
-    /// A base that moves.
+    /// Base that moves.
     MovedBase: |f| match f.moved_base {
         Some(MovedBase::Traction) => ("--base-traction", "given", "--base-traction"),
         _ => ("--base-displacement", "given", "--base-displacement"),
     }, |f| f.moved_base.is_some();
-    /// A profile.
+    /// Profile.
     Line: |_| ("--dim", "2", "a profile (--dim 2)"), |f| f.line;
-    /// A displacement that is known up to a constant.
+    /// Displacement known up to a constant.
     NoLevel: |_| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), |f| !f.has_level();
-    /// A prescribed approach.
+    /// Prescribed approach.
     Approach: |_| ("--displacement", "given", "--displacement"), |f| f.approach;
-    /// A prescribed approach that is not that of a path.
+    /// Prescribed approach of a load, not of a path.
     FixedApproach: |_| ("--displacement", "given", "--displacement"), |f| f.approach && f.task == Task::Loads;
-    /// A lateral motion without friction.
+    /// Lateral motion without friction.
     Lateral: |_| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
         |f| f.lateral && f.friction.is_none();
     /// Friction on a patch.
     FreeFriction: |_| ("--boundary", "free", "friction and --boundary free"),
         |f| f.boundary == Boundary::Free && f.friction.is_some();
-    /// A path.
+    /// Path.
     Path: |_| ("path", "asked for", "a path"), |f| f.task == Task::Path;
     /// Patches, distributions, spectra, conductance.
     Statistics: |_| ("--statistics", "given", "--statistics"), |f| f.statistics;
-    /// The flow through the gap.
+    /// Flow through the gap.
     Flow: |_| ("--flow", "given", "--flow"), |f| f.flow;
-    /// The loads at which the flow stops.
+    /// Loads at which the flow stops.
     FlowThreshold: |_| ("--flow-threshold", "given", "--flow-threshold"), |f| f.flow_threshold;
-    /// A second solution on a finer grid.
+    /// Second solution on a finer grid.
     Refine: |_| ("--grid-error", "refine", "--grid-error refine"), |f| f.grid_error == GridError::Refine;
-    /// A record of the search.
+    /// Record of the search.
     History: |_| ("--history", "given", "--history"), |f| f.history;
-    /// A run that continues an earlier one.
+    /// Run that continues an earlier one.
     Resume: |_| ("--resume", "given", "--resume"), |f| f.resume;
     /// Processes that share a problem.
     Several: |_| ("mpirun", "given", "several processes"), |f| f.processes > 1;
 }
 
-/// The words for a base: that of the facts, in lists the names of all that are meant.
+/// Returns the words for a base: its name if the facts have one, else the given `names`.
 fn base(facts: &Facts, names: &'static str) -> Words {
     let found = if let Support::Slab(base) = facts.support { base.name() } else { names };
     ("--base", found, "--base")
 }
 
-/// A rule: one part is refused in combination with another.
+/// Rule that refuses one part in combination with another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rule {
-    /// The part that is refused.
+    /// Refused part.
     pub part: Part,
-    /// The other part of the combination.
+    /// Other part of the combination.
     pub with: Part,
-    /// The values of the first part that are allowed in the combination.
+    /// Values of the refused part that are allowed in the combination.
     pub allowed: &'static str,
-    /// The reason.
+    /// Reason.
     pub why: &'static str,
 }
 
@@ -140,9 +140,9 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
     Rule { part, with, allowed, why }
 }
 
-/// The reason of a rule that a later version may lift.
+/// Reason of a rule that a later version may lift.
 const LATER: &str = "not implemented";
-/// The reason of the rules of several processes.
+/// Reason of the rules for several processes.
 const ALONE: &str = "several processes support only periodic hard walls";
 
 /// All rules, in the order of lists and messages.
@@ -250,10 +250,10 @@ pub const RULES: &[Rule] = {
     ]
 };
 
-/// Error: a combination of parts that is refused.
+/// Error: a refused combination of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
-    /// The rule that is broken.
+    /// Broken rule.
     pub rule: Rule,
     facts: Facts,
 }
@@ -272,7 +272,7 @@ impl Facts {
     /// Checks the combination of all parts.
     ///
     /// # Errors
-    /// The first rule that is broken.
+    /// Returns the first broken rule.
     pub fn check(&self) -> Result<(), Clash> {
         match RULES.iter().find(|rule| rule.part.is_in(self) && rule.with.is_in(self)) {
             Some(rule) => Err(Clash { rule: *rule, facts: *self }),
@@ -281,7 +281,7 @@ impl Facts {
     }
 }
 
-/// The parts for which there are no derivatives.
+/// Parts without derivatives.
 const WITHOUT_GRADIENT: [Part; 6] = {
     use Part::*;
     [Hardness, All, FiniteSlope, Lower, MovedBase, Several]
@@ -291,7 +291,7 @@ impl Facts {
     /// Checks that the derivatives of a state are known.
     ///
     /// # Errors
-    /// The first part for which they are unknown.
+    /// Returns an error that names the first part without derivatives.
     pub fn check_gradient(&self) -> Result<(), Unusable> {
         let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self));
         found.map_or(Ok(()), |part| {
@@ -302,13 +302,13 @@ impl Facts {
 }
 
 impl Part {
-    /// The flag, with its value if it is one of several.
+    /// Returns the flag, with its value if it is one of several.
     pub fn given(self) -> String {
         let (flag, found, _) = self.words(&Facts::default());
         if found == "given" || self == Self::Law { flag.to_owned() } else { format!("{flag} {found}") }
     }
 
-    /// True if loads, or a path, can have the part.
+    /// Returns true if loads, or a path, can have the part.
     fn is_of(self, task: Task) -> bool {
         match task {
             Task::Loads => !matches!(
@@ -321,14 +321,14 @@ impl Part {
                     | Self::Shear
                     | Self::Wear
             ),
-            // Surfaces wear along a path of their own command.
+            // Wear has a command of its own for its paths.
             Task::Path if matches!(self, Self::FixedApproach | Self::Wear) => false,
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
     }
 }
 
-/// The rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
+/// Returns the rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
 pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
     let facts = Facts::default();
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
@@ -343,14 +343,14 @@ pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
     groups
 }
 
-/// The parts of a path that do not go with wear.
+/// Returns the parts of a path that cannot be combined with wear.
 pub fn rules_of_wear() -> Vec<String> {
     let beside = RULES.iter().filter(|rule| rule.with == Part::Wear).map(|rule| rule.part.given());
     let without = RULES.iter().filter(|rule| rule.part == Part::Wear);
     beside.chain(without.map(|rule| rule.with.words(&Facts::default()).2.to_owned())).collect()
 }
 
-/// The rules as a table in Markdown: the part, the other part, the values allowed with it, and the reason.
+/// Returns the rules as a Markdown table: part, other part, allowed values, reason.
 pub fn table() -> String {
     let facts = Facts::default();
     let row = |Rule { part, with, allowed, why }: &Rule| {

@@ -5,7 +5,7 @@ use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_response::NormalResponse;
 
-/// The components of the surface displacement that are unknown.
+/// Unknown components of the surface displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unknown {
     /// u_z; u_x and u_y follow from the pressure, as the lateral traction is zero.
@@ -18,10 +18,10 @@ pub enum Unknown {
 }
 
 impl Unknown {
-    /// All of them.
+    /// All choices.
     pub const ALL: [Self; 3] = [Self::Normal, Self::All, Self::Held];
 
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Normal => "normal",
@@ -30,7 +30,7 @@ impl Unknown {
         }
     }
 
-    /// The description in one line.
+    /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Normal => "u_z; u_x and u_y follow from the pressure, as the lateral traction is zero",
@@ -39,7 +39,7 @@ impl Unknown {
         }
     }
 
-    /// The normal response of a body with these unknowns.
+    /// Returns the normal response of a body with these unknowns.
     pub fn response(self, grid: Grid, body: &Body) -> NormalResponse {
         match self {
             Self::Normal | Self::All => NormalResponse::new(grid, body),
@@ -58,7 +58,7 @@ impl fmt::Display for Unknown {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the components are {found}; they must be one of normal, all, held")]
 pub struct NoUnknown {
-    /// The name given.
+    /// Name given.
     pub found: String,
 }
 

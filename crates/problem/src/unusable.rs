@@ -1,32 +1,32 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-/// An option that cannot be used: its name, the value found and the values allowed, or the reason.
+/// Error: an option that cannot be used, with the value found and the allowed values, or with the reason.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Unusable(String);
 
 impl Unusable {
-    /// A value that is out of its range, "--dt is 2; it must be above 0 and below 1".
+    /// Returns the error of a value out of its range, "--dt is 2; it must be above 0 and below 1".
     pub fn value(name: &str, found: impl Display, allowed: impl Display) -> Self {
         Self(short(&format!("{name} is {found}; it must be {allowed}")))
     }
 
-    /// An option, field or file with the reason that a library states.
+    /// Returns the error of an option, field or file, with the reason that a library states.
     pub fn input(name: &str, reason: impl Display) -> Self {
         Self(short(&format!("{name}: {reason}")))
     }
 
-    /// Options that contradict each other, in words that name them.
+    /// Returns the error of options that contradict each other, in words that name them.
     pub fn of(words: impl Into<String>) -> Self {
         Self(words.into())
     }
 }
 
-/// Writes numbers with more than this many digits as powers of ten.
+/// Largest number of digits before a number is written as a power of ten.
 const MOST_DIGITS: usize = 24;
 
-/// The text with very long numbers, as 1 followed by three hundred zeros, as powers of ten.
+/// Rewrites very long numbers in a text, such as 1 followed by three hundred zeros, as powers of ten.
 fn short(text: &str) -> String {
     let is_number = |c: char| c.is_ascii_digit() || c == '.';
     let mut words = Vec::new();
@@ -38,13 +38,13 @@ fn short(text: &str) -> String {
     words.concat()
 }
 
-/// The sizes of moduli, lengths and stresses whose squares are numbers with all their digits.
+/// Sizes of moduli, lengths and stresses with squares that keep all digits.
 pub const SIZES: RangeInclusive<f64> = 1e-140..=1e140;
 
-/// Checks the size of a number, which depends on the unit in which it is given.
+/// Checks the size of a number, which depends on its unit.
 ///
 /// # Errors
-/// A size whose square is too large or too small for a number.
+/// Returns an error if the square of the size is too large or too small for a number.
 pub fn check_size(option: &str, found: f64) -> Result<(), Unusable> {
     if SIZES.contains(&found) {
         return Ok(());

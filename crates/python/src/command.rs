@@ -1,4 +1,4 @@
-//! The commands of the program, in this process.
+//! Commands of the program, run in this process.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -25,21 +25,20 @@ use toml::{Table, Value};
 use crate::failure::{failed, refused};
 use crate::worker::{self, quick};
 
-/// Time between two looks at an interruption.
+/// Time between two checks for an interruption.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A report as JSON, the kind and the text of a failure, the fields of the result by their names, and the rest of its
-/// file.
+/// Report as JSON, kind and text of a failure, fields of the result by name, and the rest of its file.
 type Solved<'py> =
     (String, Option<(&'static str, String)>, BTreeMap<String, Bound<'py, PyArrayDyn<f64>>>, Option<FileDraft>);
 
-/// The file of a result without its fields.
+/// Result file without its fields.
 #[pyclass(frozen, module = "gfmd._gfmd")]
 pub(crate) struct FileDraft(Draft);
 
 #[pymethods]
 impl FileDraft {
-    /// Writes the file, with the fields of the result by their names.
+    /// Writes the file with `fields`, the fields of the result by name.
     fn write(&self, py: Python<'_>, path: &str, fields: BTreeMap<String, PyReadonlyArrayDyn<'_, f64>>) -> PyResult<()> {
         let whole = |field: PyReadonlyArrayDyn<'_, f64>| field.as_array().as_standard_layout().into_owned();
         let fields = fields.into_iter().map(|(name, field)| (format!("{FIELDS}{name}"), whole(field))).collect();
@@ -51,18 +50,18 @@ impl FileDraft {
     }
 }
 
-/// The group of the fields in a file.
+/// Group of the fields in a file.
 const FIELDS: &str = "/fields/";
 
-/// Replaces a file by these bytes.
+/// Replaces the contents of a file.
 #[pyfunction]
 pub(crate) fn write_file(py: Python<'_>, path: &str, contents: &[u8]) -> PyResult<()> {
     let output = Output::claim(path).map_err(|error| refused(py, &format!("path: {error}")))?;
     output.write(|file| file.write_all(contents)).map_err(|error| failed(py, &error.into()))
 }
 
-/// Solves the problem in a dictionary with the keys of the flags of a command, whose arrays are in another one. The
-/// result is written to the file `out` with the `words` of its surface, if they are given.
+/// Solves the problem given as a dictionary with the keys of a command's flags; its arrays are in a second one. If
+/// `out` is given, writes the result to that file, with `words` as the description of its surface.
 #[pyfunction]
 #[pyo3(signature = (command, problem, arrays=None, threads=0, tick=None, out=None, words=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords")]
@@ -104,7 +103,7 @@ pub(crate) fn solve<'py>(
             result
         })
     })?;
-    // An interruption keeps the result so far; any other exception of a signal's handler is the caller's own.
+    // An interruption keeps the result so far; any other exception of a signal handler is passed on to the caller.
     let raised = match raised {
         Some(error) if !error.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(error),
         other => other,
@@ -122,7 +121,7 @@ pub(crate) fn solve<'py>(
     Ok((text, failure, fields.into_iter().map(field).collect(), draft.map(FileDraft)))
 }
 
-/// The kind and the text of a failure with a state.
+/// Returns the kind and the text of a failure with a state.
 pub(crate) fn kind_and_text(failure: Failure) -> (&'static str, String) {
     match failure {
         Failure::Interrupted(text) => ("interrupted", text),
@@ -130,7 +129,7 @@ pub(crate) fn kind_and_text(failure: Failure) -> (&'static str, String) {
     }
 }
 
-/// The arrays of a dictionary: NumPy's, or a configuration and the values of a contact. One that is `None` is left out.
+/// Converts a dictionary of NumPy arrays, or of configuration and values of a contact. Skips `None`.
 pub(crate) fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
     let array = |value: &Bound<'_, PyAny>| -> PyResult<ArrayD<f64>> {
         Ok(value.extract::<PyReadonlyArrayDyn<'_, f64>>()?.as_array().as_standard_layout().into_owned())
@@ -152,7 +151,7 @@ pub(crate) fn arrays(values: &Bound<'_, PyDict>) -> PyResult<Arrays> {
     given.collect()
 }
 
-/// The table of a dictionary; an entry that is `None` is left out.
+/// Converts a dictionary to a TOML table. Entries that are `None` are left out.
 pub(crate) fn table(values: &Bound<'_, PyDict>) -> PyResult<Table> {
     let given = values.iter().filter(|(_, value)| !value.is_none());
     let entry = |(key, value): (Bound<'_, PyAny>, _)| {
@@ -186,7 +185,7 @@ fn entry(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
 }
 
-/// The command with these words, run in this process without a terminal: its report as JSON.
+/// Runs the command line `words` in this process without a terminal and returns its report as JSON.
 #[pyfunction]
 pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> {
     #[derive(Parser)]
@@ -207,16 +206,16 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
     done.map_err(|failure| failed(py, &failure))
 }
 
-/// The figures of the page about the result in a file, by their names, as SVG.
+/// Returns the figures of the report page for a result file as SVG, by name.
 #[pyfunction]
 pub(crate) fn figures(py: Python<'_>, path: &str) -> PyResult<Vec<(String, String)>> {
     let drawn = quick(py, || gfmd_cli::report::figures(Path::new(path), &Session::embedded()))?;
     drawn.map_err(|failure| failed(py, &failure))
 }
 
-/// The exit status of the program `gfmd` with these words, of which the first is its name.
+/// Runs the program `gfmd` with `words`, starting with its name, and returns the exit status.
 #[pyfunction]
 pub(crate) fn program(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
-    keep_freed_memory(); // the process is that of the program
+    keep_freed_memory(); // the process belongs to the program
     py.detach(|| status("gfmd", words, Command::run))
 }

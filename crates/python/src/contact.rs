@@ -37,14 +37,14 @@ use crate::worker::{quick, run};
 
 type Array<'py> = Bound<'py, PyArray2<f64>>;
 
-/// The keys of the options of a contact beside its surface and its body.
+/// Returns the keys of the contact options, without those for surface and body.
 #[pyfunction]
 pub(crate) fn options() -> Vec<String> {
     let others = [keys::<SourceArgs>(), keys::<BodyArgs>()].concat();
     keys::<ContactArgs>().into_iter().filter(|key| !others.contains(key)).collect()
 }
 
-/// A law by its name, its parameters and the rows of its table.
+/// Builds a law from its name, its parameters and the rows of its table.
 fn law_of(py: Python<'_>, name: &str, param: Vec<(String, f64)>, law_table: Vec<[f64; 2]>) -> PyResult<Box<dyn Law>> {
     let law: Kind = name.parse().map_err(|error| refused(py, &error))?;
     if law != Kind::Table && law_table.is_empty() {
@@ -64,7 +64,7 @@ pub(crate) fn check_law(
     law_of(py, name, parameters, table).map(|_| ())
 }
 
-/// Checks the table of compliances of a body, and the compliance of its mean level.
+/// Checks the compliance table of a body, and the compliance of its mean level.
 #[pyfunction]
 pub(crate) fn check_compliance(py: Python<'_>, table: Vec<Vec<f64>>, uniform: f64) -> PyResult<()> {
     let row = |row: Vec<f64>| match row[..] {
@@ -78,7 +78,7 @@ pub(crate) fn check_compliance(py: Python<'_>, table: Vec<Vec<f64>>, uniform: f6
     args.body(&body).map(|_| ()).map_err(|error| refused(py, &error))
 }
 
-/// The normal traction of a law at gaps.
+/// Returns the normal traction of a law at each gap.
 #[pyfunction]
 pub(crate) fn law_traction(
     py: Python<'_>,
@@ -91,7 +91,7 @@ pub(crate) fn law_traction(
     Ok(gaps.into_iter().map(|gap| law.opening(gap).traction).collect())
 }
 
-/// The description of a contact: a dictionary with the keys of its options, and that of those that are arrays.
+/// Parses a contact from a dictionary with the keys of its options and a second one with its arrays.
 pub(crate) fn described(
     py: Python<'_>,
     problem: &Bound<'_, PyDict>,
@@ -102,13 +102,13 @@ pub(crate) fn described(
     of_keys(table, arrays).map_err(|unusable| refused(py, &unusable))
 }
 
-/// The parts of a contact that was posed before, when all was told of them that is doubtful.
+/// Prepares the parts of a contact that was posed before, without repeating its warnings.
 pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
     let prepare = || Prepared::new(&args.asked()?, |line| args.facts(line), &Session::embedded());
     tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), prepare)
 }
 
-/// The numbers of the attraction of a contact, as JSON: `null` without one.
+/// Returns the numbers of a contact's attraction as JSON; `null` without attraction.
 #[pyfunction]
 pub(crate) fn adhesion(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>) -> PyResult<String> {
     let args = described(py, problem, arrays)?;
@@ -116,7 +116,7 @@ pub(crate) fn adhesion(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bou
     json::to_string(&found.map_err(|failure| failed(py, &failure))?).map_err(|error| refused(py, &error))
 }
 
-/// The conductance of the points that touch between two conductors with electrodes at this depth, or infinitely deep.
+/// Returns the conductance of the touching points between two conductors with electrodes at depth `height`.
 #[pyfunction]
 pub(crate) fn conductance(
     py: Python<'_>,
@@ -144,7 +144,7 @@ pub(crate) fn conductance(
     found.map_err(|failure| failed(py, &failure))
 }
 
-/// A surface against a body.
+/// Contact problem of a surface and a body.
 #[pyclass(frozen, module = "gfmd._gfmd")]
 pub(crate) struct Problem {
     args: ContactArgs,
@@ -153,18 +153,18 @@ pub(crate) struct Problem {
     finer: Mutex<Vec<Finer>>,
 }
 
-/// A load at rest, to start the next one from.
+/// Solved load, which may serve as the start of the next one.
 #[pyclass(frozen, module = "gfmd._gfmd")]
 pub(crate) struct State {
     rest: Rest,
     facts: Facts,
-    /// The lift of a base that moves.
+    /// Lift of a moved base.
     lift: Option<Array2<f64>>,
-    /// The numbers of a state that was solved.
+    /// Numbers of a solved state; `None` for a recalled one.
     record: Option<Record>,
 }
 
-/// An array of a measured state.
+/// Measured array of a state.
 #[derive(IntoPyObject)]
 pub(crate) struct Measured {
     path: &'static str,
@@ -174,7 +174,7 @@ pub(crate) struct Measured {
     axis: Vec<f64>,
 }
 
-/// State, scalars as JSON; the kind and the text of a failure; an exception of a signal's handler.
+/// State, scalars as JSON, kind and text of a failure, and an exception raised by a signal handler.
 type Solved = (State, String, Option<(&'static str, String)>, Option<Py<PyAny>>);
 
 #[pymethods]
@@ -188,12 +188,12 @@ impl Problem {
             Ok::<_, Failure>((prepared, contact, Mutex::new(finer)))
         })?;
         raised.map_or(Ok(()), Err)?;
-        // Nothing was computed yet: every refusal is one of the input.
+        // Nothing was computed yet, so every failure is unusable input.
         let (prepared, contact, finer) = made.map_err(|failure| refused(py, &failure))?;
         Ok(Self { args, prepared, contact, finer })
     }
 
-    /// Brings the contact to rest under one load, which has the key `control`, from a state, or as the options ask.
+    /// Solves the contact under one load with the key `control`, starting from `start` or as the options ask.
     fn solve(
         &self,
         py: Python<'_>,
@@ -250,7 +250,7 @@ impl Problem {
         let ((rest, record, failure), raised) = match (solved, raised) {
             (Ok(solved), raised) => (solved, raised),
             (Err(_), Some(raised)) if !raised.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(raised),
-            // Without a state, the load was refused, or one of a longer range was not reached.
+            // Without a state, the load was refused, or a load of a longer range was not reached.
             (Err(failure), _) => return Err(unreached(py, &failure)),
         };
         let text = json::to_string(&record).map_err(|error| refused(py, &error))?;
@@ -258,7 +258,7 @@ impl Problem {
         Ok((self.state(rest, Some(record)), text, failure.map(kind_and_text), raised))
     }
 
-    /// The number of a quantity with a unit, of this kind, in the units of the problem.
+    /// Converts a quantity with a unit to a number in the units of the problem.
     fn value(&self, py: Python<'_>, name: &str, text: &str, kind: &str) -> PyResult<f64> {
         let refuse = |error: &dyn std::fmt::Display| refused(py, &format!("{name} is {text:?}: {error}"));
         let quantity = Quantity::parse(text).map_err(|error| refuse(&error))?;
@@ -266,13 +266,13 @@ impl Problem {
         self.prepared.surface.units().value(&quantity, kind).map_err(|error| refuse(&error))
     }
 
-    /// The unit of stresses, if it is known.
+    /// Returns the unit of stress, if known.
     #[getter]
     fn stress_unit(&self) -> Option<String> {
         self.prepared.surface.stress().map(str::to_owned)
     }
 
-    /// The warnings of units that are mixed up, of loads up to this one with the key `control`.
+    /// Returns warnings about mixed-up units for loads up to `largest` with the key `control`.
     fn doubts(&self, control: &str, largest: f64) -> Vec<String> {
         let mut doubts = self.prepared.doubts(self.prepared.adhesion.as_ref());
         let p_star = match control {
@@ -284,9 +284,8 @@ impl Problem {
         doubts
     }
 
-    /// The numbers that the statistics and the flow of a state add, as JSON, and its patches, distributions and
-    /// spectra: their path, axis,
-    /// kind, meaning, values and the points of the axis. `options` have the keys of `gfmd contact`.
+    /// Returns the numbers that statistics and flow add to a state, as JSON, and its patches, distributions and
+    /// spectra: path, kind, meaning, values and axis of each. `options` have the keys of `gfmd contact`.
     fn measure<'py>(
         &self,
         py: Python<'py>,
@@ -294,7 +293,7 @@ impl Problem {
         options: &Bound<'py, PyDict>,
     ) -> PyResult<(String, Vec<Measured>)> {
         let mut table = Table::try_from(&self.args).map_err(|error| refused(py, &error))?;
-        // The error of the grid, and the load, are those of the state.
+        // The grid error and the load belong to the state.
         table.remove("grid_error");
         table.insert("pressure".into(), vec![1.0].into());
         table.extend(crate::command::table(options)?);
@@ -317,9 +316,9 @@ impl Problem {
         Ok((json::to_string(&record).map_err(|error| refused(py, &error))?, arrays.collect()))
     }
 
-    /// The derivatives of a number with respect to heights, load, modulus, and their relative error: from its own
-    /// derivatives by the fields and numbers of a state under a mean pressure, or under an approach if that
-    /// `is_driven`.
+    /// Returns the derivatives of a scalar with respect to heights, load and modulus, and their relative error. The
+    /// inputs are its derivatives with respect to the fields and numbers of a state under a mean pressure, or under an
+    /// approach if `is_driven`.
     fn vjp<'py>(
         &self,
         py: Python<'py>,
@@ -351,7 +350,7 @@ impl Problem {
         Ok((found.heights.into_pyarray(py), found.load, found.modulus, found.error))
     }
 
-    /// The options with their defaults, as JSON, but those of the surface beside its size.
+    /// Returns the options with their defaults as JSON; the surface contributes only length and unit of stress.
     #[getter]
     fn description(&self, py: Python<'_>) -> PyResult<String> {
         let of_surface = keys::<SourceArgs>();
@@ -360,26 +359,26 @@ impl Problem {
         json::to_string(&table).map_err(|error| refused(py, &error))
     }
 
-    /// Checks that a finer grid makes the numbers more exact, and that this is known.
+    /// Checks that an accuracy can be requested: the grid errors are known, and a finer grid reduces them.
     fn check_accuracy(&self, py: Python<'_>, accuracy: &str, control: &str) -> PyResult<()> {
         let asked = accuracy.parse::<Accuracy>();
         let asked = asked.map_err(|error| refused(py, &format!("accuracy is {accuracy}; {error}")))?;
         accuracy::check(asked, &self.prepared, control == "displacement").map_err(|failure| refused(py, &failure))
     }
 
-    /// The warning of strain that is not small at an approach; `None` if it is.
+    /// Returns the warning about large strain at an approach; `None` if the strain is small.
     fn strain(&self, approach: f64) -> Option<String> {
         self.prepared.doubt_of_strain(approach)
     }
 
-    /// The warning of slopes that are not small, with the largest pressure of the loads; `None` if they are.
+    /// Returns the warning about steep slopes, with the largest pressure of the loads; `None` if they are small.
     fn slopes(&self, largest: f64) -> Option<String> {
         let Prepared { facts, surface, body, .. } = &self.prepared;
         let slopes = Slopes::of(surface.rms_gradient(), || surface.max_slope(), facts)?;
         Some(slopes.message(largest / body.contact_modulus()))
     }
 
-    /// The state of a contact with these fields, to start from.
+    /// Restores a state from its fields, as a start.
     fn recall(
         &self,
         py: Python<'_>,
@@ -415,16 +414,15 @@ impl Problem {
 
 #[pymethods]
 impl State {
-    /// The points along each side over those of the state that its numbers need for an accuracy; 1 if they are that
-    /// exact.
+    /// Returns the refinement factor of each side that the state needs for an accuracy; 1 if it is accurate enough.
     fn times(&self, py: Python<'_>, accuracy: &str) -> PyResult<u64> {
         let asked: Accuracy = accuracy.parse().map_err(|error| refused(py, &error))?;
         let worst = self.record.as_ref().and_then(|record| accuracy::worst(std::slice::from_ref(record), asked));
         Ok(worst.map_or(1, |worst| worst.times))
     }
 
-    /// The fields with their names, in the order of a file. Those that the state has are without a copy: the arrays
-    /// keep it alive.
+    /// Returns the fields with their names, in file order. Fields that the state stores are not copied: the arrays keep
+    /// it alive.
     #[getter]
     fn fields(this: Bound<'_, Self>) -> Vec<(&'static str, Array<'_>)> {
         let Self { rest, facts, lift, .. } = this.get();
@@ -440,7 +438,7 @@ impl State {
     }
 }
 
-/// A field of a state as a read-only array.
+/// Returns a field of a state as a read-only array without a copy.
 fn lent<'py>(state: &Bound<'py, State>, field: &ArrayView2<'_, f64>) -> Array<'py> {
     #[expect(unsafe_code, reason = "the array lends the memory of the state")]
     // SAFETY: the state is the base of the array, and, being frozen, never moves or changes its fields.

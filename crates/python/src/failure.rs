@@ -1,4 +1,4 @@
-//! Errors of the libraries as exceptions of the package.
+//! Conversion of library errors to the exceptions of the package.
 
 use std::fmt::Display;
 
@@ -6,18 +6,18 @@ use gfmd_files::legible::line;
 use gfmd_run::failure::Failure;
 use pyo3::prelude::*;
 
-/// The exception that `gfmd._errors` makes of a message, by the name of its maker there.
+/// Calls the function `maker` of `gfmd._errors`, which makes an exception from a message.
 fn raised(py: Python<'_>, maker: &str, text: &str) -> PyErr {
     let made = py.import("gfmd._errors").and_then(|errors| errors.call_method1(maker, (text,)));
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// Unusable input.
+/// Returns the exception for unusable input.
 pub(crate) fn refused(py: Python<'_>, error: &dyn Display) -> PyErr {
     raised(py, "refused", &line(&error.to_string()))
 }
 
-/// A failure without a state. A problem of which nothing can be computed was unusable input.
+/// Returns the exception for a failure without a state. Only [`Failure::Input`] counts as unusable input.
 pub(crate) fn failed(py: Python<'_>, failure: &Failure) -> PyErr {
     let maker = match failure {
         Failure::Input(_) => "refused",
@@ -27,7 +27,7 @@ pub(crate) fn failed(py: Python<'_>, failure: &Failure) -> PyErr {
     raised(py, maker, &failure.to_string())
 }
 
-/// A search that ended without a state.
+/// Returns the exception for a search that ended without a state.
 pub(crate) fn unreached(py: Python<'_>, failure: &Failure) -> PyErr {
     match failure {
         Failure::Computation(text) => raised(py, "unreached", &line(text)),
@@ -35,7 +35,7 @@ pub(crate) fn unreached(py: Python<'_>, failure: &Failure) -> PyErr {
     }
 }
 
-/// A panic of a library: a defect, told as an exception.
+/// Returns the exception for a panic of a library, which is a defect.
 pub(crate) fn panicked(py: Python<'_>, payload: &(dyn std::any::Any + Send)) -> PyErr {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");

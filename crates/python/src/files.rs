@@ -1,4 +1,4 @@
-//! Result files: written as the program writes them, read array by array.
+//! Result files, written as the program writes them and read array by array.
 
 use std::path::Path;
 
@@ -20,14 +20,14 @@ use crate::contact::{described, prepared};
 use crate::failure::{failed, refused};
 use crate::worker::quick;
 
-/// The scalars as JSON, and the fields, in the order of a file.
+/// Scalars as JSON, and fields in file order.
 type Load<'py> = (String, Vec<PyReadonlyArray2<'py, f64>>);
 
-/// The unit and the description of a surface.
+/// Unit and description of a surface.
 type Words = (Option<String>, String);
 
-/// Writes contacts of one problem, which [`Problem`](crate::contact::Problem) takes in the same form, with the words of
-/// its surface, and of that below the slab, if there is one.
+/// Writes the loads of one problem, given in the form that [`Problem`](crate::contact::Problem) takes, with the unit
+/// and description of its surface, and of the lower surface if there is one.
 #[pyfunction]
 pub(crate) fn save(
     py: Python<'_>,
@@ -69,7 +69,7 @@ pub(crate) fn save(
     written.map_err(|failure| failed(py, &failure))
 }
 
-/// An array of a file.
+/// Reads an array of a file.
 #[pyfunction]
 pub(crate) fn read_array<'py>(py: Python<'py>, path: &str, name: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let read = quick(py, || {
@@ -81,29 +81,29 @@ pub(crate) fn read_array<'py>(py: Python<'py>, path: &str, name: &str) -> PyResu
     Ok(array.into_pyarray(py))
 }
 
-/// The scalars of each load in a file of a contact, as JSON, and the names of the fields of the loads.
+/// Reads the scalars of each load in a contact file, as JSON, and the names of its fields.
 #[pyfunction]
 pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>, Vec<&'static str>)> {
     let read = quick(py, || {
         let reader = Reader::open(path)?;
         let (facts, records) = contact::records(&reader)?;
-        // A file of an earlier version has no repulsion.
+        // Files of earlier versions have no repulsion.
         let there = |name: &&str| *name != "repulsion" || reader.contains(&format!("/fields/{name}"));
         Ok::<_, Failure>((records, arrays(&facts).map(|array| array.name).filter(there).collect()))
     })?;
-    // A file that is not there is unusable input, like one of another kind.
+    // A missing file is unusable input, like a file of another kind.
     let (records, fields) = read.map_err(|failure| refused(py, &failure))?;
     let texts = records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error)));
     Ok((texts.collect::<PyResult<_>>()?, fields))
 }
 
-/// A text attribute of a file.
+/// Reads a text attribute of a file.
 #[pyfunction]
 pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> PyResult<String> {
     quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
 }
 
-/// What to do with a result of another kind than `contact`.
+/// Returns the advice for a result of another kind than `contact`.
 fn other(kind: Kind) -> String {
     let name = kind.name();
     let (function, group) = match kind {
@@ -121,7 +121,7 @@ fn other(kind: Kind) -> String {
     )
 }
 
-/// The configuration of a result of `contact` as JSON: only keys and types that such results have.
+/// Reads the configuration of a `contact` result as JSON. It has only keys and types that such results have.
 #[pyfunction]
 pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
     let read = quick(py, || {
@@ -131,7 +131,7 @@ pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
             _ => configuration(&reader),
         }
     })?;
-    // A file that is not there is unusable input, like one of another kind.
+    // A missing file is unusable input, like a file of another kind.
     let table = read.map_err(|failure| refused(py, &failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))
 }

@@ -1,5 +1,5 @@
-//! The native half of the Python package `gfmd`: arrays in, arrays out, checked by the libraries. Names, defaults,
-//! results and documentation of what a user sees are in `python/gfmd`.
+//! Native part of the Python package `gfmd`: arrays in, arrays out, checked by the libraries. Names, defaults, results
+//! and the user documentation are in `python/gfmd`.
 
 use pyo3::prelude::*;
 
@@ -11,7 +11,7 @@ mod surface;
 mod unit;
 mod worker;
 
-/// The native module.
+/// Native module.
 #[pymodule]
 mod _gfmd {
     #[pymodule_export]

@@ -1,4 +1,4 @@
-//! Surfaces: made, read, prepared, measured.
+//! Generation, reading, preparation and statistics of surfaces.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ use crate::worker::quick;
 
 pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 
-/// Heights, lengths of the cell, description. Arguments as the flags of `gfmd surface`.
+/// Generates a self-affine surface: heights, cell lengths, description. Arguments are the flags of `gfmd surface`.
 #[pyfunction]
 #[pyo3(signature = (*, n, length, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed, dim, method,
     roll_off, roll_off_shape, amplitudes))]
@@ -78,10 +78,10 @@ pub(crate) fn self_affine<'py>(
     Ok((heights.into_pyarray(py), lengths, args.to_string()))
 }
 
-/// Heights, NaN where undefined; lengths of the cell; unit; description; and what else the file says, as JSON.
+/// Heights (NaN where undefined), lengths of the cell, unit, description, and the file's other entries as JSON.
 type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String, String);
 
-/// A height map in a file.
+/// Reads a height map from a file.
 #[pyfunction]
 #[pyo3(signature = (name, channel=None))]
 pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> PyResult<HeightMap<'py>> {
@@ -113,7 +113,7 @@ pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> P
     Ok((heights.into_pyarray(py), lengths, unit, source, reported.to_string()))
 }
 
-/// The heights with undefined points (NaN) filled.
+/// Fills undefined points (NaN).
 #[pyfunction]
 pub(crate) fn fill<'py>(
     py: Python<'py>,
@@ -129,7 +129,7 @@ pub(crate) fn fill<'py>(
     Ok(whole.into_pyarray(py))
 }
 
-/// The heights without a trend.
+/// Removes a trend from heights.
 #[pyfunction]
 pub(crate) fn detrend<'py>(py: Python<'py>, heights: PyReadonlyArray2<'py, f64>, trend: &str) -> PyResult<Array<'py>> {
     let trend = trend.parse().map_err(|error| refused(py, &error))?;
@@ -138,7 +138,7 @@ pub(crate) fn detrend<'py>(py: Python<'py>, heights: PyReadonlyArray2<'py, f64>,
     Ok(rest.into_pyarray(py))
 }
 
-/// The heights as one period of a cell, and its lengths.
+/// Makes heights one period of a cell; returns them and its lengths.
 #[pyfunction]
 pub(crate) fn periodise<'py>(
     py: Python<'py>,
@@ -154,8 +154,8 @@ pub(crate) fn periodise<'py>(
     Ok((heights.into_pyarray(py), grid.lengths()))
 }
 
-/// The composite heights of two surfaces, the second moved by `shift`, and the lengths of their cell; the part in
-/// common of surfaces that do not repeat.
+/// Returns the composite heights of two surfaces, the second shifted by `shift`, and the lengths of their cell. For
+/// surfaces that are not periodic, it is the overlap.
 #[pyfunction]
 pub(crate) fn composite<'py>(
     py: Python<'py>,
@@ -173,7 +173,7 @@ pub(crate) fn composite<'py>(
     Ok((heights.into_pyarray(py), grid.lengths()))
 }
 
-/// The heights of a periodic surface on so many times as many points along each side.
+/// Refines a periodic surface to `times` as many points along each side.
 #[pyfunction]
 pub(crate) fn finer<'py>(
     py: Python<'py>,
@@ -192,7 +192,7 @@ pub(crate) fn finer<'py>(
     Ok(heights.into_pyarray(py))
 }
 
-/// The numbers of the heights as JSON, as `gfmd surface` prints them.
+/// Returns the statistics of heights as JSON, as `gfmd surface` prints them.
 #[pyfunction]
 #[pyo3(signature = (heights, lengths, fit_range=None))]
 pub(crate) fn statistics(
@@ -222,7 +222,7 @@ pub(crate) fn statistics(
     json::to_string(&report).map_err(|error| refused(py, &error))
 }
 
-/// Wavenumbers and radially averaged power spectral density of the heights, under a Hann window if that is asked for.
+/// Returns wavenumbers and the radially averaged power spectral density of heights, with a Hann window if requested.
 #[pyfunction]
 pub(crate) fn psd(
     py: Python<'_>,
@@ -240,7 +240,7 @@ pub(crate) fn psd(
     Ok(spectrum.radial().into_iter().map(|bin| (bin.wavenumber, bin.density)).unzip())
 }
 
-/// A function of the heights by its name, as JSON as `gfmd surface --statistics` prints it; of the autocorrelation also
+/// Returns a named function of heights as JSON, as `gfmd surface --statistics` prints it; for the autocorrelation also
 /// the map of height differences.
 #[pyfunction]
 pub(crate) fn texture<'py>(
@@ -268,7 +268,7 @@ pub(crate) fn texture<'py>(
     Ok((text, map.map(|map| map.into_pyarray(py))))
 }
 
-/// Writes the page about the heights, which come from a `source` in words.
+/// Writes the report page of a surface; `words` are its unit and description.
 #[pyfunction]
 pub(crate) fn surface_report(
     py: Python<'_>,
@@ -285,7 +285,7 @@ pub(crate) fn surface_report(
     done.map_err(|failure| failed(py, &failure))
 }
 
-/// The grid of an array in a cell.
+/// Builds the grid of an array in a cell.
 pub(crate) fn grid(py: Python<'_>, points: [usize; 2], lengths: [f64; 2]) -> PyResult<Grid> {
     Grid::new(points, lengths).map_err(|error| refused(py, &format!("size: {error}")))
 }

@@ -1,4 +1,4 @@
-//! Units: quantities as numbers, and numbers in units that people read.
+//! Units: parsing of quantities, and numbers in readable units.
 
 use gfmd_law::Kind;
 use gfmd_record::{ARRAYS, COLUMNS};
@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::failure::refused;
 use crate::surface::Array;
 
-/// The number of a quantity of this kind in the units of a problem; `None` for a text without a unit.
+/// Converts a quantity of this kind to the units of a problem; `None` for a text without a unit.
 #[pyfunction]
 #[pyo3(signature = (name, text, kind, unit=None, stress=None))]
 pub(crate) fn in_units(
@@ -26,48 +26,47 @@ pub(crate) fn in_units(
     found.map(Some).map_err(|error| refuse(&error))
 }
 
-/// The name of the unit of a kind of quantity.
+/// Returns the unit name of a kind of quantity.
 #[pyfunction]
 #[pyo3(signature = (kind, unit=None, stress=None))]
 pub(crate) fn unit_name(kind: &str, unit: Option<&str>, stress: Option<&str>) -> String {
     Units::new(unit, stress).name(kind)
 }
 
-/// The factor and the name of the unit in which people read numbers of a kind up to the largest; `None` if it is
-/// not known.
+/// Returns factor and name of a readable unit for numbers of a kind up to `largest`; `None` if it is not known.
 #[pyfunction]
 #[pyo3(signature = (kind, largest, unit=None, stress=None))]
 pub(crate) fn readable(kind: &str, largest: f64, unit: Option<&str>, stress: Option<&str>) -> Option<(f64, String)> {
     Units::new(unit, stress).shown(kind, largest).map(|shown| (shown.factor, shown.name))
 }
 
-/// A value with the digits that its error by the grid leaves.
+/// Formats a value with the digits that its grid error leaves certain.
 #[pyfunction]
 pub(crate) fn with_limit(value: f64, limit: f64, error: f64) -> String {
     gfmd_record::with_limit(value, limit, error)
 }
 
-/// The spelling of a unit of length in results; a name that is not known stays as it is.
+/// Returns the canonical spelling of a unit of length; unknown names stay as they are.
 #[pyfunction]
 pub(crate) fn canonical(unit: &str) -> &str {
     gfmd_unit::canonical(unit)
 }
 
-/// The kinds of quantity of the numbers and fields of a state, by their names.
+/// Returns the kinds of quantity of the numbers and fields of a state, by name.
 #[pyfunction]
 pub(crate) fn kinds() -> Vec<(&'static str, &'static str)> {
     let columns = COLUMNS.iter().map(|column| (column.name, column.unit));
     columns.chain(ARRAYS.iter().map(|array| (array.name, array.unit))).collect()
 }
 
-/// The kinds of quantity of the parameters of all laws, by their names.
+/// Returns the kinds of quantity of the parameters of all laws, by name.
 #[pyfunction]
 pub(crate) fn law_kinds() -> Vec<(&'static str, &'static str)> {
     let all = Kind::ALL.into_iter().flat_map(Kind::parameters);
     all.map(|parameter| (parameter.name, parameter.units)).collect()
 }
 
-/// Heights and lengths in another unit.
+/// Converts heights and lengths to another unit.
 #[pyfunction]
 pub(crate) fn converted<'py>(
     py: Python<'py>,

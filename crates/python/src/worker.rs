@@ -1,4 +1,4 @@
-//! Work without the interpreter's lock: it runs in a pool of threads, while the thread that called waits for signals.
+//! Work without the interpreter lock: it runs in a thread pool, while the calling thread waits for signals.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -13,13 +13,13 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::failure::{panicked, refused};
 
-/// Time between two looks at the signals.
+/// Time between two checks for signals.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Most threads of a pool.
+/// Largest number of threads of a pool.
 const MOST_THREADS: usize = 4096;
 
-/// The shared knowledge of the work and of the thread that waits for it.
+/// State shared by the work and the waiting thread.
 #[derive(Default)]
 pub(crate) struct Shared {
     stop: AtomicBool,
@@ -28,7 +28,7 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// Tells the progress, and whether to go on.
+    /// Reports the progress and returns whether to continue.
     pub(crate) fn see(&self, iteration: u64, residual: f64) -> ControlFlow<()> {
         self.iteration.store(iteration, Ordering::Relaxed);
         self.residual.store(residual.to_bits(), Ordering::Relaxed);
@@ -36,14 +36,14 @@ impl Shared {
     }
 }
 
-/// A process, and its pools by number of threads that nobody uses alone.
+/// Process ID, and the pools of the process that are not in exclusive use, by number of threads.
 type Pools = (u32, HashMap<usize, Vec<Arc<ThreadPool>>>);
 
-/// The pools of this process. A forked process has none of the threads of its parent, so that it makes its own pools.
+/// Pools of this process. A forked process has none of the threads of its parent and makes its own pools.
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
-/// A pool for one piece of work: of several threads the one that all share, of a single thread one of its own, so that
-/// work from several threads of Python goes side by side.
+/// Returns a pool for one piece of work. Pools of several threads are shared; each pool of one thread is exclusive, so
+/// that work from several Python threads runs in parallel.
 fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
     if threads > MOST_THREADS {
         return Err(format!("threads is {threads}; it must be between 0 (all cores) and {MOST_THREADS}"));
@@ -51,7 +51,7 @@ fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
     let mut guard = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
     if guard.as_ref().is_some_and(|(owner, _)| *owner != process) {
-        // To drop the pools of the parent would wake threads that are not there.
+        // Dropping the pools of the parent would wake threads that do not exist.
         std::mem::forget(guard.take());
     }
     let (_, pools) = guard.get_or_insert_with(|| (process, HashMap::new()));
@@ -67,7 +67,7 @@ fn pool(threads: usize) -> Result<Arc<ThreadPool>, String> {
     Ok(made)
 }
 
-/// Takes back the pool of a single thread, for the next piece of work.
+/// Returns a single-thread pool for reuse.
 fn give_back(threads: usize, pool: Arc<ThreadPool>) {
     let mut guard = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     match guard.as_mut() {
@@ -78,12 +78,12 @@ fn give_back(threads: usize, pool: Arc<ThreadPool>) {
     }
 }
 
-/// Runs `work` in `threads` threads (0: all cores) without the interpreter's lock. Several times a second, signals are
+/// Runs `work` in `threads` threads (0: all cores) without the interpreter lock. Several times a second, signals are
 /// handled and `tick(iteration, residual)` is called. An exception of either asks the work to stop, and is returned
 /// beside the result.
 ///
 /// # Errors
-/// Threads that cannot be had; a panic of the work.
+/// Returns an error if the threads cannot be started or the work panics.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
     threads: usize,
@@ -135,7 +135,7 @@ impl Notes {
         listener.without_time().with_target(false).with_level(false).with_ansi(false).finish()
     }
 
-    /// Tells them as warnings of Python, which a user may have turned into exceptions.
+    /// Issues the notes as Python warnings, which a user may have turned into exceptions.
     fn warn(&self, py: Python<'_>) -> PyResult<()> {
         let text = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
         if text.is_empty() {

@@ -1,4 +1,4 @@
-//! The fields of a state, each once.
+//! Fields of a state, each declared once.
 
 use gfmd_contact::Fields as _;
 use gfmd_problem::{Facts, Rest};
@@ -7,20 +7,20 @@ use ndarray::{Axis, CowArray, Ix2};
 use crate::column::{Meaning, meaning};
 use crate::when::{any, between, hardness, path};
 
-/// A field of a state, one number for each point `[x, y]`.
+/// Field of a state, one number for each point `[x, y]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Array {
-    /// The name in a file.
+    /// Name in a file.
     pub name: &'static str,
-    /// The kind of quantity, such as "stress" or "stress*length".
+    /// Kind of quantity, such as "stress" or "stress*length".
     pub unit: &'static str,
-    /// The definitions, of which the first that applies is the one of a problem.
+    /// Definitions; a problem uses the first one that applies.
     pub meanings: &'static [Meaning],
     /// True if the states of a problem have the field.
     pub present: fn(&Facts) -> bool,
-    /// The options with which a load has the field, empty if each has it; `None` if no load has it.
+    /// Options that give a load the field; empty if every load has it, `None` if no load has it.
     pub of_loads: Option<&'static str>,
-    /// The field of a state; `None` if it has none.
+    /// Values in a state; `None` if it does not have the field.
     pub value: for<'a> fn(&'a Rest, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
 }
 
@@ -34,33 +34,33 @@ impl Array {
         Self { name, unit, meanings, present: any, of_loads: Some(""), value }
     }
 
-    /// In some problems alone: of loads, those with these options.
+    /// Restricts the field to some problems; among loads, to problems with the options `of_loads`.
     const fn with(self, of_loads: &'static str, present: fn(&Facts) -> bool) -> Self {
         Self { present, of_loads: Some(of_loads), ..self }
     }
 
-    /// In some paths alone.
+    /// Restricts the field to some paths.
     const fn of_paths(self, present: fn(&Facts) -> bool) -> Self {
         Self { present, of_loads: None, ..self }
     }
 
-    /// The definition in a problem.
+    /// Returns the definition for a problem.
     pub fn meaning(&self, facts: &Facts) -> &'static str {
         meaning(self.meanings, facts)
     }
 }
 
-/// True if the pressure alone tells the points in contact: without a law it is that of a wall.
+/// Returns true if the pressure alone identifies the points in contact: without a law it is a wall pressure.
 fn wall(facts: &Facts) -> bool {
     !facts.has_law()
 }
 
-/// True if loads have a lateral displacement.
+/// Returns true if loads have a lateral displacement.
 fn lateral(facts: &Facts) -> bool {
     !path(facts) && facts.moves_sideways()
 }
 
-/// True if a path has a shear traction.
+/// Returns true if a path has a shear traction.
 fn shear(facts: &Facts) -> bool {
     path(facts) && facts.moves_sideways()
 }
@@ -73,18 +73,18 @@ fn shear_of<'a>(rest: &'a Rest, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
     rest.traction().map(|traction| traction.index_axis(Axis(0), axis).into())
 }
 
-/// The options with which a surface moves sideways.
+/// Options that make a surface move sideways.
 const SIDEWAYS: &str = "--components all or --finite-slope (a profile has no y)";
-/// Those with which there are two surfaces.
+/// Options that add a lower surface.
 const BETWEEN: &str = "--lower-surface or --lower-seed";
 
-/// All fields, in the order of a journal.
+/// All fields, in journal order.
 pub const ARRAYS: &[Array] = &[
     Array::new(
         "pressure",
         "stress",
         &[(any, "pressure on the elastic surface, compression positive; attraction is negative")],
-        // A path without a law has the pressure of the wall: exactly zero where nothing touches.
+        // Without a law, the pressure on a path is the wall pressure: exactly zero where nothing touches.
         |rest, facts| Some(if path(facts) && wall(facts) { rest.repulsion() } else { rest.pressure() }),
     ),
     Array::new(
@@ -146,8 +146,8 @@ pub const ARRAYS: &[Array] = &[
         "repulsion",
         "stress",
         &[(any, "repulsive pressure, without attraction; positive at the points in contact")],
-        // Beside that of a wall the pressure is an attraction, and where a law without a wall vanishes, its sign is
-        // that of rounding errors.
+        // With a wall, the pressure also holds the attraction; where a law without a wall vanishes, the sign of its
+        // pressure is a rounding error.
         |rest, _| Some(rest.repulsion()),
     )
     .with("a --law with a wall (exponential, dugdale); elsewhere it is the positive part of the pressure", |facts| {
@@ -155,12 +155,12 @@ pub const ARRAYS: &[Array] = &[
     }),
 ];
 
-/// The fields of the states of a problem.
+/// Returns the fields of the states of a problem.
 pub fn arrays(facts: &Facts) -> impl Iterator<Item = &'static Array> {
     ARRAYS.iter().filter(move |array| (array.present)(facts))
 }
 
-/// The name of the field whose positive values are those of the points in contact.
+/// Returns the name of the field that is positive at the points in contact.
 pub fn repulsion(facts: &Facts) -> &'static str {
     if wall(facts) { "pressure" } else { "repulsion" }
 }

@@ -2,26 +2,26 @@ use std::borrow::Cow;
 
 use serde::{Serialize, Serializer};
 
-/// A number of a record, or the reason why there is none.
+/// Number of a record, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A number.
+    /// Real number.
     Real(f64),
-    /// A count.
+    /// Count.
     Count(u64),
-    /// A flag, 1 or 0 in a file.
+    /// Flag, 1 or 0 in a file.
     Flag(bool),
-    /// No value, and the reason: `null` in JSON, NaN in a file.
+    /// Missing value with its reason: `null` in JSON, NaN in a file.
     Undefined(Cow<'static, str>),
 }
 
 impl Cell {
-    /// No value, for this reason.
+    /// Returns a cell without a value, for this reason.
     pub fn undefined(reason: impl Into<Cow<'static, str>>) -> Self {
         Self::Undefined(reason.into())
     }
 
-    /// The number in a file; NaN without a value.
+    /// Returns the number in a file; NaN without a value.
     pub fn number(&self) -> f64 {
         match self {
             Self::Real(value) => *value,

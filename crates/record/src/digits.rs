@@ -1,7 +1,7 @@
-//! Numbers with the digits that are certain.
+//! Formatting of numbers with their certain digits.
 
-/// A value whose limit on fine grids has this error: the limit with the digits that are certain, as `0.1014(12)`, or
-/// two digits of the value and `~` where the limit is NaN; `-` without a value.
+/// Formats a value by its limit on fine grids and the error of that limit: certain digits of the limit, as
+/// `0.1014(12)`; two digits of the value and `~` if the limit is NaN; `-` without a value.
 pub fn with_limit(value: f64, limit: f64, error: f64) -> String {
     match (value.is_nan(), limit.is_nan()) {
         (true, _) => "-".into(),
@@ -10,13 +10,13 @@ pub fn with_limit(value: f64, limit: f64, error: f64) -> String {
     }
 }
 
-/// A value with its error in units of its last digits, such as `0.1014(12)` or `2.512(4)e-9`: one digit of the error,
-/// two if it begins with 1; `-` without a value.
+/// Formats a value with its error in units of the last digits, such as `0.1014(12)` or `2.512(4)e-9`. The error has one
+/// digit, or two if it begins with 1; `-` without a value.
 fn uncertain(value: f64, error: f64) -> String {
     if !(value.is_finite() && error.is_finite() && error > 0.0) {
         return if value.is_finite() && error == 0.0 { format!("{value}") } else { "-".into() };
     }
-    // Errors of 0.95 to 1 of a decade are rounded up to the next one, with two digits.
+    // Errors of 0.95 to 1 of a decade round up to the next decade, with two digits.
     let decade = (error / 0.95).log10().floor() as i32;
     let leads_with_one = error / 10_f64.powi(decade) < 1.95;
     let power = power_of(value.abs().max(error));
@@ -32,7 +32,7 @@ fn uncertain(value: f64, error: f64) -> String {
     text + &suffix(power)
 }
 
-/// A value whose error is not known: two digits and `~`, such as `0.10~` or `2.5e-9~`.
+/// Formats a value of unknown error: two digits and `~`, such as `0.10~` or `2.5e-9~`.
 fn roughly(value: f64) -> String {
     let power = power_of(value.abs());
     let mantissa = value / 10_f64.powi(power);
@@ -40,7 +40,7 @@ fn roughly(value: f64) -> String {
     format!("{mantissa:.*}{}~", decimals as usize, suffix(power))
 }
 
-/// The power of ten that a number of this size is written with: none from 0.001 to 100,000.
+/// Returns the power of ten used to print a number of this size: zero from 0.001 to 100,000.
 fn power_of(size: f64) -> i32 {
     let power = if size > 0.0 { size.log10().floor() as i32 } else { 0 };
     if (-3..5).contains(&power) { 0 } else { power }

@@ -1,4 +1,4 @@
-//! Records as JSON: nested, as they are printed, or flat, by the names of a file.
+//! Records as JSON: nested as printed, or flat with the names of a file.
 
 use gfmd_problem::Facts;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
@@ -7,26 +7,26 @@ use serde_json::Value;
 use crate::columns::columns;
 use crate::{Cell, Column, Record};
 
-/// The key of the reasons.
+/// Key of the reasons.
 const UNDEFINED: &str = "undefined";
 
-/// Error: JSON that is no record of a problem.
+/// Error: JSON that is not a record of a problem.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// Text that is no JSON.
+    /// Text that is not JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// A value of another type.
+    /// Value of another type.
     #[error("{column} is {found}; it must be a number, true, false or null")]
     Value {
-        /// The column.
+        /// Name of the column.
         column: &'static str,
-        /// The value found.
+        /// Value found.
         found: String,
     },
 }
 
-/// Nested JSON, in the order of the columns. Keys that are numbers are the places in a list, whose gaps are `null`.
+/// Nested JSON in column order. Numeric keys are places in a list; gaps in the list are `null`.
 #[derive(Default)]
 struct Tree<'a>(Vec<(&'static str, Branch<'a>)>);
 
@@ -50,14 +50,14 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The length of the list that the tree is; `None` if it is no list.
+    /// Returns the length of the tree as a list; `None` if it is not a list.
     fn length(&self) -> Option<usize> {
         self.0.iter().map(|(key, _)| key.parse::<usize>().ok().map(|place| place + 1)).max()?
     }
 
-    /// Writes a list of at least so many entries.
+    /// Writes a list of `length` entries.
     fn list<S: Serializer>(&self, serializer: S, length: usize) -> Result<S::Ok, S::Error> {
-        // Lists in a list have one length.
+        // Inner lists share one length.
         let inner = self.0.iter().filter_map(|(_, branch)| match branch {
             Branch::Tree(tree) => tree.length(),
             Branch::Leaf(_) => None,
@@ -76,7 +76,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// A tree whose list has at least so many entries.
+/// Tree that is written as a list of at least this length.
 struct Padded<'t, 'a>(&'t Tree<'a>, Option<usize>);
 
 impl Serialize for Padded<'_, '_> {
@@ -104,7 +104,7 @@ impl Serialize for Tree<'_> {
     }
 }
 
-/// Each reason once, with the names of the numbers that it leaves without a value.
+/// Returns each reason once, with the names of the numbers that it leaves without a value.
 pub fn by_reason<'n, 'r>(undefined: impl Iterator<Item = (&'n str, &'r str)>) -> Vec<(&'r str, Vec<&'n str>)> {
     let mut all: Vec<(&str, Vec<&str>)> = Vec::new();
     for (name, reason) in undefined {
@@ -116,7 +116,7 @@ pub fn by_reason<'n, 'r>(undefined: impl Iterator<Item = (&'n str, &'r str)>) ->
     all
 }
 
-/// The reason why a number of a record, or of another object with reasons, has no value.
+/// Returns the reason why a number of a record, or of another object with reasons, has no value.
 pub fn reason_for<'a>(record: &'a Value, name: &str) -> Option<&'a str> {
     record.get(UNDEFINED)?.as_object()?.iter().find_map(|(key, value)| match value {
         Value::Array(names) => names.iter().any(|other| other == name).then_some(&**key),
@@ -126,7 +126,7 @@ pub fn reason_for<'a>(record: &'a Value, name: &str) -> Option<&'a str> {
     })
 }
 
-/// Reasons with the names of numbers as a map.
+/// Map from reasons to names of numbers.
 struct Reasons<'a>(Vec<(&'a str, Vec<&'a str>)>);
 
 impl Serialize for Reasons<'_> {
@@ -135,7 +135,7 @@ impl Serialize for Reasons<'_> {
     }
 }
 
-/// The record as printed: nested, with the reasons of numbers without a value.
+/// Writes the record as printed: nested, with the reasons of numbers without a value.
 impl Serialize for Record {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut tree = Tree::default();
@@ -158,7 +158,7 @@ impl Serialize for Record {
     }
 }
 
-/// A record as a journal keeps it: flat, by the names of a file.
+/// Record as kept in a journal: flat, with the names of a file.
 struct Flat<'a>(&'a Record);
 
 impl Serialize for Flat<'_> {
@@ -172,26 +172,26 @@ impl Serialize for Flat<'_> {
 }
 
 impl Record {
-    /// The record as one line, from which [`from_line`](Self::from_line) makes it again, to the last bit.
+    /// Writes the record as one line; [`from_line`](Self::from_line) restores it to the last bit.
     ///
     /// # Errors
-    /// None for numbers.
+    /// Does not fail for numbers.
     pub fn to_line(&self) -> Result<String, RecordError> {
         Ok(serde_json::to_string(&Flat(self))?)
     }
 
-    /// The record of a problem from its line.
+    /// Reads the record of a problem from its line.
     ///
     /// # Errors
-    /// Text that is no such line.
+    /// Returns an error if `line` is not the line of a record.
     pub fn from_line(facts: &Facts, line: &str) -> Result<Self, RecordError> {
         Self::read(facts, &serde_json::from_str(line)?, |column| column.name)
     }
 
-    /// The record of a problem from its nested JSON. Numbers that JSON does not have are without a value.
+    /// Reads the record of a problem from its nested JSON. Missing numbers become NaN.
     ///
     /// # Errors
-    /// A value that is no number.
+    /// Returns an error if a value is not a number.
     pub fn from_json(facts: &Facts, value: &Value) -> Result<Self, RecordError> {
         Self::read(facts, value, |column| column.json)
     }

@@ -1,8 +1,8 @@
-//! The numbers of a contact at rest, declared once.
+//! Numbers of a contact at rest, declared once.
 //!
-//! A [`Column`] is a name, a unit, a definition, the problems that have it, the problems in which it has no value and
-//! why, and the way to compute it from a state. JSON, HDF5, tables, `check`, Python and the documentation walk over
-//! [`COLUMNS`]: a number that is not there has a reason beside it, in all of them.
+//! A [`Column`] has a name, a unit, a definition, the problems that have it, the problems in which it has no value and
+//! why, and a function that computes it from a state. JSON, HDF5, tables, `check`, Python and the documentation walk
+//! over [`COLUMNS`]. All of them give a reason for a missing number.
 //!
 //! ```
 //! use gfmd_contact::{Equilibrium, Load};

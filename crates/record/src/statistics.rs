@@ -1,4 +1,4 @@
-//! The arrays that statistics add to a load, each once: patches, distributions, spectra.
+//! Arrays that statistics add to a load, each declared once: patches, distributions, spectra.
 
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
@@ -9,39 +9,39 @@ use ndarray::ArrayView2;
 /// Number of bins of a distribution.
 const BINS: usize = 100;
 
-/// Decades of a distribution on a logarithmic scale, below the largest value.
+/// Decades of a logarithmic distribution below its largest value.
 const DECADES: usize = 6;
 
-/// Its number of bins in a decade.
+/// Number of bins per decade.
 const BINS_PER_DECADE: usize = 10;
 
-/// The axis along which the values of a load stand.
+/// Axis of the values of a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
-    /// The patches of points in contact, in the order of their first points.
+    /// Patches of points in contact, in the order of their first points.
     Patch,
     /// Bins of equal width between zero and the largest value of the load.
     Bin,
-    /// Rings of wavevectors of about the same length; periodic fields alone have them.
+    /// Rings of wavevectors of similar length, for periodic fields only.
     Ring,
-    /// Distances along x, from zero to half of the cell; periodic fields alone have them.
+    /// Distances along x, from zero to half the cell, for periodic fields only.
     LagX,
-    /// Distances along y.
+    /// Distances along y, from zero to half the cell, for periodic fields only.
     LagY,
 }
 
-/// An array of a load.
+/// Array of a load.
 #[derive(Clone, Copy, Debug)]
 pub struct Statistic {
-    /// The path in a file.
+    /// Path in a file.
     pub path: &'static str,
-    /// The axis of its values.
+    /// Axis of the values.
     pub along: Along,
-    /// The unit; `None` for that of the lengths of the surface.
+    /// Unit; `None` for the length unit of the surface.
     pub unit: Option<&'static str>,
-    /// The definition.
+    /// Definition.
     pub meaning: &'static str,
-    /// The values of a load of this number.
+    /// Values of a load, by its number.
     pub values: fn(&Statistics, usize) -> Vec<f64>,
 }
 
@@ -53,7 +53,7 @@ fn of_spectra(found: &Statistics, part: fn(&Spectra) -> Vec<f64>) -> Vec<f64> {
     found.spectra.as_ref().map(part).unwrap_or_default()
 }
 
-/// All arrays, in the order of a file.
+/// All arrays, in file order.
 pub const STATISTICS: &[Statistic] = &[
     Statistic {
         path: "/patches/load",
@@ -149,32 +149,32 @@ pub const STATISTICS: &[Statistic] = &[
     },
 ];
 
-/// The patches of the points that are repelled.
+/// Returns the patches of repelled points.
 pub fn patches(repulsion: ArrayView2<'_, f64>, boundary: Boundary) -> Patches {
     Patches::of(repulsion.mapv(|p| p > 0.0).view(), boundary)
 }
 
-/// A field of which no statistics are made.
+/// Error: a field without statistics.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("the spectrum of the pressure: {0}")]
 pub struct Unmeasured(String);
 
-/// The patches, distributions and spectra of a load.
+/// Patches, distributions and spectra of a load.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Area, perimeter, force and centre of each patch, in the order of their first points.
     patches: Vec<[f64; 5]>,
-    /// The distribution of the pressures.
+    /// Distribution of the pressure.
     pub pressure: Distribution,
-    /// The distribution of the gap of points not in contact.
+    /// Distribution of the gap at points not in contact.
     pub gap: Distribution,
     /// Gaps and densities, in bins of equal width on a logarithmic scale.
     pub gap_decades: Vec<[f64; 2]>,
-    /// Periodic fields alone have them.
+    /// Spectra, for periodic fields only.
     spectra: Option<Spectra>,
 }
 
-/// The spectrum of a pressure.
+/// Spectrum of a pressure.
 #[derive(Clone, Debug)]
 struct Spectra {
     /// Wavenumbers and power spectral densities.
@@ -184,11 +184,11 @@ struct Spectra {
 }
 
 impl Statistics {
-    /// Measures the fields of a load, and its patches. The `pressure` is the repulsive part alone, which is zero out of
+    /// Measures the fields of a load, and its patches. `pressure` is the repulsive part only, which is zero out of
     /// contact.
     ///
     /// # Errors
-    /// Fields that do not fit the grid.
+    /// Returns an error if the fields do not fit the grid.
     pub fn of(
         grid: &Grid,
         boundary: Boundary,
@@ -215,14 +215,14 @@ impl Statistics {
         Ok((measured, found))
     }
 
-    /// The wavenumbers and densities of the spectrum of the pressure.
+    /// Returns wavenumbers and densities of the pressure spectrum; `None` for fields that are not periodic.
     pub fn spectrum(&self) -> Option<&[[f64; 2]]> {
         self.spectra.as_ref().map(|spectra| &spectra.radial[..])
     }
 }
 
-/// The radially averaged spectrum of the pressure, and its autocorrelation along x and y over the variance, up to half
-/// of the cell.
+/// Computes the radially averaged spectrum of the pressure, and its autocorrelation along x and y divided by the
+/// variance, up to half the cell.
 fn spectra(grid: &Grid, pressure: ArrayView2<'_, f64>) -> Result<Spectra, Unmeasured> {
     let unusable = |error: &dyn std::fmt::Display| Unmeasured(error.to_string());
     let spectrum = PowerSpectrum::of(&pressure.to_owned(), grid).map_err(|error| unusable(&error))?;
@@ -235,7 +235,7 @@ fn spectra(grid: &Grid, pressure: ArrayView2<'_, f64>) -> Result<Spectra, Unmeas
 }
 
 impl Statistics {
-    /// The points of an axis: wavenumbers or distances; of patches and bins their number.
+    /// Returns the points of an axis: wavenumbers, distances, or indices of patches and bins.
     pub fn axis(&self, along: Along, grid: &Grid) -> Vec<f64> {
         let [dx, dy] = grid.spacing();
         let lags = |axis: usize, spacing: f64| {

@@ -3,18 +3,18 @@ use crate::columns::COLUMNS;
 use crate::record::Record;
 use gfmd_unit::{Shown, Units};
 
-/// The columns of a table, in their order, with their places in it. Tables other than that of the state and its
-/// energies begin with the reduced pressure.
+/// Returns the columns of a table in order, with their places in it. Tables other than [`Table::State`] and
+/// [`Table::Energy`] begin with the reduced pressure.
 pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
     let key = (!matches!(table, Table::State | Table::Energy)).then_some("p_star");
     let of = move |column: &'static Column| column.head.filter(|head| head.table == table || key == Some(column.name));
     COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
 }
 
-/// The numbers of states in tables as lines of text, in units that people read if those of the problem are known,
-/// below a line of heads: the columns that have a number in any of the rows.
-/// The last one is the largest residual; the table of the lower face has its own. Lines longer than `width` lose
-/// columns of the effort. Empty if the states have nothing of the tables.
+/// Writes states as tables of text: a line of heads, then one line per state, in readable units if the units of the
+/// problem are known. Only columns with a number in some row appear. The last column is the largest residual; the table
+/// of the lower face has its own. Lines longer than `width` lose columns of the effort. Empty if the states have no
+/// column of the tables.
 pub fn table_of(rows: &[Record], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
     let has = |column: &Column, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
@@ -46,11 +46,11 @@ pub fn table_of(rows: &[Record], tables: &[Table], units: &Units, width: Option<
     aligned(columns.chain(residuals).collect(), width)
 }
 
-/// The heads of columns that a table loses if it is wider than its terminal, in this order.
+/// Heads of columns that a table drops, in this order, if it is wider than its terminal.
 const EFFORT: [&str; 3] = ["residual", "pairs", "steps"];
 
-/// The lines of a table from its columns, each with its head; the columns of the effort are left out one by one until
-/// the lines are at most `width` long.
+/// Aligns columns, each with its head, into lines of text. Drops the columns of the effort one by one until the lines
+/// are at most `width` long.
 pub fn aligned(mut columns: Vec<Vec<String>>, width: Option<usize>) -> Vec<String> {
     let width_of = |column: &Vec<String>| column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
     for head in EFFORT {
@@ -67,8 +67,8 @@ pub fn aligned(mut columns: Vec<Vec<String>>, width: Option<usize>) -> Vec<Strin
     lines
 }
 
-/// A number as a table shows it; `-` without a value. In place of a number that has an error by the grid stands its
-/// limit on fine grids, with the digits that are certain, or two digits and `~` where that is not known.
+/// Formats a number for a table; `-` without a value. A number with a grid error appears as its limit on fine grids
+/// with the certain digits, or as two digits and `~` if the limit is unknown.
 fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
     let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
     let factor = unit.map_or(1.0, |unit| unit.factor);
@@ -84,13 +84,13 @@ fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
     })
 }
 
-/// The unit in which people read a column; `None` if it has none, or that of the problem is not known.
+/// Returns a readable unit for a column; `None` if it has no unit, or the units of the problem are unknown.
 pub fn readable(column: &Column, rows: &[Record], units: &Units) -> Option<Shown> {
     let values = rows.iter().filter_map(|row| row.value(column.name)).filter(|value| value.is_finite());
     units.shown(column.unit, values.fold(0.0, |largest: f64, value| largest.max(value.abs())))
 }
 
-/// Five significant digits of a number that is not much larger than 1000.
+/// Formats a number that is not much larger than 1000 with five significant digits.
 pub fn significant(value: f64) -> String {
     let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     match decade {

@@ -1,4 +1,4 @@
-//! The problems of which something holds: those that have a column or a field, or one of its meanings.
+//! Conditions on problems that select columns, fields and their meanings.
 
 use gfmd_contact::Boundary;
 use gfmd_problem::{Facts, Task};
@@ -15,22 +15,22 @@ pub(crate) fn path(facts: &Facts) -> bool {
     facts.task == Task::Path
 }
 
-/// True if the approach is given in place of a load.
+/// Returns true if the approach is prescribed instead of a load.
 pub(crate) fn approach_given(facts: &Facts) -> bool {
     facts.approach
 }
 
-/// True if the load is given, or the steps of a path, at any of which surfaces may part.
+/// Returns true if the load is prescribed, and for all paths, since surfaces may part at any step.
 pub(crate) fn load_given(facts: &Facts) -> bool {
     !facts.approach || path(facts)
 }
 
-/// True if the approach is that of each step of a path.
+/// Returns true if the approach is prescribed in each step of a path.
 pub(crate) fn prescribed(facts: &Facts) -> bool {
     path(facts) && facts.approach
 }
 
-/// True if a shear may act along a path.
+/// Returns true if shear may act along a path.
 pub(crate) fn sheared(facts: &Facts) -> bool {
     path(facts) && (facts.lateral || friction(facts))
 }
@@ -75,12 +75,12 @@ pub(crate) fn flow(facts: &Facts) -> bool {
     facts.flow
 }
 
-/// True if the states are those of a law: on a path, of a periodic hard wall, too.
+/// Returns true if states follow a law; on a path also for a periodic hard wall.
 pub(crate) fn of_a_law(facts: &Facts) -> bool {
     if path(facts) { !friction(facts) && !facts.is_wall_on_path() } else { law(facts) }
 }
 
-/// True if the path is that of a hard wall by the methods of one.
+/// Returns true for a hard wall on a path that is solved by hard-wall methods.
 pub(crate) fn wall_on_path(facts: &Facts) -> bool {
     facts.is_wall_on_path()
 }

@@ -1,8 +1,8 @@
 //! Damped relaxation, predicted and measured: springs of stiffness 1 to 400 are displaced and released with several
-//! dampings relative to the critical damping of the softest one.
+//! dampings, relative to the critical damping of the softest spring.
 //!
-//! The softest mode determines the time. Its critical damping leaves all stiffer modes oscillating, which costs
-//! nothing: they decay at the same rate. Half or twice that damping is slower (theory.md, sections 6.1 and 6.2).
+//! The softest mode determines the time. With its critical damping, all stiffer modes oscillate, but decay at the same
+//! rate. Half or twice this damping is slower (theory.md, sections 6.1 and 6.2).
 //!
 //! ```text
 //! cargo run --release -p gfmd-relax --example damping
@@ -12,10 +12,10 @@
 
 use gfmd_relax::{Damping, Harmonic, Method, Motion, RelaxError, Verlet};
 
-/// The time step divided by its stability limit without damping.
+/// Time step divided by the stability limit without damping.
 const TIME_STEP: f64 = 0.25;
 
-/// The steps of a measured rate: from half to all of them the amplitude decays by some decades.
+/// Number of steps for measuring a rate; in the second half the amplitude decays by some decades.
 const STEPS: u32 = 1000;
 
 fn main() -> Result<(), RelaxError> {
@@ -39,7 +39,7 @@ fn main() -> Result<(), RelaxError> {
             verlet.step(&mut landscape, &mut state)?;
             history.push(state.u[0].abs());
         }
-        // Largest amplitudes of the second and the last quarter, between which lies half of the steps.
+        // Largest amplitudes of the second and the last quarter, half of the steps apart.
         let quarter = history.len() / 4;
         let largest = |part: &[f64]| part.iter().fold(0.0_f64, |most, u| most.max(*u));
         let ratio = largest(&history[3 * quarter..]) / largest(&history[quarter..2 * quarter]);

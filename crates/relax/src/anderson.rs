@@ -2,8 +2,8 @@ use std::collections::VecDeque;
 
 use gfmd_vector::{dot, for_each};
 
-/// Anderson's mixing (J. ACM 12 (1965) 547) for a fixed point x = F(x): the next x is the linear combination of the
-/// last images F(x) whose coefficients minimise the combination of the residuals F(x) − x. It converges where the
+/// Anderson mixing (J. ACM 12 (1965) 547) for a fixed point x = F(x). The next x is a linear combination of the last
+/// images F(x), with coefficients that minimise the same combination of the residuals F(x) − x. It converges where the
 /// iteration x ← F(x) is slow or, with a smooth F, diverges.
 ///
 /// ```
@@ -27,16 +27,16 @@ pub struct Anderson {
     changes: VecDeque<[Vec<f64>; 2]>,
 }
 
-/// The smallest pivot relative to the largest; below it a change of the residual depends linearly on later ones.
+/// Smallest pivot relative to the largest; below it, a change of the residual depends linearly on later ones.
 const LEAST_PIVOT: f64 = 1e-14;
 
 impl Anderson {
-    /// Mixes at most `depth` + 1 images.
+    /// Creates a mixing of at most `depth` + 1 images.
     pub fn new(depth: usize) -> Self {
         Self { depth, last: None, changes: VecDeque::new() }
     }
 
-    /// Replaces x, of which `image` is F(x), by the next x. Both have the same length in all calls.
+    /// Replaces x by the next x, given `image` = F(x). Both have the same length in all calls.
     ///
     /// # Panics
     /// If the lengths differ.
@@ -64,8 +64,8 @@ impl Anderson {
         self.last = Some([image.to_vec(), residual]);
     }
 
-    /// The weights of the changes whose sum is nearest to the residual, by elimination. A change that is nearly a
-    /// combination of the others has the weight zero.
+    /// Returns the weights with which the sum of the changes is closest to the residual, by elimination. A change that
+    /// is nearly a combination of the others has zero weight.
     fn weights(&self, residual: &[f64]) -> Vec<f64> {
         let n = self.changes.len();
         let mut rows: Vec<Vec<f64>> = self
@@ -74,7 +74,7 @@ impl Anderson {
             .map(|[_, a]| self.changes.iter().map(|[_, b]| dot(a, b)).chain([dot(a, residual)]).collect())
             .collect();
         let largest = (0..n).map(|k| rows[k][k]).fold(0.0, f64::max);
-        // From the newest change to the oldest, on both sides of the diagonal.
+        // Eliminates from the newest change to the oldest, on both sides of the diagonal.
         for k in (0..n).rev() {
             let pivot = rows[k][k];
             let says_more = pivot > LEAST_PIVOT * largest;

@@ -1,4 +1,4 @@
-//! Augmented Lagrangian: the bounds are replaced by a force, so that the inertia may be a matrix.
+//! Augmented Lagrangian: a force replaces the bounds, so that the inertia may be a matrix.
 
 use gfmd_vector::{for_each, pass};
 
@@ -7,45 +7,44 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// A convex energy U(u) = ½⟨u, K u⟩ − ⟨b, u⟩ with bounds on u, whose sum with springs of stiffness ϱ on every entry can
-/// be minimised directly.
+/// Convex energy U(u) = ½⟨u, K u⟩ − ⟨b, u⟩ with bounds on u. Together with springs of stiffness ϱ on every entry, it
+/// can be minimised directly.
 pub trait Proximal {
-    /// Number of entries of u.
+    /// Returns the number of entries of u.
     fn len(&self) -> usize;
 
-    /// True if there are no entries.
+    /// Returns true if there are no entries.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The allowed values of u.
+    /// Returns the allowed values of u.
     fn bounds(&self) -> Bounds<'_>;
 
-    /// The stiffness ϱ of the springs; the best value is between those of the softest and the stiffest mode.
+    /// Returns the stiffness ϱ of the springs, best chosen between the softest and the stiffest mode.
     fn penalty(&self) -> f64;
 
-    /// `u` ← (K + ϱ)⁻¹ (b + ϱ `anchor`): the minimum of U + ϱ/2 |u − anchor|² without bounds.
+    /// Writes (K + ϱ)⁻¹ (b + ϱ `anchor`), the minimum of U + ϱ/2 |u − anchor|² without bounds, into `u`.
     fn settle(&mut self, anchor: &[f64], u: &mut [f64]);
 
-    /// Dimensionless distance from the solution, computed from the difference of the two positions w and u of
-    /// [`AugmentedLagrangian`].
+    /// Returns the dimensionless distance from the solution, computed from the difference between the positions u and w
+    /// of [`AugmentedLagrangian`].
     fn residual(&self, mismatch: &[f64]) -> f64;
 
-    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    /// Visits the variables that the problem itself changes during a search, for example an effort counter.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
     }
 }
 
-/// A [`Proximal`] problem as a [`Landscape`] without bounds, with inertia K + ϱ and a force in place of the bounds: the
-/// augmented Lagrangian with the multiplier λ = ϱ (v − w) updated at every step (theory.md, section 6.3).
+/// [`Proximal`] problem as a [`Landscape`] without bounds, with inertia K + ϱ and a force in place of the bounds. It is
+/// the augmented Lagrangian with the multiplier λ = ϱ (v − w) updated in every step (theory.md, section 6.3).
 ///
-/// The position is w = Π v; the excess of v over the bounds is the reaction λ divided by ϱ. The force is M⁻¹ (b − K w −
-/// λ) with M = K + ϱ, which needs M⁻¹ only once: it is u − w, with u = M⁻¹ (b + ϱ (w − λ/ϱ)). If it vanishes, b − K w =
-/// λ: free entries have no force, and entries at a bound are pressed against it. Steps v + τ M⁻¹ f with 0 < τ < 2
-/// converge from any start for every ϱ (Douglas and Rachford 1956, Lions and Mercier 1979);
-/// [`Nesterov`](crate::Nesterov) accelerates them. There is no energy; its substitute ½ ϱ |u − w|² decreases in every
-/// step without momentum.
+/// The position is w = Π v; v exceeds the bounds by λ/ϱ, with the reaction λ. The force M⁻¹ (b − K w − λ), with M = K +
+/// ϱ, equals u − w with u = M⁻¹ (b + ϱ (w − λ/ϱ)) and needs M⁻¹ only once. If it vanishes, b − K w = λ: free entries
+/// have no force, and entries at a bound are pressed against it. Steps v + τ M⁻¹ f with 0 < τ < 2 converge from any
+/// start for every ϱ (Douglas and Rachford 1956, Lions and Mercier 1979); [`Nesterov`](crate::Nesterov) accelerates
+/// them. There is no energy; the substitute ½ ϱ |u − w|² decreases in every step without momentum.
 #[derive(Clone, Debug)]
 pub struct AugmentedLagrangian<P> {
     problem: P,
@@ -53,23 +52,23 @@ pub struct AugmentedLagrangian<P> {
 }
 
 impl<P: Proximal> AugmentedLagrangian<P> {
-    /// The augmented Lagrangian of `problem`.
+    /// Creates the augmented Lagrangian of `problem`.
     pub fn new(problem: P) -> Self {
         let anchor = vec![0.0; problem.len()];
         Self { problem, anchor }
     }
 
-    /// The problem.
+    /// Returns the problem.
     pub fn problem(&self) -> &P {
         &self.problem
     }
 
-    /// The problem, for changes that do not change its solution.
+    /// Returns the problem for changes that preserve its solution.
     pub fn problem_mut(&mut self) -> &mut P {
         &mut self.problem
     }
 
-    /// The reaction λ = ϱ (v − Π v) of the bounds, positive at an upper bound.
+    /// Returns the reaction λ = ϱ (v − Π v) of the bounds, positive at an upper bound.
     pub fn reaction(&self, v: &[f64]) -> Vec<f64> {
         let mut reaction = v.to_vec();
         self.problem.bounds().project(&mut reaction);

@@ -6,12 +6,12 @@ use gfmd_vector::{for_each, reduce};
 
 use crate::RelaxError;
 
-/// The bounds of the entries of `u`. Vectors contain one bound per entry, in the unit of `u`; ±∞ means no bound, and
-/// equal bounds fix the entry.
+/// Bounds of the entries of `u`. Vectors contain one bound per entry in the unit of `u`; ±∞ means no bound, and equal
+/// bounds fix the entry.
 ///
-/// Bounds are data, not a function, so that clipping, masking and moving are one sweep over the vectors. They act on
-/// each entry separately, and so do the methods of this crate with their scalar mass: only then do clipped steps stop
-/// at the constrained minimum (theory.md, section 6.3).
+/// Bounds are data, not a function, so that clipping, masking and moving take one sweep over the vectors. Both the
+/// bounds and the methods of this crate, with their scalar mass, act on each entry separately. This is necessary for
+/// clipped steps to stop at the constrained minimum (theory.md, section 6.3).
 #[derive(Clone, Copy, Debug)]
 pub enum Bounds<'a> {
     /// Every value is allowed.
@@ -28,7 +28,7 @@ pub enum Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// u ← the nearest allowed point, entry by entry. NaN stays NaN.
+    /// Replaces each entry of `u` by the nearest allowed value. NaN stays NaN.
     ///
     /// # Panics
     /// If `u` and the bounds differ in length.
@@ -44,9 +44,9 @@ impl Bounds<'_> {
         within!(*self, wall => clip(wall, u));
     }
 
-    /// Largest |rᵢ| of the natural residual r = clamp(f / `force_scale`, (lower − u) / `length_scale`, (upper − u) /
-    /// `length_scale`), which vanishes exactly at the constrained minimum (theory.md, section 6.6). It measures forces
-    /// on free entries, forces that pull entries off their bounds, and violated bounds. NaN if any entry is NaN.
+    /// Returns max |rᵢ| of the natural residual r = clamp(f / `force_scale`, (lower − u) / `length_scale`, (upper − u)
+    /// / `length_scale`), which vanishes exactly at the constrained minimum (theory.md, section 6.6). It measures
+    /// forces on free entries, forces that pull entries off bounds, and violated bounds. NaN if any entry is NaN.
     ///
     /// # Panics
     /// If `u`, `force` and the bounds differ in length.
@@ -58,7 +58,7 @@ impl Bounds<'_> {
                 u.iter().zip(force).enumerate().fold(0, |largest, (k, (&u, &f))| {
                     let (down, up) = wall.distances(k, u);
                     let residual = if u.is_nan() { u } else { clamp(f * length_per_force, down, up) };
-                    // Bit patterns of positive numbers have the order of the numbers, with NaN last.
+                    // Bit patterns of positive numbers are ordered like the numbers, with NaN last.
                     u64::max(largest, residual.abs().to_bits())
                 })
             };
@@ -68,7 +68,7 @@ impl Bounds<'_> {
         within!(*self, wall => largest(wall, u, force, length_per_force)) / length_scale
     }
 
-    /// True if the bound of the entry `index` is active: the entry lies on it, and its force does not pull it off.
+    /// Returns true if the bound of entry `index` is active: the entry lies on it, and its force does not pull it off.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -76,7 +76,7 @@ impl Bounds<'_> {
         within!(*self, wall => wall.holds(index, u, force))
     }
 
-    /// Checks that there is one bound per entry, that none is NaN, and that no lower bound exceeds the upper one.
+    /// Checks that there is one bound per entry, that none is NaN, and that no lower bound exceeds the upper bound.
     pub(crate) fn check(&self, length: usize) -> Result<(), RelaxError> {
         self.check_length(length)?;
         let wrong = match *self {
@@ -103,8 +103,7 @@ impl Bounds<'_> {
     }
 }
 
-/// Evaluates an expression with `wall` bound to the [`Wall`] of the bounds: one copy of the expression per kind of
-/// bounds.
+/// Evaluates an expression with `wall` set to the [`Wall`] of the bounds, in one copy per kind of bounds.
 macro_rules! within {
     ($bounds:expr, $wall:ident => $body:expr) => {
         match $bounds {
@@ -125,18 +124,17 @@ macro_rules! within {
 }
 pub(crate) use within;
 
-/// The bounds in inner loops: one type per kind, so that no loop branches on the kind or reads a vector that it does
-/// not need.
+/// Bounds in inner loops. There is one type per kind, so no loop branches on the kind or reads an unnecessary vector.
 pub(crate) trait Wall: Copy + Sync {
-    /// The wall of the entries in `range`.
+    /// Returns the wall of the entries in `range`.
     fn stretch(self, range: Range<usize>) -> Self;
-    /// The nearest allowed value.
+    /// Returns the nearest allowed value.
     fn clip(self, k: usize, u: f64) -> f64;
-    /// True if u lies on its bound.
+    /// Returns true if u lies on its bound.
     fn touches(self, k: usize, u: f64) -> bool;
-    /// True if u lies on its bound and the force does not pull it off.
+    /// Returns true if u lies on its bound and the force does not pull it off.
     fn holds(self, k: usize, u: f64, force: f64) -> bool;
-    /// The distances of u from its bounds, down (≤ 0) and up (≥ 0).
+    /// Returns the distances of u from its bounds, down (≤ 0) and up (≥ 0).
     fn distances(self, k: usize, u: f64) -> (f64, f64);
 }
 
@@ -215,7 +213,7 @@ impl Wall for Inside<'_> {
     }
 }
 
-/// `f64::clamp` without panics. NaN stays NaN; `f64::min` would return the bound and hide it.
+/// Clamps like `f64::clamp`, but without panics. NaN stays NaN, while `f64::min` would return the bound and hide it.
 fn clamp(x: f64, lower: f64, upper: f64) -> f64 {
     let x = if x > upper { upper } else { x };
     if x < lower { lower } else { x }

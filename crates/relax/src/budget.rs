@@ -1,6 +1,6 @@
 use std::ops::RangeInclusive;
 
-/// The accuracy asked of an iterative search, and the effort allowed for it.
+/// Required accuracy and maximum effort of an iterative search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
     /// Largest allowed residual.
@@ -10,34 +10,34 @@ pub struct Budget {
 }
 
 impl Default for Budget {
-    /// A tolerance of 1e-8 and at most 100 000 iterations.
+    /// Returns a tolerance of 1e-8 and at most 100 000 iterations.
     fn default() -> Self {
         Self { tolerance: 1e-8, max_iterations: 100_000 }
     }
 }
 
 impl Budget {
-    /// The allowed tolerances: rounding prevents smaller ones, and with larger ones the problem is not solved.
+    /// Allowed tolerances. Smaller ones are below the rounding error; larger ones do not solve the problem.
     pub const TOLERANCES: RangeInclusive<f64> = 1e-15..=0.1;
 
     /// Checks the tolerance.
     ///
     /// # Errors
-    /// A tolerance outside [`TOLERANCES`](Self::TOLERANCES).
+    /// Returns an error if the tolerance is outside [`TOLERANCES`](Self::TOLERANCES).
     pub fn check(&self) -> Result<(), ToleranceError> {
         let found = self.tolerance;
         if Self::TOLERANCES.contains(&found) { Ok(()) } else { Err(ToleranceError { found }) }
     }
 }
 
-/// A tolerance outside [`Budget::TOLERANCES`].
+/// Error of a tolerance outside [`Budget::TOLERANCES`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the tolerance is {found:e}; it must be between {:e} and {}",
     Budget::TOLERANCES.start(), Budget::TOLERANCES.end()
 )]
 pub struct ToleranceError {
-    /// The tolerance.
+    /// Tolerance found.
     pub found: f64,
 }
 

@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use gfmd_vector::{Share, Split};
 
-/// The upper bounds of the variables of a problem.
+/// Upper bounds of the variables of a problem.
 #[derive(Clone, Debug)]
 pub enum Upper {
-    /// One bound for all variables; infinite for none.
+    /// One bound for all variables; infinite if there is none.
     All(f64),
     /// One finite bound for each variable.
     Each(Arc<[f64]>),
 }
 
 impl Upper {
-    /// The bounds in a form that can be divided into stretches.
+    /// Returns the bounds in a form that can be split into stretches.
     pub fn ceiling(&self) -> Ceiling<'_> {
         match self {
             Self::All(bound) => Ceiling::All(*bound),
@@ -23,7 +23,7 @@ impl Upper {
         }
     }
 
-    /// The mean of the bounds.
+    /// Returns the mean of the bounds.
     pub fn mean(&self) -> f64 {
         match self {
             Self::All(bound) => *bound,
@@ -31,7 +31,7 @@ impl Upper {
         }
     }
 
-    /// The mean of the bounds of all processes, if these are the bounds of one `share`.
+    /// Returns the mean over all processes, if these are the bounds of one `share`.
     pub fn mean_over(&self, share: &Share) -> f64 {
         match self {
             Self::All(bound) => *bound,
@@ -39,7 +39,7 @@ impl Upper {
         }
     }
 
-    /// The bounds times a factor.
+    /// Returns the bounds multiplied by `factor`.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {
         match self {
@@ -49,7 +49,7 @@ impl Upper {
     }
 }
 
-/// The upper bounds of a stretch of variables.
+/// Upper bounds of a stretch of variables.
 #[derive(Clone, Copy, Debug)]
 pub enum Ceiling<'a> {
     /// One bound for all variables.
@@ -59,7 +59,7 @@ pub enum Ceiling<'a> {
 }
 
 impl<'a> Ceiling<'a> {
-    /// The bound of the variable with this index in the stretch.
+    /// Returns the bound of the variable with this index in the stretch.
     #[inline]
     pub fn at(self, index: usize) -> f64 {
         match self {
@@ -68,7 +68,7 @@ impl<'a> Ceiling<'a> {
         }
     }
 
-    /// True if there is a bound.
+    /// Returns true if there is a bound.
     pub fn is_finite(self) -> bool {
         match self {
             Self::All(bound) => bound.is_finite(),
@@ -76,7 +76,7 @@ impl<'a> Ceiling<'a> {
         }
     }
 
-    /// The bounds of a part of the stretch.
+    /// Returns the bounds of a part of the stretch.
     #[must_use]
     pub fn part(self, range: Range<usize>) -> Ceiling<'a> {
         match self {
@@ -85,7 +85,7 @@ impl<'a> Ceiling<'a> {
         }
     }
 
-    /// The highest bound of all processes.
+    /// Returns the highest bound of all processes.
     pub(crate) fn highest(self, share: &Share) -> f64 {
         match self {
             Self::All(bound) => bound,
@@ -99,7 +99,7 @@ impl<'a> Ceiling<'a> {
 impl Split for Ceiling<'_> {
     fn length(&self) -> usize {
         match self {
-            // One bound is that of any number of variables, as `()`.
+            // One bound fits any number of variables, like `()`.
             Self::All(_) => usize::MAX,
             Self::Each(bounds) => bounds.len(),
         }

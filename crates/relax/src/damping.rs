@@ -4,9 +4,9 @@ use std::f64::consts::LN_10;
 
 use crate::RelaxError;
 
-/// The two numbers of the damped scheme u₊ = u + β (u − u₋) + τ f (theory.md, section 6.1, scheme A).
+/// Parameters of the damped scheme u₊ = u + β (u − u₋) + τ f (theory.md, section 6.1, scheme A).
 ///
-/// For f = −k u the error of a mode follows λ² − (1 + β − τ k) λ + β = 0. Stiffness is per mass throughout, in 1/time².
+/// For f = −k u, the error of a mode obeys λ² − (1 + β − τ k) λ + β = 0. All stiffnesses are per mass, in 1/time².
 ///
 /// ```
 /// use gfmd_relax::{Damping, Motion};
@@ -19,24 +19,24 @@ use crate::RelaxError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Damping {
-    /// β = 1 − η Δt², the momentum: the fraction of a step that is repeated in the next. 0 is gradient descent, 1 is
+    /// Momentum β = 1 − η Δt²: the fraction of a step that is repeated in the next one. 0 is gradient descent, 1 is
     /// undamped.
     pub beta: f64,
     /// τ = Δt²/m, in displacement per force.
     pub tau: f64,
 }
 
-/// Damping coefficients η relative to critical ones.
+/// Damping coefficients η relative to critical damping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Factors {
-    /// One η for all entries, over the critical one of the softest mode (thesis, eq. 4.8).
+    /// One η for all entries, divided by the critical η of the softest mode (thesis, eq. 4.8).
     Softest(f64),
-    /// An η for each component x, y, z, over the critical one of its own uniform mode, 2√κ_i/Δt − κ_i with κ = C44/z_m,
-    /// C44/z_m, C11/z_m on a bonded slab (thesis, eq. 4.5).
+    /// One η for each component x, y, z, divided by the critical η of the uniform mode of the component, 2√κ_i/Δt − κ_i
+    /// with κ = C44/z_m, C44/z_m, C11/z_m on a bonded slab (thesis, eq. 4.5).
     Components([f64; 3]),
 }
 
-/// The evolution of the error of one mode.
+/// Evolution of the error of one mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// Two complex eigenvalues: the mode oscillates.
@@ -46,37 +46,37 @@ pub enum Motion {
         /// Phase advance per step, in radians.
         angle: f64,
     },
-    /// A double eigenvalue: fastest decay without oscillation.
+    /// A double eigenvalue: the mode decays as fast as possible without oscillation.
     Critical {
         /// λ = (1 + β − τ k) / 2.
         eigenvalue: f64,
     },
-    /// Two real eigenvalues. If positive, the mode decays monotonically; if negative, it changes sign in every step,
-    /// since the step is too long.
+    /// Two real eigenvalues. If positive, the mode decays monotonically. If negative, the step is too long and the mode
+    /// changes sign in every step.
     OverDamped {
-        /// The eigenvalue of larger magnitude.
+        /// Eigenvalue of larger magnitude.
         slow: f64,
-        /// The eigenvalue of smaller magnitude.
+        /// Eigenvalue of smaller magnitude.
         fast: f64,
     },
 }
 
 impl Damping {
-    /// Critical damping of a mode of stiffness `k` at time step `dt` and unit mass: β = (1 − √k Δt)², that is
-    /// η = 2√k/Δt − k (theory.md, section 6.1).
+    /// Returns the critical damping of a mode of stiffness `k` at time step `dt` and unit mass: β = (1 − √k Δt)², that
+    /// is, η = 2√k/Δt − k (theory.md, section 6.1).
     pub fn critical(k: f64, dt: f64) -> Self {
         Self { beta: (1.0 - k.sqrt() * dt).powi(2), tau: dt * dt }
     }
 
-    /// `factor` times the critical η of a mode of stiffness `k` at time step `dt`, if modes up to `k_max` are stable
-    /// with it.
+    /// Returns `factor` times the critical η of a mode of stiffness `k` at time step `dt`, if modes up to `k_max` are
+    /// stable.
     ///
     /// # Errors
-    /// A factor that is not positive, or too large for the time step.
+    /// Returns an error if the factor is not positive or too large for the time step.
     pub fn times_critical(factor: f64, k: f64, k_max: f64, dt: f64) -> Result<Self, RelaxError> {
         let tau = dt * dt;
         let critical = Self::critical(k, dt);
-        // Exactly the critical damping with a factor of one.
+        // A factor of one gives exactly the critical damping.
         let damping = Self { beta: critical.beta - (factor - 1.0) * critical.eta() * tau, tau };
         let stable = damping.beta.abs() < 1.0 && k_max < damping.stiffness_limit();
         let allowed = "positive, and small enough for stability with this time step";
@@ -84,10 +84,10 @@ impl Damping {
         Ok(damping)
     }
 
-    /// The time step that is `fraction` of the stability limit without damping, 2/√`k_max`.
+    /// Returns `fraction` times the stability limit 2/√`k_max` of the time step without damping.
     ///
     /// # Errors
-    /// A fraction that is not between 0 and 1.
+    /// Returns an error if the fraction is not between 0 and 1.
     pub fn time_step(fraction: f64, k_max: f64) -> Result<f64, RelaxError> {
         let within = fraction > 0.0 && fraction < 1.0;
         let name = "the time step over the stability limit";
@@ -95,13 +95,13 @@ impl Damping {
         Ok(fraction * 2.0 / k_max.sqrt())
     }
 
-    /// The largest time step for which the stiffest mode is stable with [`Damping::critical`] of the softest mode:
-    /// Δt < 2 / (√k_min + √(k_max − k_min)), where τ k_max = 2 (1 + β).
+    /// Returns the largest time step for which the stiffest mode is stable with [`Damping::critical`] of the softest
+    /// mode: Δt < 2 / (√k_min + √(k_max − k_min)), where τ k_max = 2 (1 + β).
     pub fn critical_dt_limit(k_min: f64, k_max: f64) -> f64 {
         2.0 / (k_min.sqrt() + (k_max - k_min).sqrt())
     }
 
-    /// The optimal damping and time step for all stiffnesses in [`k_min`, `k_max`]: √τ = 2 / (√k_min + √k_max),
+    /// Returns the optimal damping and time step for all stiffnesses in [`k_min`, `k_max`]: √τ = 2 / (√k_min + √k_max),
     /// √β = (√κ − 1) / (√κ + 1) with κ = k_max / k_min (theory.md, section 6.2). The softest and the stiffest mode are
     /// both critically damped.
     pub fn optimal(k_min: f64, k_max: f64) -> Self {
@@ -109,40 +109,39 @@ impl Damping {
         Self { beta: ((stiff - soft) / (stiff + soft)).powi(2), tau: (2.0 / (soft + stiff)).powi(2) }
     }
 
-    /// The optimal gradient descent (β = 0) for stiffnesses in [`k_min`, `k_max`], τ = 2 / (k_min + k_max); for
+    /// Returns the optimal gradient descent (β = 0) for stiffnesses in [`k_min`, `k_max`], τ = 2 / (k_min + k_max), for
     /// comparison.
     pub fn plain_descent(k_min: f64, k_max: f64) -> Self {
         Self { beta: 0.0, tau: 2.0 / (k_min + k_max) }
     }
 
-    /// The scheme with a damping force −γ (u₊ − u₋) / 2Δt, centred in time, at unit mass (theory.md, section 6.1).
+    /// Returns the scheme with a centred damping force −γ (u₊ − u₋) / 2Δt at unit mass (theory.md, section 6.1).
     pub fn central(gamma: f64, dt: f64) -> Self {
         let x = 0.5 * gamma * dt;
         Self { beta: (1.0 - x) / (1.0 + x), tau: dt * dt / (1.0 + x) }
     }
 
-    /// The γ of critical damping of a mode of stiffness `k` in [`Damping::central`]: 2 √(k (1 − k Δt²/4)), in 1/time.
+    /// Returns the critical γ of a mode of stiffness `k` in [`Damping::central`], 2 √(k (1 − k Δt²/4)), in 1/time.
     pub fn central_critical(k: f64, dt: f64) -> f64 {
         2.0 * (k * (1.0 - 0.25 * k * dt * dt)).sqrt()
     }
 
-    /// η = (1 − β)/Δt² at unit mass, in 1/time²: it multiplies a displacement increment. The viscous coefficient is
-    /// γ = η Δt.
+    /// Returns η = (1 − β)/Δt² at unit mass, in 1/time². It multiplies a displacement increment; the viscous
+    /// coefficient is γ = η Δt.
     pub fn eta(&self) -> f64 {
         (1.0 - self.beta) / self.tau
     }
 
-    /// The stiffness below which every mode is stable, 2 (1 + β)/τ, if |β| < 1 (theory.md, section 6.1).
+    /// Returns the stiffness below which every mode is stable if |β| < 1, 2 (1 + β)/τ (theory.md, section 6.1).
     pub fn stiffness_limit(&self) -> f64 {
         2.0 * (1.0 + self.beta) / self.tau
     }
 
-    /// The eigenvalues of a mode of stiffness `k`. A double root is recognised up to rounding.
+    /// Returns the eigenvalues of a mode of stiffness `k`. A double eigenvalue is recognised up to rounding.
     pub fn motion(&self, k: f64) -> Motion {
         let (beta, kappa) = (self.beta, self.tau * k);
         let trace = 1.0 + beta - kappa;
-        // The discriminant trace² − 4β as a product: its zeros, the critical stiffnesses, are then free of
-        // cancellation.
+        // As a product, the discriminant trace² − 4β has no cancellation near its zeros, the critical stiffnesses.
         let discriminant = if beta >= 0.0 {
             let root = beta.sqrt();
             (distance(1.0 - root, kappa)) * (distance(1.0 + root, kappa))
@@ -159,7 +158,7 @@ impl Damping {
         }
     }
 
-    /// The largest |λ| of a mode of stiffness `k`: asymptotically, its error decreases by this factor per step.
+    /// Returns the largest |λ| of a mode of stiffness `k`, the asymptotic decay factor of its error per step.
     pub fn spectral_radius(&self, k: f64) -> f64 {
         match self.motion(k) {
             Motion::UnderDamped { modulus, .. } => modulus,
@@ -168,17 +167,17 @@ impl Damping {
         }
     }
 
-    /// The predicted number of steps per decimal digit for stiffnesses in [`k_min`, `k_max`]; infinite if unstable. The
-    /// slowest mode is at one of the ends.
+    /// Predicts the number of steps per decimal digit for stiffnesses in [`k_min`, `k_max`]; infinite if unstable. The
+    /// slowest mode is at one end of the interval.
     ///
-    /// With bounds convergence is at least as fast, since fixing entries keeps the spectrum in the band (theory.md,
-    /// section 6.5).
+    /// With bounds, convergence is at least as fast, since fixing entries keeps the spectrum in the interval
+    /// (theory.md, section 6.5).
     pub fn steps_per_decade(&self, k_min: f64, k_max: f64) -> f64 {
         let radius = self.spectral_radius(k_min).max(self.spectral_radius(k_max));
         if radius < 1.0 { -LN_10 / radius.ln() } else { f64::INFINITY }
     }
 
-    /// The error of a mode of stiffness `k` after `step` steps, released at rest at 1.
+    /// Returns the error of a mode of stiffness `k` after `step` steps, if released at rest at 1.
     pub fn amplitude(&self, k: f64, step: u32) -> f64 {
         let n = f64::from(step);
         let power = |base: f64| if step == 0 { 1.0 } else { base.signum().powf(n) * base.abs().powf(n) };
@@ -195,12 +194,12 @@ impl Damping {
         }
     }
 
-    /// The number of steps after which the error of a mode of stiffness `k`, released at rest at 1, stays within
-    /// `tolerance`; `None` if it never does.
+    /// Returns the number of steps after which the error of a mode of stiffness `k`, released at rest at 1, stays
+    /// within `tolerance`; `None` if it never does.
     pub fn steps_to(&self, k: f64, tolerance: f64) -> Option<u32> {
         let envelope = |step: u32| match self.motion(k) {
             Motion::UnderDamped { modulus, angle } => {
-                // Near critical damping the coefficient of sin nθ is large, but |sin nθ| ≤ n sin θ.
+                // Near critical damping, the coefficient of sin nθ is large, but |sin nθ| ≤ n sin θ.
                 let swing = self.swing(k, modulus, angle).abs();
                 let n = f64::from(step);
                 modulus.powf(n) * 1.0f64.hypot(swing).min(1.0 + swing * n * angle.sin())
@@ -208,7 +207,7 @@ impl Damping {
             _ => self.amplitude(k, step).abs(),
         };
         let stable = self.spectral_radius(k) < 1.0 && tolerance > 0.0;
-        // The last step outside the tolerance is below the first power of two from which on all steps are inside.
+        // The last step outside the tolerance is below the first power of two after which all steps are inside.
         let mut high = 1u32;
         while stable && (envelope(high) > tolerance || envelope(2 * high) > tolerance) {
             high = high.checked_mul(2).filter(|high| *high < u32::MAX / 2)?;
@@ -221,13 +220,13 @@ impl Damping {
         stable.then_some(high)
     }
 
-    /// The coefficient of sin nθ, relative to that of cos nθ, in the oscillation of a mode released at rest.
+    /// Returns the ratio of the coefficients of sin nθ and cos nθ in the oscillation of a mode released at rest.
     fn swing(&self, k: f64, modulus: f64, angle: f64) -> f64 {
         ((1.0 - self.tau * k) / modulus - angle.cos()) / angle.sin()
     }
 }
 
-/// root² − κ, rounded to zero within the rounding error of both.
+/// Returns root² − κ, or zero if it is within the rounding error of both.
 fn distance(root: f64, kappa: f64) -> f64 {
     let distance = root * root - kappa;
     // √β and β have an absolute error of the order of ε, and so does 1 ∓ √β.

@@ -1,4 +1,4 @@
-//! Errors, with the value found and the values allowed.
+//! Errors, with the found and the allowed values.
 
 use crate::{Status, Stop};
 
@@ -6,17 +6,17 @@ use crate::{Status, Stop};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RelaxError {
-    /// The length of a vector is not that of the problem.
+    /// The length of a vector differs from the length of the problem.
     #[error("{what} have {found} entries; they must have {allowed}")]
     Length {
         /// Name of the vector.
         what: &'static str,
-        /// Its length.
+        /// Length of the vector.
         found: usize,
-        /// The length of the problem.
+        /// Length of the problem.
         allowed: usize,
     },
-    /// A bound is NaN, or a lower bound exceeds its upper one.
+    /// A bound is NaN, or a lower bound exceeds the upper bound.
     #[error("the bounds of entry {index} are {lower:e} and {upper:e}; the lower must be at most the upper")]
     Bounds {
         /// Index of the entry.
@@ -31,10 +31,10 @@ pub enum RelaxError {
     Start {
         /// Index of the variable.
         index: usize,
-        /// Its value.
+        /// Value found.
         found: f64,
     },
-    /// Every variable starts at zero although their mean is prescribed.
+    /// Every variable starts at zero although the mean is prescribed.
     #[error("every variable starts at zero; at least one must be positive if the mean is prescribed")]
     AllZero,
     /// A parameter of a method is invalid.
@@ -42,20 +42,20 @@ pub enum RelaxError {
     Parameter {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
-        /// The allowed values.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// The time step is beyond the stability limit (theory.md, section 6.1).
     #[error("the time step is {found:e}; it must be less than {allowed:e} for stability")]
     TimeStep {
-        /// The time step.
+        /// Time step.
         found: f64,
-        /// The stability limit.
+        /// Stability limit.
         allowed: f64,
     },
-    /// The limit of steps was reached.
+    /// The maximum number of steps was reached.
     #[error(
         "not converged after {} steps: residual {:e} (asked {:e}), active bounds unchanged for {} steps (asked {})",
         reached.step, reached.residual, asked.residual, reached.settled, asked.settled
@@ -63,7 +63,7 @@ pub enum RelaxError {
     NotConverged {
         /// Status at the end of the run.
         reached: Status,
-        /// The criteria.
+        /// End criteria.
         asked: Stop,
     },
     /// The run diverges.
@@ -74,9 +74,9 @@ pub enum RelaxError {
     Diverged {
         /// Status at the end of the run.
         reached: Status,
-        /// The criterion that was met.
+        /// Criterion of the divergence.
         reason: Divergence,
-        /// Largest stiffness (per mass) for which the method is stable with its parameters.
+        /// Largest stiffness per mass for which the method is stable with its parameters.
         stable_up_to: f64,
     },
     /// Too many steps in a row went uphill (FIRE).
@@ -84,9 +84,9 @@ pub enum RelaxError {
     Uphill {
         /// Status at the end of the run.
         reached: Status,
-        /// Steps uphill.
+        /// Number of steps uphill.
         found: u32,
-        /// Largest number that the method accepts.
+        /// Largest allowed number.
         allowed: u32,
     },
     /// An observer failed.
@@ -104,7 +104,7 @@ impl RelaxError {
     }
 }
 
-/// The criterion of a divergence.
+/// Criterion of a divergence.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Divergence {
@@ -114,9 +114,9 @@ pub enum Divergence {
     /// The energy is far above its scale at the start.
     #[error("the energy is {found:e}; it must be at most {allowed:e}")]
     Energy {
-        /// The energy.
+        /// Energy.
         found: f64,
-        /// The limit.
+        /// Energy limit.
         allowed: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! FIRE (Bitzek et al. 2006): molecular dynamics with an adaptive time step; the velocity is reset if P = F·v is
+//! FIRE (Bitzek et al. 2006): molecular dynamics with an adaptive time step and a reset of the velocity when P = F·v is
 //! negative.
 
 use std::ops::Range;
@@ -10,37 +10,37 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Fast inertial relaxation engine (theory.md, section 6.4). It needs no stiffness of the softest mode, only a time
-/// step for which the stiffest mode is stable, and adapts the damping: velocities are mixed with the direction of the
-/// force, the time step grows while the motion goes downhill, and the velocity is set to zero when it goes uphill.
+/// Fast inertial relaxation engine (theory.md, section 6.4). It does not need the stiffness of the softest mode, only a
+/// time step for which the stiffest mode is stable. The damping is adaptive: velocities are mixed with the direction of
+/// the force, the time step grows while the motion goes downhill, and the velocity is set to zero when it goes uphill.
 ///
 /// Entries held by their bound have zero force and zero velocity. An entry that has just reached its bound still has
-/// the velocity of the *projected* motion; stepping back with it would take the entry off its bound again, endlessly if
-/// no other entry moves. The mass is 1 for all entries, as for [`Verlet`](crate::Verlet). Both published versions are
-/// integrated as FIRE 2.0: semi-implicit Euler, with velocities mixed after the force has acted on them.
+/// the velocity of the *projected* motion; stepping back with this velocity would take it off its bound again,
+/// endlessly if no other entry moves. The mass is 1 for all entries, as for [`Verlet`](crate::Verlet). Both published
+/// versions are integrated as FIRE 2.0: semi-implicit Euler, with velocities mixed after the force has acted on them.
 ///
 /// Every parameter is public: `Fire { delay: 10, ..Fire::v2(dt_max) }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fire {
-    /// First time step Δt₀. Both versions: Δt_max / 10.
+    /// Initial time step Δt₀. Both versions: Δt_max / 10.
     pub dt_start: f64,
     /// Largest time step Δt_max; at most [`Fire::largest_dt`].
     pub dt_max: f64,
     /// Smallest time step Δt_min. 2006: 0; 2.0: 0.02 Δt₀.
     pub dt_min: f64,
-    /// Steps downhill before the time step grows, N_delay. 2006: 5; 2.0: 20.
+    /// Number of steps downhill before the time step grows, N_delay. 2006: 5; 2.0: 20.
     pub delay: u32,
-    /// Number of initial steps in which going uphill does not shorten the time step. 2006: 0; 2.0: N_delay.
+    /// Number of initial steps in which a step uphill does not shorten the time step. 2006: 0; 2.0: N_delay.
     pub grace: u64,
-    /// Growth of the time step, f_inc. Both versions: 1.1.
+    /// Growth factor of the time step, f_inc. Both versions: 1.1.
     pub dt_grow: f64,
-    /// Reduction of the time step after going uphill, f_dec. Both versions: 0.5.
+    /// Reduction factor of the time step after a step uphill, f_dec. Both versions: 0.5.
     pub dt_shrink: f64,
     /// Initial fraction of the velocity that is turned towards the force per step, α₀. 2006: 0.1; 2.0: 0.25.
     pub alpha_start: f64,
-    /// Reduction of α per step downhill, f_α. Both versions: 0.99.
+    /// Reduction factor of α per step downhill, f_α. Both versions: 0.99.
     pub alpha_shrink: f64,
-    /// Further action after going uphill. 2006: [`Uphill::Halt`]; 2.0: [`Uphill::StepBack`].
+    /// Further action after a step uphill. 2006: [`Uphill::Halt`]; 2.0: [`Uphill::StepBack`].
     pub uphill: Uphill,
     /// Largest number of steps uphill in a row. 2006: no limit; 2.0: 2000.
     pub max_uphill: u32,
@@ -51,14 +51,14 @@ pub struct Fire {
 pub enum Uphill {
     /// v ← 0 without a change of position.
     Halt,
-    /// u ← Π(u − ½ Δt v) with the shortened time step, then v ← 0. Costs one more evaluation of the force.
+    /// u ← Π(u − ½ Δt v) with the shortened time step, then v ← 0. Costs one more force evaluation.
     StepBack,
 }
 
 /// [`State`] of [`Fire`].
 pub type FireState = State<Flight>;
 
-/// Memory of [`Fire`].
+/// Variables of [`Fire`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flight {
     /// Velocities after projection, in displacement per time.
@@ -85,8 +85,8 @@ impl Variables for Flight {
 }
 
 impl Fire {
-    /// FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch, Phys. Rev. Lett. 97, 170201), with unit
-    /// mass.
+    /// Returns FIRE as published in 2006 (Bitzek, Koskinen, Gähler, Moseler, Gumbsch, Phys. Rev. Lett. 97, 170201),
+    /// with unit mass.
     pub fn bitzek(dt_max: f64) -> Self {
         Self {
             dt_start: 0.1 * dt_max,
@@ -103,8 +103,8 @@ impl Fire {
         }
     }
 
-    /// FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek, Comput. Mater. Sci. 175, 109584), with
-    /// unit mass.
+    /// Returns FIRE 2.0 of 2020 (Guénolé, Nöhring, Vaid, Houllé, Xie, Prakash, Bitzek, Comput. Mater. Sci. 175,
+    /// 109584), with unit mass.
     pub fn v2(dt_max: f64) -> Self {
         Self {
             dt_start: 0.1 * dt_max,
@@ -119,7 +119,7 @@ impl Fire {
         }
     }
 
-    /// The largest recommended time step, 1.9/√k_max at unit mass: undamped motion is stable below 2/√k_max.
+    /// Returns the largest recommended time step, 1.9/√k_max at unit mass. Undamped motion is stable below 2/√k_max.
     pub fn largest_dt(k_max: f64) -> f64 {
         1.9 / k_max.sqrt()
     }
@@ -162,8 +162,8 @@ fn weigh(wall: impl Wall, u: &[f64], force: &[f64], velocity: &[f64]) -> Balance
     Balance { power, force, speed }
 }
 
-/// v ← `keep` v + `turn` f (0 for held entries), then u ← Π(u + Δt v) and v ← the velocity of the projected motion, in
-/// one sweep. Returns the number of entries that reached or left their bound.
+/// Sets v ← `keep` v + `turn` f (0 for held entries), u ← Π(u + Δt v), and v to the velocity of the projected motion,
+/// in one sweep. Returns the number of entries that reached or left their bound.
 fn glide(wall: impl Wall, [keep, turn, dt]: [f64; 3], force: &[f64], u: &mut [f64], velocity: &mut [f64]) -> u64 {
     let per_dt = 1.0 / dt;
     let leaf = |start: usize, [u, v]: [&mut [f64]; 2]| {
@@ -175,7 +175,7 @@ fn glide(wall: impl Wall, [keep, turn, dt]: [f64; 3], force: &[f64], u: &mut [f6
             let aim = *u + dt * speed;
             let next = wall.clip(k, aim);
             changes += u64::from(wall.touches(k, next) != wall.touches(k, *u));
-            // Off the bounds (u₊ − u)/Δt equals the speed, and the difference would lose digits.
+            // Off the bounds, (u₊ − u)/Δt equals the speed, but the difference would lose digits.
             *v = if next == aim { speed } else { (next - *u) * per_dt };
             *u = next;
         }
@@ -235,7 +235,7 @@ impl Method for Fire {
                 }
             }
             let Flight { dt, alpha, .. } = *flight;
-            // |v + Δt f|², the velocity after the force has acted and before it turns.
+            // |v + Δt f|², with the velocity after the force has acted and before it turns.
             let speed = speed + dt * (2.0 * power + dt * force);
             let speed_per_force = if force > 0.0 { (speed / force).sqrt() } else { 0.0 };
             [1.0 - alpha, (1.0 - alpha) * dt + alpha * speed_per_force]

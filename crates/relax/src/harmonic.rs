@@ -1,6 +1,6 @@
 use crate::{Landscape, worst};
 
-/// The harmonic landscape U = ½ u·K u without bounds, for a linear operator K.
+/// Harmonic landscape U = ½ u·K u without bounds, for a linear operator K.
 ///
 /// ```
 /// use gfmd_relax::{Damping, Harmonic, Method, Verlet};
@@ -24,7 +24,7 @@ pub struct Harmonic<F> {
 }
 
 impl<F: FnMut(&[f64], &mut [f64])> Harmonic<F> {
-    /// The landscape of `len` variables; `product` writes K u, given u.
+    /// Creates the landscape of `len` variables; `product` writes K u for a given u.
     pub fn new(len: usize, product: F) -> Self {
         Self { len, product }
     }
@@ -41,7 +41,7 @@ impl<F: FnMut(&[f64], &mut [f64])> Landscape for Harmonic<F> {
         -0.5 * gfmd_vector::dot(u, force)
     }
 
-    /// The largest |u|, since the minimum is at zero.
+    /// Returns the largest |u|, since the minimum is at zero.
     fn residual(&self, u: &[f64], _: &[f64]) -> f64 {
         worst(u.iter().map(|u| u.abs()))
     }

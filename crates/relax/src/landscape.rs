@@ -1,13 +1,13 @@
-//! The interface between relaxation methods and problems.
+//! Interface between relaxation methods and problems.
 
 use crate::{Bounds, Visit};
 
-/// An energy U(u) to be minimised over the u within [`Landscape::bounds`].
+/// Energy U(u) to be minimised over all u within [`Landscape::bounds`].
 ///
-/// The methods call each function once per step with whole vectors, so that `dyn` costs nothing. The unit of `force` is
-/// that of U divided by that of u; the mass is 1, so that a stiffness (second derivative of U) is a squared frequency.
+/// Methods call each function once per step with whole vectors, so `dyn` costs nothing. The unit of `force` is energy
+/// divided by displacement. The mass is 1, so a stiffness (second derivative of U) is a squared frequency.
 ///
-/// A quadratic function, U = u₀² − u₀ u₁ + 3/2 u₁² − u₀ − u₁, with its minimum at (4, 3)/5:
+/// Example: the quadratic function U = u₀² − u₀ u₁ + 3/2 u₁² − u₀ − u₁ with its minimum at (4, 3)/5:
 ///
 /// ```
 /// use gfmd_relax::{Bounds, Fire, Landscape, Method, Stop, relax};
@@ -48,31 +48,31 @@ use crate::{Bounds, Visit};
 /// # }
 /// ```
 pub trait Landscape {
-    /// Number of entries of u.
+    /// Returns the number of entries of u.
     fn len(&self) -> usize;
 
-    /// True if there are no entries.
+    /// Returns true if there are no entries.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Writes −∂U/∂u into `force` and returns U. This is the expensive call; methods make it once per step.
+    /// Writes −∂U/∂u into `force` and returns U. This is the expensive function, called once per step.
     ///
-    /// A hard wall is not included, since it is a constraint, not a force (theory.md, section 6.5).
+    /// A hard wall is a constraint, not a force, and is not included (theory.md, section 6.5).
     fn force(&mut self, u: &[f64], force: &mut [f64]) -> f64;
 
-    /// The allowed values of u. They are constant during a relaxation; after a change, start a new
+    /// Returns the allowed values of u. They are constant during a relaxation; after a change, start a new
     /// [`State`](crate::State) from the old u.
     fn bounds(&self) -> Bounds<'_> {
         Bounds::Free
     }
 
-    /// Dimensionless distance from the constrained minimum, computed from the force at u; zero at the minimum. It is
-    /// defined by the problem, because methods do not know the scales of forces and lengths;
+    /// Returns the dimensionless distance from the constrained minimum, computed from the force at u; zero at the
+    /// minimum. The problem defines it, because methods do not know the scales of forces and lengths.
     /// [`Bounds::natural_residual`] with the scales of the problem is a good choice (theory.md, section 6.6).
     fn residual(&self, u: &[f64], force: &[f64]) -> f64;
 
-    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    /// Visits the variables that the problem itself changes during a search, for example an effort counter.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
     }

@@ -9,12 +9,12 @@
 //! | [`PolonskyKeer`], [`ProjectedCg`] | action of a positive matrix      | [`Quadratic`], non-negative variables   |
 //! | [`PreconditionedCg`]              | the same, and its near inverse   | [`Preconditioned`], [`Paired`] fields   |
 //!
-//! For all methods but conjugate gradients a problem is a [`Landscape`]: energy, force, [`Bounds`], and a dimensionless
-//! residual. A [`Method`] contains parameters, a [`State`] all variables; [`relax`] makes steps until [`Stop`] is
-//! satisfied, and an [`Observer`] may watch. A [`Watch`] may keep checkpoints: every search visits its variables
-//! ([`Visit`]), and continues from them bit by bit. Results are equal bit by bit for any number of threads.
+//! For all methods except conjugate gradients, a problem is a [`Landscape`]: energy, force, [`Bounds`], and a
+//! dimensionless residual. A [`Method`] holds parameters, a [`State`] all variables. [`relax`] makes steps until
+//! [`Stop`] is satisfied or an [`Observer`] ends the run. A [`Watch`] can keep checkpoints: every search visits its
+//! variables ([`Visit`]) and resumes from them bit for bit. Results are bitwise equal for any number of threads.
 //!
-//! A chain of springs between two fixed ends with a weight on every node, and in a second run a table below it:
+//! Example: a chain of springs between two fixed ends with a weight on every node, first free, then above a table:
 //!
 //! ```
 //! use gfmd_relax::{Bounds, Landscape, Method, Outcome, Stop, Verlet, relax};
@@ -66,10 +66,10 @@
 //! # }
 //! ```
 //!
-//! The mass is 1 for all entries. With an inertia matrix close to the stiffness, convergence does not depend on the
-//! size, but with projection the motion stops at a wrong point (theory.md, section 6.3). A [`Landscape`] with bounds
-//! therefore has no such matrix: [`Smooth`] problems have no bounds, and [`AugmentedLagrangian`] replaces bounds by a
-//! force.
+//! The mass is 1 for all entries. With an inertia matrix close to the stiffness matrix, convergence does not depend on
+//! the problem size, but with projection the motion stops at a wrong point (theory.md, section 6.3). A [`Landscape`]
+//! with bounds therefore has no inertia matrix: [`Smooth`] problems have no bounds, and [`AugmentedLagrangian`]
+//! replaces bounds by a force.
 
 mod anderson;
 mod augmented_lagrangian;

@@ -1,6 +1,6 @@
 use crate::Visit;
 
-/// A checkpoint in memory: a visitor that records variables and restores them later, bit for bit.
+/// Checkpoint in memory: a visitor that records variables and restores them later, bit for bit.
 ///
 /// ```
 /// use gfmd_relax::{MemoryCheckpoint, Visit};
@@ -15,7 +15,7 @@ use crate::Visit;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MemoryCheckpoint {
     bits: Vec<u64>,
-    /// The number of words read; `None` while the checkpoint records.
+    /// Number of words read; `None` while the checkpoint records.
     read: Option<usize>,
 }
 
@@ -25,12 +25,12 @@ impl MemoryCheckpoint {
         self.read = Some(0);
     }
 
-    /// True if all that was recorded is read; never before [`rewind`](Self::rewind).
+    /// Returns true if all recorded variables have been read; always false before [`rewind`](Self::rewind).
     pub fn is_at_end(&self) -> bool {
         self.read.is_some_and(|read| read >= self.bits.len())
     }
 
-    /// Records or replaces one word. Beyond the end nothing is replaced.
+    /// Records or replaces one word. Beyond the end, it replaces nothing.
     fn word(&mut self, word: u64) -> u64 {
         let Some(read) = &mut self.read else {
             self.bits.push(word);

@@ -7,7 +7,7 @@ use crate::{Damping, Landscape, Method, RelaxError, State, Trail, bounds::within
 /// Position Verlet with a matrix B in place of the number β, u₊ = Π(u + B (u − u₋) + τ f), for damping coefficients
 /// η(q) that depend on the mode: B = 1 − τ η.
 ///
-/// The damping force vanishes at rest, so that no B changes the solution, with or without bounds. Critical damping of
+/// The damping force vanishes at rest, so B does not change the solution, with or without bounds. Critical damping of
 /// every mode, β(q) = (1 − √(τ k(q)))², prevents all oscillation, but the softest mode decays no faster than with
 /// [`Verlet::critical`](crate::Verlet::critical) (theory.md, section 6.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,24 +16,24 @@ pub struct ModeDamped<B> {
     pub tau: f64,
     /// Largest stiffness for which the method is stable, 4/τ if every mode is critically damped.
     pub stiffness_limit: f64,
-    /// Function d ← B d, in place.
+    /// Function that replaces d by B d, in place.
     pub retain: B,
 }
 
 impl<B: Fn(&mut [f64])> ModeDamped<B> {
-    /// Critical damping of every mode: `retain` must multiply each mode by (1 − √(τ k))², see
+    /// Creates the method with critical damping of every mode. `retain` must multiply each mode by (1 − √(τ k))², see
     /// [`Damping::critical`](crate::Damping::critical).
     pub fn critical(tau: f64, retain: B) -> Self {
         Self { tau, stiffness_limit: 4.0 / tau, retain }
     }
 }
 
-/// Damping with a coefficient for each of several equally long parts of the entries: `factors` times the critical η of
-/// the `stiffnesses`, at one time step `dt`, if modes up to `k_max` are stable. Inertia is one number, so that all
-/// parts together are stable if each alone is.
+/// Creates a damping with one coefficient for each of several equally long parts of the entries: `factors` times the
+/// critical η of the `stiffnesses`, at one time step `dt`, if modes up to `k_max` are stable. The inertia is a scalar,
+/// so all parts together are stable if each part alone is stable.
 ///
 /// # Errors
-/// A stiffness that is not positive and finite, or a factor that is out of its range ([`Damping::times_critical`]).
+/// Returns an error if a stiffness is not positive and finite, and the errors of [`Damping::times_critical`].
 pub fn damped_by_parts(
     factors: &[f64],
     stiffnesses: &[f64],

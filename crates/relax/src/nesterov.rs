@@ -7,24 +7,24 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Accelerated steps x₊ = Π(y + τ f(y)), y₊ = Π(x₊ + β (x₊ − x)), with β growing from 0 as (t − 1)/t₊,
-/// t₊ = (1 + √(1 + 4 t²))/2 (Nesterov 1983), restarted whenever a step x₊ − y is longer than the one before (adaptive
-/// restart, O'Donoghue and Candès 2015). The restarts replace the damping, so that the softest mode need not be known.
+/// Accelerated gradient steps x₊ = Π(y + τ f(y)), y₊ = Π(x₊ + β (x₊ − x)), with β growing from 0 as (t − 1)/t₊, t₊ = (1
+/// + √(1 + 4 t²))/2 (Nesterov 1983), restarted whenever a step x₊ − y is longer than the previous one (adaptive
+/// restart, O'Donoghue and Candès 2015). Restarts replace damping, so the softest mode need not be known.
 ///
-/// The method is also suitable for [`AugmentedLagrangian`](crate::AugmentedLagrangian), whose force has no energy:
-/// without momentum its steps never become longer, so that a longer step means too much momentum.
+/// The method is also suitable for [`AugmentedLagrangian`](crate::AugmentedLagrangian), whose force has no energy.
+/// Without momentum, its steps never become longer, so a longer step indicates too much momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nesterov {
     /// τ = Δt²/m, in displacement per force.
     pub tau: f64,
 }
 
-/// Memory of [`Nesterov`].
+/// Variables of [`Nesterov`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Momentum {
-    /// x of the last step; [`State::u`] is y.
+    /// x after the last step; [`State::u`] is y.
     pub previous: Vec<f64>,
-    /// t; it is 1 after a restart.
+    /// Age t; 1 after a restart.
     pub age: f64,
     /// Length of the last step x₊ − y.
     pub length: f64,
@@ -39,17 +39,17 @@ impl Variables for Momentum {
 }
 
 impl Nesterov {
-    /// The method for stiffnesses up to `k_max`: τ = 1/k_max.
+    /// Creates the method for stiffnesses up to `k_max`: τ = 1/k_max.
     ///
     /// # Errors
-    /// A stiffness that is not positive and finite.
+    /// Returns an error if the stiffness is not positive and finite.
     pub fn new(k_max: f64) -> Result<Self, RelaxError> {
         let ok = k_max > 0.0 && k_max.is_finite();
         RelaxError::check_parameter("the largest stiffness", k_max, ok, "positive and finite")?;
         Ok(Self { tau: 1.0 / k_max })
     }
 
-    /// |x₊ − y|.
+    /// Returns |x₊ − y|.
     fn length(&self, wall: impl Wall, y: &[f64], force: &[f64]) -> f64 {
         let leaf = |range: std::ops::Range<usize>| {
             let (wall, y, force) = (wall.stretch(range.clone()), &y[range.clone()], &force[range]);
@@ -59,7 +59,7 @@ impl Nesterov {
         reduce(y.len(), &leaf, &|a, b| a + b).sqrt()
     }
 
-    /// Replaces x by x₊ and y by y₊; returns the number of entries that reached or left their bound.
+    /// Replaces x by x₊ and y by y₊. Returns the number of entries that reached or left their bound.
     fn advance(&self, wall: impl Wall, beta: f64, force: &[f64], y: &mut [f64], x: &mut [f64]) -> u64 {
         let leaf = |start: usize, [y, x]: [&mut [f64]; 2]| {
             let range = start..start + y.len();
@@ -105,7 +105,7 @@ impl Method for Nesterov {
         Ok(())
     }
 
-    /// Steps are stable up to τ k = 2 without momentum, and up to 4/3 with any momentum.
+    /// Returns 4/(3 τ): steps are stable up to τ k = 2 without momentum, and up to 4/3 with any momentum.
     fn stiffness_limit(&self) -> f64 {
         4.0 / (3.0 * self.tau)
     }

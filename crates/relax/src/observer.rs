@@ -4,12 +4,12 @@ use std::{io, ops::ControlFlow};
 
 use crate::{Status, Visit};
 
-/// An observer, which reads the state without changing it and may stop the run. Logs, traces, checkpoint files and the
-/// handling of Ctrl-C are observers outside of this crate.
+/// Observer of a run. It reads the state without changing it and may stop the run. Logs, traces, checkpoint files and
+/// the handling of Ctrl-C are observers outside this crate.
 ///
-/// An observer is called before every step and once after the last. A resumed run shows its first state again, so that
-/// output should be keyed by [`Status::step`]. Closures are observers, `()` is an observer without effect, and a pair
-/// of observers calls both.
+/// An observer is called before every step and once after the last. A resumed run shows its first state again, so
+/// output should be keyed by [`Status::step`]. Closures are observers, `()` does nothing, and a pair of observers calls
+/// both.
 ///
 /// ```
 /// use gfmd_relax::{Observer, Status};
@@ -26,10 +26,10 @@ use crate::{Status, Visit};
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub trait Observer<S> {
-    /// Sees the state of one step. `Break` ends the run with [`Outcome::Interrupted`](crate::Outcome::Interrupted).
+    /// Observes the state of one step. `Break` ends the run with [`Outcome::Interrupted`](crate::Outcome::Interrupted).
     fn observe(&mut self, progress: &Status, state: &S) -> io::Result<ControlFlow<()>>;
 
-    /// Is called before [`observe`](Self::observe) with a function that visits all variables of the run.
+    /// Called before [`observe`](Self::observe) with a function that visits all variables of the run.
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
         let _ = variables;
     }
@@ -55,12 +55,12 @@ impl<S, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
     }
 }
 
-/// Shows `inner` the steps that are a multiple of `steps` (zero: none).
+/// Observer that calls `inner` at multiples of `steps` only; never if `steps` is zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Every<O> {
     /// Number of steps between two calls.
     pub steps: u64,
-    /// The observer.
+    /// Inner observer.
     pub inner: O,
 }
 

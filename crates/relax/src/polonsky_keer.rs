@@ -5,25 +5,25 @@ use crate::quadratic::{
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 
-/// The constrained conjugate gradients of Polonsky and Keer (1999), theory.md, section 7: conjugate directions on the
-/// variables that are positive, restarted whenever a variable at zero has to leave it.
+/// Constrained conjugate gradients of Polonsky and Keer (1999), theory.md, section 7: conjugate directions on the
+/// positive variables, restarted whenever a variable leaves zero.
 ///
-/// With a prescribed mean the directions have zero mean, so that steps do not change the mean. The exact step length
-/// needs only the [`curvature`](Quadratic::curvature) of the direction, not its image.
+/// With a prescribed mean, the directions have zero mean, so that steps preserve the mean. The exact step length needs
+/// only the [`curvature`](Quadratic::curvature) of the direction, not its image.
 ///
-/// The method converges on contact problems, but without proof; on small dense problems it may cycle.
+/// The method converges on contact problems, but without a proof; on small dense problems it may cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PolonskyKeer;
 
-/// The positive variables count as at rest if their rms gradient is below this fraction of the lowest gradient at zero.
+/// Ratio of rms gradient to lowest gradient below which the positive variables count as at rest.
 const AT_REST: f64 = 1e-3;
 
 impl PolonskyKeer {
-    /// Minimises from the start `x`, in place; `watch` sees every iterate. The final gradient is not returned:
+    /// Minimises from the start `x`, in place; `watch` sees every iterate. The final gradient is not returned;
     /// recompute it to certify the result.
     ///
     /// # Errors
-    /// An invalid start or target. A search without success is not an error but an [`Ending`].
+    /// Returns an error if the start or the target is invalid. An unsuccessful search is an [`Ending`], not an error.
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
@@ -66,7 +66,7 @@ impl PolonskyKeer {
                 return Ok(Minimum { reached: now, ending });
             }
 
-            // If the positive variables are at rest, the direction must contain the variables that enter.
+            // If the positive variables are at rest, the direction must include the entering variables.
             let at_rest = sweep.squares <= positive as f64 * (AT_REST * sweep.judged.lowest).powi(2);
             let ratio = if conjugate && !at_rest { sweep.squares / residual_before } else { 0.0 };
             let mean = match target.mean {
@@ -99,7 +99,7 @@ struct Sweep {
     squares: f64,
     /// Σ d over x > 0.
     direction: f64,
-    /// Σ g over the entrants: x = 0 and g < 0.
+    /// Σ g over the entering variables: x = 0 and g < 0.
     entering: f64,
     entrants: f64,
 }
@@ -118,7 +118,7 @@ impl Serialise for Sweep {
     }
 }
 
-/// g ← g − λ.
+/// Subtracts λ from g, and sums over the iterate.
 fn shift(share: &Share, gradient: &mut [f64], x: &[f64], direction: &[f64], multiplier: f64) -> Sweep {
     share.pass(
         [gradient],
@@ -148,8 +148,8 @@ fn shift(share: &Share, gradient: &mut [f64], x: &[f64], direction: &[f64], mult
     )
 }
 
-/// x ← max(0, x − step d) where x > 0; variables at zero with a negative gradient enter with −step g. Returns the
-/// number of variables that entered, and Σ x.
+/// Sets x ← max(0, x − step d); variables then at zero with a negative gradient enter with −step g. Returns the number
+/// of variables that entered, and Σ x.
 fn advance(share: &Share, x: &mut [f64], direction: &[f64], gradient: &[f64], step: f64) -> (usize, f64) {
     share.pass(
         [x],

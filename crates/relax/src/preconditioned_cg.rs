@@ -13,27 +13,27 @@ use crate::quadratic::{Iterate, Minimum, Target};
 use crate::{Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
 
 /// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
-/// ([`Preconditioned`]). An iteration takes one image and one preconditioning.
+/// ([`Preconditioned`]). An iteration needs one image and one preconditioning.
 ///
-/// Since z = M g is nearly Newton's step, the step length is 1. M should not be smaller than the inverse of A;
-/// otherwise steps are too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. The
-/// image of the step gives the new gradient, and with both gradients the function is a known parabola along the segment
-/// from the old x to the new x. If its minimum lies inside the segment, x steps back to it, which costs no further
-/// image. The function thus decreases in every iteration, and no curvature has to be computed.
+/// Since z = M g is nearly the Newton step, the step length is 1. M should not be smaller than the inverse of A, or
+/// steps are too short. x goes to `max(0, x − z − μ)`, with μ such that the prescribed mean is kept. The image of the
+/// step gives the new gradient. Both gradients determine the function along the segment from the old x to the new x, a
+/// parabola. If its minimum lies inside the segment, x steps back to it without another image. The function thus
+/// decreases in every iteration, and no curvature has to be computed.
 ///
 /// While no variable reaches zero, these are exact line searches, and directions are made conjugate to the last step.
-/// If some variables reach zero, a step that lowers the function is kept whole, since stepping back would make them
-/// positive again. The next step has the length that would have been optimal for this one (Barzilai and Borwein 1988),
-/// but at most 1: with a constant length, steps may overshoot repeatedly where M is too large.
+/// If variables reach zero, a step that lowers the function is kept as a whole, since stepping back would make them
+/// positive again. The next step then has the optimal length of this one (Barzilai and Borwein 1988), but at most 1:
+/// with a constant length, steps may overshoot repeatedly where M is too large.
 ///
 /// Every 25th direction, and any direction that the projection turns uphill, is the gradient. Projected gradients with
-/// steps that lower the function converge, whatever steps lie between them (Bertsekas 1976).
+/// steps that lower the function converge for any steps in between (Bertsekas 1976).
 ///
-/// The variables have double precision. Steps, their images and the gradient to which these are added have single
-/// precision, which halves their memory and nearly the time of a transform. Whenever the residual has fallen to 1e-4 of
-/// what it was, and before the search ends (unless the problem [trusts images](Preconditioned::trusts_images)), the
-/// gradient is computed anew from x in double precision: rounding errors then are relative to a smaller gradient and
-/// smaller steps, so that no accuracy is lost (Sleijpen and van der Vorst 1996).
+/// The variables have double precision. Steps, images and the gradient updated with them have single precision, which
+/// halves their memory and nearly halves the time of a transform. Whenever the residual has fallen to 1e-4 of its last
+/// exact value, and before the search ends (unless the problem [trusts images](Preconditioned::trusts_images)), the
+/// gradient is recomputed from x in double precision. Rounding errors are then relative to a smaller gradient and
+/// smaller steps, so no accuracy is lost (Sleijpen and van der Vorst 1996).
 ///
 /// [`minimise_pair`](Self::minimise_pair) takes the same steps for two fields that are coupled by A and by their means,
 /// with all vectors in double precision.
@@ -44,7 +44,7 @@ impl PreconditionedCg {
     /// Minimises from the start `x`, in place; `watch` sees every iterate.
     ///
     /// # Errors
-    /// An invalid start or target. A search without success is not an error but an [`Ending`].
+    /// Returns an error if the start or the target is invalid. An unsuccessful search is an [`Ending`], not an error.
     pub fn minimise<P: Preconditioned>(
         &self,
         problem: &mut P,
@@ -57,15 +57,15 @@ impl PreconditionedCg {
         Ok(search(single::Single::new(problem, x, target), target, &share, watch))
     }
 
-    /// Minimises a function of two fields, which are the halves of `x`, from that start and in place.
+    /// Minimises a function of two fields, the halves of `x`, from the start `x` and in place.
     ///
-    /// Each field has the prescribed mean of the [`Target`], and the gradient is determined up to a constant on each
-    /// field, the first of which is the multiplier of the [`Iterate`]. Without a prescribed mean the two means are
-    /// equal, and the gradient is determined up to a constant with opposite signs on the two fields. A step goes to
+    /// Each field has the prescribed mean of the [`Target`]. The gradient is determined up to a constant on each field;
+    /// the constant of the first field is the multiplier of the [`Iterate`]. Without a prescribed mean, the two means
+    /// are equal, and the gradient is determined up to a constant with opposite signs on the two fields. A step goes to
     /// `max(0, x − z − μ)` with a constant μ for each field that keeps the means.
     ///
     /// # Errors
-    /// The errors of [`minimise`](Self::minimise); an odd number of variables.
+    /// Returns the errors of [`minimise`](Self::minimise), and an error if the number of variables is odd.
     pub fn minimise_pair(
         &self,
         problem: &mut impl Paired,
@@ -81,64 +81,63 @@ impl PreconditionedCg {
     }
 }
 
-/// A problem with the vectors of its search and the passes over them.
+/// Problem with the vectors of its search and the operations on them.
 trait Vectors {
-    /// A point of the projected path along a direction.
+    /// Point of the projected path along a direction.
     type Path;
 
-    /// The gradient is computed anew when the residual has fallen by this factor; 0: only at the end of the search.
+    /// Returns the residual factor at which the gradient is recomputed; 0 means only at the end of the search.
     fn refresh_at() -> f64;
 
-    /// Visits all variables, including those of the `course`.
+    /// Visits all variables, including the `course`.
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit);
 
     /// Computes the gradient from x.
     fn refresh(&mut self);
 
-    /// Moves the multipliers to the mean gradients of the variables between the bounds. The iteration is not counted
-    /// here.
+    /// Sets the multipliers to the mean gradients of the variables between the bounds. Does not count the iteration.
     fn settle(&mut self) -> Iterate;
 
-    /// True if a search may end by a gradient from images.
+    /// Returns true if a search may end with a gradient from images.
     fn trusts_images(&self) -> bool {
         false
     }
 
-    /// z ← M g; if `settled`, made conjugate to the last step.
+    /// Sets z ← M g; if `settled`, makes z conjugate to the last step.
     fn turn(&mut self, settled: bool);
 
-    /// z ← g on the free variables, zero elsewhere. Returns the length of the exact step.
+    /// Sets z ← g on the free variables, zero elsewhere. Returns the exact step length.
     fn steepest(&mut self) -> f64;
 
-    /// The point of the path at `length`, shortened until the step to it begins downhill.
+    /// Returns the point of the path at `length`, shortened until the step begins downhill.
     fn downhill(&self, length: f64) -> Option<Self::Path>;
 
-    /// x ← the end of the path, with the image of this step.
+    /// Moves x to the end of the path and computes the image of the step.
     fn advance(&mut self, path: &Self::Path) -> Advance;
 
-    /// Keeps the fraction `part` of the last step; at 1 or above, all of it. Returns true if the gradient was computed
-    /// anew.
+    /// Keeps the fraction `part` of the last step, all of it at 1 or above. Returns true if the gradient was
+    /// recomputed.
     fn keep(&mut self, part: f64) -> bool;
 
-    /// The length after a step that brought variables to a bound, with `lowest` as in [`Advance`].
+    /// Returns the length after a step that brought variables to a bound, with `lowest` as in [`Advance`].
     fn length_after(length: f64, lowest: f64) -> f64;
 }
 
-/// A step to the end of a path.
+/// Step to the end of a path.
 struct Advance {
     length: f64,
-    /// The fraction of the step at which the function is lowest; infinite if it falls without bound.
+    /// Fraction of the step at which the function is lowest; infinite if it falls without bound.
     lowest: f64,
     /// True if the step brought variables to a bound.
     clipped: bool,
 }
 
-/// The scalars of the state of a search.
+/// Scalar variables of a search.
 struct Course {
     length: f64,
-    /// The residual at the last refresh.
+    /// Residual at the last refresh.
     reference: f64,
-    /// The least residual since then, and the number of iterations in which it has not fallen further.
+    /// Smallest residual since then, and the number of iterations since it was reached.
     least: f64,
     stalled: u64,
     /// True if the last step brought no variable to a bound.
@@ -157,8 +156,7 @@ impl Course {
         visitor.count(&mut self.iteration);
     }
 
-    /// Notes the residual of an iterate. Returns true if it stays so high that rounding errors of the images in the
-    /// gradient may be the reason.
+    /// Records the residual of an iterate. Returns true if it has stalled, possibly by rounding errors of the images.
     fn stalls<V: Vectors>(&mut self, worst: f64) -> bool {
         if worst < self.least {
             (self.least, self.stalled) = (worst, 0);
@@ -168,7 +166,7 @@ impl Course {
         self.stalled >= STALLED && worst <= V::refresh_at()
     }
 
-    /// Takes one step; false if none begins downhill.
+    /// Takes one step. Returns false if no step begins downhill.
     fn step<V: Vectors>(&mut self, vectors: &mut V) -> bool {
         let mut path = None;
         if self.iteration % PLAIN != PLAIN - 1 {

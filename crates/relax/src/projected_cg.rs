@@ -5,14 +5,14 @@ use crate::quadratic::{
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 
-/// Projected conjugate gradients that are never restarted when the set of positive variables changes (Vollebregt 2014,
+/// Projected conjugate gradients without restarts when the set of positive variables changes (Vollebregt 2014,
 /// Bugnicourt et al. 2018).
 ///
-/// The free set contains `{x > 0}` and the variables at zero with `g < 0`. On it the direction is the Polak–Ribière
-/// combination of the last direction with the gradient, whose mean is removed if the mean is prescribed. The step
-/// length is exact, and the result is projected to `x ≥ 0`. Variables that enter or leave disturb the conjugacy only in
-/// their neighbourhood, so that the directions remain useful; otherwise Polak–Ribière with β ≥ 0 becomes steepest
-/// descent.
+/// The free set contains `{x > 0}` and the variables at zero with `g < 0`. On this set, the direction is the
+/// Polak–Ribière combination of the last direction and the gradient. With a prescribed mean, the mean of the gradient
+/// is removed. The step length is exact, and the result is projected to `x ≥ 0`. Variables that enter or leave disturb
+/// the conjugacy only in their neighbourhood, so the directions remain useful; otherwise Polak–Ribière with β ≥ 0
+/// becomes steepest descent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProjectedCg;
 
@@ -20,7 +20,7 @@ impl ProjectedCg {
     /// Minimises from the start `x`, in place; `watch` sees every iterate.
     ///
     /// # Errors
-    /// An invalid start or target. A search without success is not an error but an [`Ending`].
+    /// Returns an error if the start or the target is invalid. An unsuccessful search is an [`Ending`], not an error.
     pub fn minimise(
         &self,
         problem: &mut dyn Quadratic,
@@ -93,7 +93,7 @@ impl ProjectedCg {
     }
 }
 
-/// True if a variable is free; `residual` is zero for variables that are not.
+/// Returns true if a variable is free; `residual` is zero for the others.
 fn is_free(x: f64, residual: f64) -> bool {
     x > 0.0 || residual < 0.0
 }
@@ -121,7 +121,7 @@ impl Serialise for Sweep {
     }
 }
 
-/// g ← g − λ on the free set, zero elsewhere.
+/// Sets g ← g − λ on the free set and zero elsewhere, and sums over the iterate.
 fn restrict(share: &Share, gradient: &mut [f64], x: &[f64], multiplier: f64) -> Sweep {
     share.pass(
         [gradient],
@@ -145,7 +145,7 @@ fn restrict(share: &Share, gradient: &mut [f64], x: &[f64], multiplier: f64) -> 
     )
 }
 
-/// r ← r − mean where x > 0. The few variables that are about to enter keep their residual, and thus its sign.
+/// Subtracts the mean from r where x > 0. The few entering variables keep their residual, and thus its sign.
 fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
     for_each([residual], &|start, [r]| {
         for (r, x) in r.iter_mut().zip(&x[start..]) {
@@ -156,7 +156,7 @@ fn remove_mean(residual: &mut [f64], x: &[f64], mean: f64) {
     });
 }
 
-/// The sums Σ r, Σ r², Σ r r_before, Σ r_before, Σ d over the free set.
+/// Returns Σ r, Σ r², Σ r r_before, Σ r_before, Σ d over the free set.
 fn products(share: &Share, x: &[f64], residual: &[f64], before: &[f64], direction: &[f64]) -> [f64; 5] {
     share.reduce(
         &|range| {
@@ -173,7 +173,7 @@ fn products(share: &Share, x: &[f64], residual: &[f64], before: &[f64], directio
     )
 }
 
-/// x ← max(0, x − step d); returns Σ x.
+/// Sets x ← max(0, x − step d) and returns Σ x.
 fn advance(share: &Share, x: &mut [f64], direction: &[f64], step: f64) -> f64 {
     share.pass(
         [x],

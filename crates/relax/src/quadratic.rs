@@ -2,41 +2,41 @@ use gfmd_vector::{Serialise, Share, for_each, reduce};
 
 use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watch, Why, worst};
 
-/// A convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`, for the constrained
-/// conjugate-gradient methods. A is symmetric and positive (semi-)definite, and only its action is needed.
+/// Convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`, for the constrained
+/// conjugate-gradient methods. A is symmetric and positive (semi-)definite; only its action is needed.
 pub trait Quadratic {
-    /// b, one value for each variable.
+    /// Returns b, one value for each variable.
     fn linear(&self) -> &[f64];
-    /// `out ← A x`.
+    /// Writes `A x` into `out`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
-    /// `⟨d, A d⟩`, the sum over all variables. It is often cheaper than [`apply`](Self::apply).
+    /// Returns `⟨d, A d⟩`, summed over all variables. Often cheaper than [`apply`](Self::apply).
     fn curvature(&mut self, direction: &[f64]) -> f64;
-    /// The partition of the variables among processes; by default this process has all. Vectors have the values of this
-    /// process, and every process makes the same calls.
+    /// Returns the partition of the variables among processes; by default this process has all. Vectors are local to
+    /// this process, and every process makes the same calls.
     fn share(&self) -> Share {
         Share::whole(self.linear().len(), 1)
     }
-    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    /// Visits the variables that the problem itself changes during a search, for example an effort counter.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
     }
 }
 
-/// The constraint and the accuracy of a minimisation.
+/// Constraint and accuracy of a minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Mean of x over all variables, if it is prescribed. The gradient is then determined up to a constant, the
+    /// Prescribed mean of x over all variables, if any. The gradient is then determined up to a constant, the
     /// multiplier of this constraint.
     pub mean: Option<f64>,
-    /// The scale of gradients in the residuals.
+    /// Scale of gradients in the residuals.
     pub gradient_scale: f64,
-    /// The budget; both parts of [`Optimality`] must be at most its tolerance.
+    /// Budget; both parts of [`Optimality`] must be at most its tolerance.
     pub budget: Budget,
 }
 
-/// Distance from the minimum, by its conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (at an
+/// Distance from the minimum, given by the optimality conditions `x ≥ 0`, `g ≥ 0`, `x g = 0` (at an
 /// [upper](crate::Preconditioned::upper) bound: `g ≤ 0`), with `g = A x + b − λ` and λ the multiplier of the prescribed
-/// mean (0 without one). `x ≥ 0` and the mean hold exactly at every iterate.
+/// mean (0 without one). `x ≥ 0` and the mean are exact in every iterate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Optimality {
     /// `Σ x g / (Σ x · gradient_scale)`.
@@ -46,7 +46,7 @@ pub struct Optimality {
 }
 
 impl Optimality {
-    /// The larger of the two parts, in magnitude; NaN if either is NaN.
+    /// Returns the larger of the two parts in magnitude; NaN if either is NaN.
     pub fn worst(&self) -> f64 {
         worst([self.complementarity.abs(), self.violation])
     }
@@ -59,9 +59,9 @@ pub struct Iterate {
     pub iteration: u64,
     /// Distance from the minimum.
     pub optimality: Optimality,
-    /// The multiplier λ of the prescribed mean; 0 without one.
+    /// Multiplier λ of the prescribed mean; 0 without one.
     pub multiplier: f64,
-    /// Number of variables greater than zero, and less than an upper bound.
+    /// Number of variables above zero and below the upper bound.
     pub positive: usize,
 }
 
@@ -70,17 +70,17 @@ pub struct Iterate {
 pub struct Minimum {
     /// Status of the last iterate.
     pub reached: Iterate,
-    /// The way in which the search ended.
+    /// Ending of the search.
     pub ending: Ending,
 }
 
 impl Target {
-    /// Checks the start of a problem without upper bounds; see [`check_between`](Self::check_between).
+    /// Checks the start and the target of a problem without upper bounds.
     pub(crate) fn check(&self, x: &[f64], problem: &dyn Quadratic) -> Result<(), RelaxError> {
         self.check_between(x, &problem.share(), &Upper::All(f64::INFINITY))
     }
 
-    /// Checks the start of a problem, of which this process has a share.
+    /// Checks the start and the target of a distributed problem with upper bounds.
     pub(crate) fn check_between(&self, x: &[f64], share: &Share, upper: &Upper) -> Result<(), RelaxError> {
         let (own, variables) = (share.own(), share.own().len());
         RelaxError::check_length("variables", x.len(), variables)?;
@@ -90,7 +90,7 @@ impl Target {
         let ceiling = upper.ceiling();
         let inside = |i: usize| x[i].is_finite() && x[i] >= 0.0 && x[i] <= ceiling.at(i);
         let first = reduce(variables, &|mut range| range.find(|i| !inside(*i)), &Option::or);
-        // All processes end with the same error.
+        // All processes return the same error.
         let firsts = share.each(first.map_or((usize::MAX, 0.0), |index| (own.start + index, x[index])));
         if let Some((index, found)) = firsts.into_iter().find(|(index, _)| *index != usize::MAX) {
             return Err(RelaxError::Start { index, found });
@@ -110,8 +110,7 @@ impl Target {
         if !share.any(x.iter().any(|x| *x != 0.0)) { Err(RelaxError::AllZero) } else { Ok(()) }
     }
 
-    /// The ending of the search, if it ends with this iterate. The search stops if the watcher of any process asks for
-    /// it.
+    /// Returns the ending if the search ends with this iterate. It also ends if the watcher of any process stops it.
     pub(crate) fn judge(&self, now: &Iterate, watch: &mut dyn Watch, share: &Share) -> Option<Ending> {
         let worst = now.optimality.worst();
         let stop = watch.see(&Progress { iteration: now.iteration, residual: worst }).is_break();
@@ -137,7 +136,7 @@ pub(crate) fn rescale(share: &Share, x: &mut [f64], sum: f64, mean: Option<f64>)
     }
 }
 
-/// g ← g + b; returns Σ g over x > 0, and the number of these entries.
+/// Adds b to g. Returns Σ g over x > 0 and the number of these entries.
 pub(crate) fn add_linear(share: &Share, b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, usize) {
     share.pass(
         [gradient],
@@ -156,17 +155,16 @@ pub(crate) fn add_linear(share: &Share, b: &[f64], x: &[f64], gradient: &mut [f6
     )
 }
 
-/// The exact step length ⟨g, d⟩/⟨d, A d⟩ along −d, if the function has a minimum in this direction.
+/// Returns the exact step length ⟨g, d⟩/⟨d, A d⟩ along −d, if the function has a minimum in this direction.
 pub(crate) fn step_length(slope: f64, curvature: f64) -> Option<f64> {
     let step = slope / curvature;
     (step.is_finite() && step > 0.0).then_some(step)
 }
 
-/// Smallest descent of an accepted direction, relative to the steepest descent. It is 1 for exactly conjugate
-/// directions.
+/// Smallest descent of an accepted direction, relative to steepest descent; 1 for exactly conjugate directions.
 pub(crate) const LEAST_DESCENT: f64 = 0.1;
 
-/// d ← g + ratio d − mean on the free variables, zero elsewhere; returns ⟨g, d⟩.
+/// Sets d ← g + ratio d − mean on the free variables, zero elsewhere. Returns ⟨g, d⟩.
 pub(crate) fn turn(
     share: &Share,
     direction: &mut [f64],
@@ -190,7 +188,7 @@ pub(crate) fn turn(
     )
 }
 
-/// Sums over one iterate for its residuals, with gradients less the multiplier.
+/// Sums over one iterate for its residuals, with gradients minus the multiplier.
 #[derive(Clone, Copy)]
 pub(crate) struct OptimalitySums {
     pub(crate) x: f64,

@@ -1,37 +1,37 @@
-//! The driver: steps of a method on a state until an end criterion is met.
+//! Driver: makes steps of a method until an end criterion is met.
 
 use std::ops::ControlFlow;
 
 use crate::{Bounds, Divergence, Landscape, Observer, RelaxError, Variables, Visit};
 
-/// A run counts as diverged if its energy exceeds [`State::energy_scale`] by this factor. A stable scheme started from
-/// rest stays far below: the strongest transient, that of the stiffest mode under optimal damping, has a factor of
-/// about k_max / (7 k_min).
+/// Ratio of energy to [`State::energy_scale`] above which a run counts as diverged. A stable scheme started from rest
+/// stays far below: the strongest transient, in the stiffest mode under optimal damping, reaches about k_max / (7
+/// k_min).
 const GROWTH: f64 = 1e8;
 
-/// A relaxation method; it contains parameters only, no memory.
+/// Relaxation method. It contains parameters only, no memory.
 pub trait Method {
-    /// Variables of the method in addition to those of every [`State`].
+    /// Variables of the method in addition to the common variables of a [`State`].
     type Memory: Variables;
 
-    /// Starts at the allowed point nearest to `u`, at rest. Costs one evaluation of the force.
+    /// Returns a state at rest at the allowed point nearest to `u`. Costs one force evaluation.
     fn start(&self, problem: &mut dyn Landscape, u: Vec<f64>) -> Result<State<Self::Memory>, RelaxError>;
 
-    /// Makes one step in place, without allocation. After an error the state is that which caused it.
+    /// Makes one step in place, without allocation. After an error, `state` is the state that caused it.
     fn step(&self, problem: &mut dyn Landscape, state: &mut State<Self::Memory>) -> Result<(), RelaxError>;
 
-    /// The largest stiffness per mass for which the method is stable, in 1/time².
+    /// Returns the largest stiffness per mass for which the method is stable, in 1/time².
     fn stiffness_limit(&self) -> f64;
 }
 
-/// All variables of a run. A checkpoint consists of this state, and a run resumed from it continues bit by bit.
+/// All variables of a run. It is the content of a checkpoint; a resumed run continues bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<Memory> {
-    /// The point, allowed by the bounds.
+    /// Current point, within the bounds.
     pub u: Vec<f64>,
-    /// The force −∂U/∂u at `u`.
+    /// Force −∂U/∂u at `u`.
     pub force: Vec<f64>,
-    /// The energy U at `u`.
+    /// Energy U at `u`.
     pub energy: f64,
     /// Number of steps.
     pub step: u64,
@@ -60,7 +60,7 @@ impl<Memory: Variables> Variables for State<Memory> {
 }
 
 impl<Memory> State<Memory> {
-    /// A state at rest at the allowed point nearest to `u`; `tau` is the squared time step over the mass.
+    /// Returns a state at rest at the allowed point nearest to `u`. `tau` is the squared time step divided by the mass.
     pub(crate) fn at_rest(
         problem: &mut dyn Landscape,
         mut u: Vec<f64>,
@@ -77,7 +77,7 @@ impl<Memory> State<Memory> {
         Ok(Self { u, force, energy, step: 0, settled: 0, evaluations: 1, energy_scale, memory })
     }
 
-    /// The status of the run. Costs one [`Landscape::residual`], but no force.
+    /// Returns the status of the run. Costs one [`Landscape::residual`], but no force evaluation.
     pub fn status(&self, problem: &dyn Landscape) -> Status {
         Status {
             step: self.step,
@@ -88,13 +88,13 @@ impl<Memory> State<Memory> {
         }
     }
 
-    /// Evaluates and counts the force at the present u.
+    /// Evaluates the force at the current u and counts the evaluation.
     pub(crate) fn evaluate(&mut self, problem: &mut dyn Landscape) {
         self.energy = problem.force(&self.u, &mut self.force);
         self.evaluations += 1;
     }
 
-    /// Checks that state and bounds have the lengths of the problem.
+    /// Checks that the state and the bounds have the length of the problem.
     pub(crate) fn check(&self, problem: &dyn Landscape) -> Result<(), RelaxError> {
         RelaxError::check_length("displacements", self.u.len(), problem.len())?;
         RelaxError::check_length("forces", self.force.len(), problem.len())?;
@@ -113,7 +113,7 @@ impl<Memory> State<Memory> {
     }
 }
 
-/// The status of a run.
+/// Status of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
     /// Number of steps.
@@ -133,14 +133,14 @@ pub struct Status {
 pub struct Stop {
     /// Largest residual of a converged run.
     pub residual: f64,
-    /// Number of steps for which no entry must have reached or left its bound in a converged run (theory.md, section
+    /// Number of steps without an entry reaching or leaving its bound that a converged run requires (theory.md, section
     /// 6.6: 20). It has no effect without bounds.
     pub settled: u64,
-    /// Largest number of steps of the state, including those before a restart.
+    /// Largest number of steps of the state, including the steps before a restart.
     pub max_steps: u64,
 }
 
-/// The outcome of a run without error.
+/// Outcome of a run without error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// [`Stop`] is satisfied.
@@ -149,9 +149,9 @@ pub enum Outcome {
     Interrupted(Status),
 }
 
-/// Makes steps until `stop` is satisfied. The caller keeps `state` in any case, to save, inspect or resume it.
+/// Makes steps until `stop` is satisfied. The caller keeps `state` in every case and can save, inspect or resume it.
 ///
-/// The residual is computed from the force that the next step uses, so that it costs no evaluation.
+/// The residual is computed from the force of the next step and costs no evaluation.
 pub fn relax<M: Method>(
     problem: &mut dyn Landscape,
     method: &M,

@@ -2,38 +2,38 @@ use gfmd_vector::{add, for_each, reduce};
 
 use crate::{Budget, Ending, Progress, Watch, Why};
 
-/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ on a closed convex set with a known projection.
+/// Convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ on a closed convex set with a known projection.
 pub trait OnConvexSet {
-    /// `out` ← A `direction`. Entries that are fixed by the set may be 0.
+    /// Writes A `direction` into `out`. Entries that are fixed by the set may be 0.
     fn apply(&mut self, direction: &[f64], out: &mut [f64]);
 
-    /// `x` ← the nearest point of the set.
+    /// Moves `x` to the nearest point of the set.
     fn project(&self, x: &mut [f64]);
 
-    /// Distance of `x` from the minimum, to be compared with the tolerance; `gradient` is A x + b.
+    /// Returns the distance of `x` from the minimum, to be compared with the tolerance; `gradient` is A x + b.
     fn residual(&self, x: &[f64], gradient: &[f64]) -> f64;
 }
 
-/// Projected gradients with the step lengths of Barzilai and Borwein and an exact line search along each segment
-/// (Birgin, Martínez & Raydan 2000, whose line search is not exact).
+/// Projected gradients with Barzilai–Borwein step lengths and an exact line search along each segment (Birgin, Martínez
+/// & Raydan 2000, with an inexact line search).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectralProjectedGradient {
-    /// Length of the first step, in the unit of x over that of the gradient.
+    /// Length of the first step, in the unit of x divided by the unit of the gradient.
     pub first_step: f64,
 }
 
-/// The result of [`SpectralProjectedGradient::minimise`].
+/// Result of [`SpectralProjectedGradient::minimise`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descended {
     /// Number of steps.
     pub steps: u64,
-    /// The way in which the search ended.
+    /// Ending of the search.
     pub ending: Ending,
 }
 
 impl SpectralProjectedGradient {
-    /// Minimises from `x`, a point of the set with `gradient` A x + b; both are updated in place. The search is given
-    /// up if rounding leaves no downhill direction.
+    /// Minimises from `x`, a point of the set with `gradient` A x + b, and updates both in place. Gives up if rounding
+    /// leaves no downhill direction.
     pub fn minimise(
         &self,
         problem: &mut dyn OnConvexSet,
@@ -96,7 +96,7 @@ impl SpectralProjectedGradient {
 mod tests {
     use super::*;
 
-    /// ½ Σ kᵢ xᵢ² − Σ bᵢ xᵢ in a disc.
+    /// Function ½ Σ kᵢ xᵢ² − Σ bᵢ xᵢ in a disc.
     struct InDisc {
         stiffness: [f64; 2],
         radius: f64,

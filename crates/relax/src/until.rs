@@ -5,16 +5,16 @@ use crate::{
 };
 use crate::{Variables as _, Visit, Watch, Why, relax};
 
-/// Number of steps for which the set of entries at their bounds must not have changed (theory.md, section 6.6).
+/// Number of steps without a change in the set of entries at their bounds (theory.md, section 6.6).
 const SETTLED: u64 = 20;
 
-/// Relaxes until `certify` confirms the tolerance of the budget. `certify` returns the largest residual of the problem
-/// at a state, recomputed independently of the method. If it exceeds the tolerance although the method has converged,
-/// the target of the method is reduced.
+/// Relaxes until `certify` confirms the tolerance of the budget. `certify` returns the largest residual of a state,
+/// recomputed independently of the method. If it exceeds the tolerance although the method has converged, the target
+/// residual of the method is reduced.
 ///
 /// # Errors
-/// A state or bounds with another length than the landscape. A search without success is not an error but an
-/// [`Ending`].
+/// Returns an error if the state or the bounds differ in length from the landscape. An unsuccessful search is an
+/// [`Ending`], not an error.
 pub fn relax_until<L: Landscape, M: Method>(
     landscape: &mut L,
     method: &M,
@@ -49,18 +49,18 @@ pub fn relax_until<L: Landscape, M: Method>(
             return Ok(Ending::GaveUp(Why::Diverged(Divergence::NotFinite)));
         }
         stop.residual = now.residual * (0.5 * budget.tolerance / worst).clamp(1e-3, 0.5);
-        // Residuals are relative, so that rounding keeps them above such a target, and the method would never end. A
-        // target of zero would be met at once, again and again.
+        // Rounding keeps relative residuals above a target this low, and the method would never end. A target of zero
+        // would be met immediately, again and again.
         if stop.residual < f64::EPSILON {
             return Ok(Ending::GaveUp(Why::Rounding));
         }
     }
 }
 
-/// The watcher of a whole search as the observer of one run.
+/// Watcher of a whole search as the observer of one run.
 struct Watched<'a> {
     watch: &'a mut dyn Watch,
-    /// The residual at which the run ends.
+    /// Residual at which the run ends.
     target: f64,
 }
 

@@ -7,20 +7,20 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Increases of the energy below this fraction of its scale may be due to rounding.
+/// Relative energy increase that may be due to rounding.
 const RISE: f64 = 1e-12;
 
 /// Damped position Verlet, u₊ = Π(u + β (u − u₋) + τ f), with Π the projection on the bounds and u₋ the previous
-/// *projected* u, so that entries at a bound are at rest (theory.md, sections 6.1 and 6.5). It is also known as the
-/// heavy ball method.
+/// *projected* u, so that entries at a bound are at rest (theory.md, sections 6.1 and 6.5). Also known as the heavy
+/// ball method.
 ///
-/// The mass is equal for all entries. With a mass matrix close to the stiffness the motion would converge in a few
-/// steps without bounds, but to a wrong point with bounds (theory.md, section 6.3).
+/// The mass is equal for all entries. With a mass matrix close to the stiffness matrix, the motion would converge in a
+/// few steps without bounds, but to a wrong point with bounds (theory.md, section 6.3).
 ///
 /// The constructors check stability; a struct literal does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verlet {
-    /// β and τ.
+    /// Parameters β and τ.
     pub damping: Damping,
     /// Action after a step that increases the energy.
     pub on_rise: OnRise,
@@ -29,14 +29,14 @@ pub struct Verlet {
 /// Action of [`Verlet`] after a step that increases the energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnRise {
-    /// No action, since the energy may increase in an oscillation. The rates of [`Damping`] hold for this choice.
+    /// No action, since the energy may increase in an oscillation. The rates of [`Damping`] are valid for this choice.
     #[default]
     Continue,
-    /// Undo the step, u ← u₋, and continue from rest: a safeguard for landscapes that are not convex. Costs one more
-    /// evaluation of the force.
+    /// Undo the step, u ← u₋, and continue from rest. A safeguard for landscapes that are not convex; it costs one more
+    /// force evaluation.
     ///
     /// Resting at the end of the step, u₋ ← u (theory.md, section 6.5), would not suffice: the increase would be kept,
-    /// and a mode with 1 < τ k < 2 grows if it rests after every second step. From u₋ the next step is one of gradient
+    /// and a mode with 1 < τ k < 2 grows if it rests after every second step. From u₋, the next step is a gradient
     /// descent, which decreases the energy if τ k_max < 2 ([`Verlet::guarded`] checks it; optimal damping has nearly
     /// 4). The energy of the accepted points thus never increases by more than rounding.
     StepBack,
@@ -45,10 +45,10 @@ pub enum OnRise {
 /// [`State`] of [`Verlet`].
 pub type VerletState = State<Trail>;
 
-/// Memory of [`Verlet`].
+/// Variables of [`Verlet`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
-    /// u₋: u one step earlier, or u at rest.
+    /// u₋, the previous u; equal to u at rest.
     pub previous: Vec<f64>,
     /// True at rest, u₋ = u.
     pub at_rest: bool,
@@ -62,8 +62,8 @@ impl Variables for Trail {
 }
 
 impl Verlet {
-    /// The method with a damping that is stable for all stiffnesses (per mass) up to `k_max`: |β| < 1, τ k_max < 2 (1 +
-    /// β) (theory.md, section 6.1).
+    /// Creates the method with a damping that is stable for all stiffnesses (per mass) up to `k_max`: |β| < 1, τ k_max
+    /// < 2 (1 + β) (theory.md, section 6.1).
     pub fn new(damping: Damping, k_max: f64) -> Result<Self, RelaxError> {
         let Damping { beta, tau } = damping;
         RelaxError::check_parameter("beta", beta, beta.abs() < 1.0, "between -1 and 1")?;
@@ -76,9 +76,9 @@ impl Verlet {
         Ok(Self { damping, on_rise: OnRise::default() })
     }
 
-    /// Critical damping of the softest mode at a given time step (unit mass). The error decreases by the factor 1 −
-    /// √k_min Δt per step. The optimal time step is Δt = 2 / (√k_min + √k_max), which gives [`Verlet::optimal`]; the
-    /// method is unstable from [`Damping::critical_dt_limit`] on.
+    /// Creates the method with critical damping of the softest mode at a given time step (unit mass). The error
+    /// decreases by the factor 1 − √k_min Δt per step. The optimal time step is Δt = 2 / (√k_min + √k_max), which gives
+    /// [`Verlet::optimal`]; the method is unstable at and above [`Damping::critical_dt_limit`].
     pub fn critical(k_min: f64, k_max: f64, dt: f64) -> Result<Self, RelaxError> {
         check_band(k_min, k_max)?;
         RelaxError::check_parameter("the time step", dt, positive(dt), "positive and finite")?;
@@ -89,13 +89,13 @@ impl Verlet {
         Self::new(Damping::critical(k_min, dt), k_max)
     }
 
-    /// The optimal damping and time step for all stiffnesses in [`k_min`, `k_max`] (theory.md, section 6.2).
+    /// Creates the method with optimal damping and time step for the band [`k_min`, `k_max`] (theory.md, section 6.2).
     pub fn optimal(k_min: f64, k_max: f64) -> Result<Self, RelaxError> {
         check_band(k_min, k_max)?;
         Self::new(Damping::optimal(k_min, k_max), k_max)
     }
 
-    /// This method with [`OnRise::StepBack`], if the time step is short enough: τ k_max < 2.
+    /// Returns this method with [`OnRise::StepBack`], if the time step is short enough: τ k_max < 2.
     pub fn guarded(self, k_max: f64) -> Result<Self, RelaxError> {
         let checked = Self::new(self.damping, k_max)?;
         let (found, allowed) = (checked.damping.tau.sqrt(), (2.0 / k_max).sqrt());
@@ -151,7 +151,7 @@ impl Method for Verlet {
         let before = state.energy;
         state.evaluate(problem);
         let tolerance = RISE * state.energy_scale.max(before.abs());
-        // From rest the step was one of gradient descent; if undone, it would only be repeated.
+        // A step from rest is a gradient descent; if undone, it would only be repeated.
         let back = self.on_rise == OnRise::StepBack && !state.memory.at_rest && state.energy > before + tolerance;
         if back {
             std::mem::swap(&mut state.u, &mut state.memory.previous);

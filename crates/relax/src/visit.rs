@@ -1,5 +1,5 @@
-/// A visitor of all variables of a search, in a fixed order, which either copies or replaces them. One function of a
-/// search thus writes its checkpoint and continues from it, bit for bit.
+/// Visitor of all variables of a search in a fixed order, which either copies or replaces them. One function thus
+/// serves to write a checkpoint and to resume from it, bit for bit.
 ///
 /// ```
 /// use gfmd_relax::Visit;
@@ -25,10 +25,10 @@ pub trait Visit {
     /// Visits a natural number.
     fn count(&mut self, n: &mut u64);
 
-    /// Visits an array, whose length does not change.
+    /// Visits an array of constant length.
     fn field(&mut self, x: &mut [f64]);
 
-    /// Visits an array of single precision.
+    /// Visits an array in single precision.
     fn single(&mut self, x: &mut [f32]) {
         for x in x {
             let mut number = f64::from(*x);
@@ -42,7 +42,7 @@ pub trait Visit {
         numbers.iter_mut().for_each(|x| self.number(x));
     }
 
-    /// Visits a truth value, as 0 or 1.
+    /// Visits a boolean, as 0 or 1.
     fn flag(&mut self, yes: &mut bool) {
         let mut number = u64::from(*yes);
         self.count(&mut number);
@@ -57,7 +57,7 @@ pub trait Visit {
     }
 }
 
-/// The variables of a checkpoint.
+/// Variables of a checkpoint.
 pub trait Variables {
     /// Visits every variable.
     fn visit(&mut self, visitor: &mut dyn Visit);

@@ -7,11 +7,11 @@ use crate::Visit;
 pub struct Progress {
     /// Number of iterations or time steps.
     pub iteration: u64,
-    /// Estimate of the distance from the solution by the method, to be compared with the tolerance.
+    /// Estimated distance from the solution, to be compared with the tolerance.
     pub residual: f64,
 }
 
-/// A watcher of a search, which may ask to stop. Closures are watchers, and `()` is a silent one.
+/// Watcher of a search, which may stop it. Closures are watchers, and `()` does nothing.
 ///
 /// ```
 /// use gfmd_relax::{Progress, Watch};
@@ -27,39 +27,38 @@ pub struct Progress {
 /// assert!(().see(&Progress { iteration: 2, residual: 0.4 }).is_continue());
 /// ```
 pub trait Watch {
-    /// Is called in every iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
+    /// Called in every iteration. `Break` ends the search with [`Ending::Interrupted`](crate::Ending::Interrupted).
     fn see(&mut self, now: &Progress) -> ControlFlow<()>;
 
-    /// Is called after [`see`](Self::see) in every step of a dynamics, with the energy and the variables of the problem
-    /// (the displacement of the surface layer). Methods with other unknowns do not call it.
+    /// Called after [`see`](Self::see) in every step of a dynamic relaxation, with the energy and the variables of the
+    /// problem (the displacement of the surface layer). Methods with other unknowns do not call it.
     fn layer(&mut self, energy: f64, u: &[f64]) {
         let _ = (energy, u);
     }
 
-    /// Is called between two iterations with a function that visits all variables of the search. A watcher that keeps
-    /// checkpoints passes it a visitor that writes; by default nothing happens.
+    /// Called between two iterations with a function that visits all variables of the search. A watcher that keeps
+    /// checkpoints passes a writing visitor to it. The default does nothing.
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
         let _ = variables;
     }
 
-    /// Returns the checkpoint from which the search continues, as a visitor that reads. Each part of a search that
-    /// writes variables reads its own from it at its start, in the order in which [`checkpoint`](Self::checkpoint)
-    /// visits them.
+    /// Returns the checkpoint to resume from, as a reading visitor. Each part of a search reads its own variables at
+    /// its start, in the order of [`checkpoint`](Self::checkpoint).
     fn recall(&mut self) -> Option<&mut dyn Visit> {
         None
     }
 }
 
-/// A watcher of a part of a search: it counts the iterations before that part, and writes the variables of the whole
-/// before those of the part.
+/// Watcher of a part of a search. It adds the iterations before the part and visits the variables of the whole search
+/// before the variables of the part.
 pub struct InnerWatch<'a, F: FnMut(&mut dyn Visit)> {
-    /// The watcher of the whole search.
+    /// Watcher of the whole search.
     pub watch: &'a mut dyn Watch,
     /// Number of iterations before this part.
     pub before: u64,
-    /// Visits the variables of the whole.
+    /// Function that visits the variables of the whole search.
     pub outer: F,
-    /// True if the variables of the part are not those of the problem, and [`layer`](Watch::layer) is not passed on.
+    /// True if the part has other variables than the problem; [`layer`](Watch::layer) is then not passed on.
     pub hides_layer: bool,
 }
 

@@ -1,4 +1,4 @@
-/// The largest of non-negative residuals; NaN if any of them is NaN. [`f64::max`] would ignore a NaN.
+/// Returns the largest of non-negative residuals; NaN if any is NaN, while [`f64::max`] would ignore it.
 ///
 /// ```
 /// assert_eq!(gfmd_relax::worst([0.1, 0.3, 0.2]), 0.3);

@@ -14,12 +14,12 @@ thread_local! {
 
 struct Counting;
 
-// SAFETY: passes every call unchanged to the system allocator; the counter is a thread-local number without destructor
+// SAFETY: passes every call unchanged to the system allocator. The counter is a thread-local number without destructor
 // or allocation.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller keeps the contract of `alloc`.
+        // SAFETY: the caller upholds the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
@@ -32,7 +32,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Springs to the ground, below a wall.
+/// Springs to the ground below a wall.
 struct Springs {
     stiffness: Vec<f64>,
     wall: Vec<f64>,
@@ -67,7 +67,7 @@ fn allocations_per_thousand_steps(method: &(impl Method + Sync)) -> u64 {
     let stiffness = (0..n).map(|i| 0.1 + 0.9 * spread(i)).collect();
     let wall = (0..n).map(|i| 2.0 + 3.0 * spread(7 * i)).collect();
     let mut problem = Springs { stiffness, wall };
-    // All work is done on one thread, whose allocations are counted.
+    // All work is done on the one thread that counts allocations.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
         let mut state = method.start(&mut problem, vec![0.0; n]).unwrap();

@@ -1,4 +1,4 @@
-//! The page about fields below a surface.
+//! Page about fields below a surface.
 
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Colours, Map, Mark, Panel, Point, Series};
@@ -9,13 +9,13 @@ use crate::page::{Fact, Page, Table, body, config, given, list, number, text, un
 use gfmd_run::failure::Failure;
 use gfmd_unit::Units;
 
-/// The largest relative difference of steps between depths that count as equal.
+/// Largest relative difference between depth steps that count as equal.
 const EVEN: f64 = 1e-6;
 
-/// The page about the fields in a file.
+/// Builds the page about the fields in a file.
 ///
 /// # Errors
-/// A file without depths.
+/// Returns an error if the file has no depths.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let values = |name: &str| reader.values::<f64>(&format!("/fields/{name}"));
     let depths = values("depth").map_err(|error| Failure::Input(error.to_string()))?;
@@ -94,11 +94,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 struct Field {
     name: &'static str,
     symbol: &'static str,
-    /// Names of the components, in the order of the file; one empty name of a scalar.
+    /// Names of the components in file order; a scalar has one empty name.
     components: Vec<String>,
     values: Vec<f64>,
     levels: usize,
-    /// Points of a level along both axes; one along y of a slice or a strip.
+    /// Points of a level along both axes; a slice or a strip has one point along y.
     points: [usize; 2],
 }
 
@@ -137,7 +137,7 @@ impl Fields {
         self.0.iter().find(|field| field.name == name)
     }
 
-    /// The largest magnitudes against the depth.
+    /// Adds a chart of the largest magnitudes against depth.
     fn profiles(&self, page: &mut Page, depths: &[f64], unit: &dyn Fn(&str) -> String) {
         if depths.len() < 2 {
             return;
@@ -161,8 +161,8 @@ impl Fields {
         }
     }
 
-    /// Maps of sections: across the depth if it is a slice of evenly spaced depths, else of the depth with the largest
-    /// values.
+    /// Adds maps of sections: across the depth if the file holds a slice at evenly spaced depths, otherwise at the
+    /// depth with the largest values.
     fn maps(&self, page: &mut Page, reader: &Reader, depths: &[f64], unit: &dyn Fn(&str) -> String) {
         let places = |axis: &str| reader.values::<f64>(&format!("/fields/{axis}")).unwrap_or_default();
         let side = |axis: &str, n: usize| {
@@ -222,7 +222,7 @@ impl Field {
         }
     }
 
-    /// The quantity in words, without markup.
+    /// Returns the name of the quantity in words, without markup.
     fn words(&self, of: usize) -> String {
         format!("{} {}", self.name.replace('_', " "), self.components[of]).trim_end().into()
     }
@@ -232,13 +232,13 @@ impl Field {
         self.values[(level * nx * ny + point) * self.components.len() + of]
     }
 
-    /// The largest magnitude of a component at a depth.
+    /// Returns the largest magnitude of a component at a depth.
     fn largest(&self, level: usize, of: usize) -> f64 {
         let [nx, ny] = self.points;
         (0..nx * ny).map(|point| self.value(level, point, of).abs()).fold(0.0, f64::max)
     }
 
-    /// The largest magnitude of a component at each depth.
+    /// Returns the largest magnitude of a component at each depth.
     fn largest_at(&self, of: usize) -> Vec<f64> {
         (0..self.levels).map(|level| self.largest(level, of)).collect()
     }

@@ -1,4 +1,4 @@
-//! The page about a contact.
+//! Page about a contact.
 
 use gfmd_files::Reader;
 use gfmd_plot::{Chart, Mark, Point, Series};
@@ -20,10 +20,10 @@ const CITED: [&str; 3] = [
      contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
 ];
 
-/// The page about the contact in a file.
+/// Builds the page about the contact in a file.
 ///
 /// # Errors
-/// A file without loads.
+/// Returns an error if the file has no loads.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let loads = Stored::new(reader, "/loads", "mean_pressure")?;
     let table = config(reader);
@@ -32,7 +32,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let column = |name: &str| loads.column(name);
     let [p_star, area, corrected, kappa] = ["p_star", "area_fraction", "area_fraction_corrected", "kappa"].map(column);
     let mean = column("mean_pressure");
-    // A load that did not converge is no result. A file of another program may not say so; its residuals do.
+    // Skip loads that did not converge. A file of another program may lack this column but has the residuals.
     let converged = column("converged");
     let solved = (0..loads.len()).filter(|&load| mean[load].is_finite() && converged[load] != 0.0);
     let solved: Vec<usize> = solved.collect();
@@ -135,7 +135,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// The prescribed quantity of a configuration.
+/// Returns the name of the prescribed quantity of a configuration.
 fn controlled(table: &toml::Table) -> &'static str {
     match ["displacement", "p_star"].map(|name| table.contains_key(name)) {
         [true, _] => "prescribed approach",
@@ -144,13 +144,13 @@ fn controlled(table: &toml::Table) -> &'static str {
     }
 }
 
-/// The columns of a load that [`areas`] needs.
+/// Columns of a load that [`areas`] needs.
 pub const AREAS: [&str; 5] =
     ["p_star", "area_fraction", "area_fraction_corrected", "area_fraction_limit", "area_fraction_limit_error"];
 
-/// The contact area against the reduced pressure of loads with the columns [`AREAS`]: the limit of an infinitely fine
-/// grid with its error if known, otherwise the counted and the corrected area. The line runs from the lowest load to
-/// the highest, for any order of the loads.
+/// Returns a chart of the contact area against the reduced pressure, for loads given by the columns [`AREAS`] in any
+/// order. It shows the limit on an infinitely fine grid with its error if known, otherwise the counted and the
+/// corrected area. The line runs from the lowest to the highest load.
 pub fn areas(loads: &[[f64; 5]], is_line: bool) -> Chart {
     let mut loads = loads.to_vec();
     loads.sort_by(|a, b| a[0].total_cmp(&b[0]));

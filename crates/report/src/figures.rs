@@ -1,4 +1,4 @@
-//! Parts of figures shared by several commands.
+//! Figure parts shared by several commands.
 
 mod scene;
 
@@ -14,10 +14,10 @@ use gfmd_run::failure::Failure;
 
 pub use scene::{Face, Kind, Scene, Shown, rough};
 
-/// Parses a prefix of figures, whose folder must exist.
+/// Parses a prefix of figures. Its folder must exist.
 ///
 /// # Errors
-/// A folder that does not exist; a prefix with which the name of a figure is too long for the file system.
+/// Returns an error if the folder does not exist or if a figure name would be too long for the file system.
 pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     let prefix = PathBuf::from(text);
     let folder = gfmd_files::folder(&prefix);
@@ -30,7 +30,7 @@ pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
 /// Checks that figures with this prefix can be written, so that long work does not fail because of their names.
 ///
 /// # Errors
-/// A name that is too long for the file system.
+/// Returns an error if a name is too long for the file system.
 pub fn check_names(prefix: &Path) -> Result<(), String> {
     let longest = named(prefix, &format!("{LONGEST_NAME}.svg"));
     let name = |path: &Path| path.file_name().unwrap_or_default().len();
@@ -45,10 +45,10 @@ pub fn check_names(prefix: &Path) -> Result<(), String> {
     }
 }
 
-/// The longest name of a figure after its prefix.
+/// Longest name of a figure after its prefix.
 const LONGEST_NAME: &str = "correlation-map";
 
-/// The file `PREFIX-what` of a prefix.
+/// Returns the path `PREFIX-what`.
 pub fn named(stem: &Path, what: &str) -> PathBuf {
     debug_assert!(what.trim_end_matches(".svg").len() <= LONGEST_NAME.len(), "{what} is longer than {LONGEST_NAME}");
     let mut name = stem.file_name().unwrap_or_default().to_os_string();
@@ -56,8 +56,8 @@ pub fn named(stem: &Path, what: &str) -> PathBuf {
     stem.with_file_name(name)
 }
 
-/// A chart of the contact area against the reduced pressure. Both axes are logarithmic: points without contact, or with
-/// an extrapolated area below zero, are left out.
+/// Returns a chart of the contact area against the reduced pressure. Both axes are logarithmic: points without contact,
+/// or with a negative extrapolated area, are left out.
 pub fn area_chart(mut series: Vec<Series>) -> Chart {
     series.iter_mut().for_each(|series| series.points.retain(|point| point.x > 0.0 && point.y > 0.0));
     Chart::new(vec![Panel {
@@ -68,10 +68,10 @@ pub fn area_chart(mut series: Vec<Series>) -> Chart {
     }])
 }
 
-/// The name of the straight line a_r = √(2π) p*, the limit of the theory of Bush, Gibson and Thomas at vanishing load.
+/// Name of the straight line a_r = √(2π) p*, the limit of the theory of Bush, Gibson and Thomas at vanishing load.
 const BUSH_GIBSON_THOMAS_LIMIT: &str = "Bush–Gibson–Thomas, low load";
 
-/// The area of Persson's theory, and the straight line of Bush, Gibson and Thomas for areas below one half.
+/// Returns the area of Persson's theory, and the straight line of Bush, Gibson and Thomas for areas below one half.
 pub fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     let pressures = |to: f64| (0..=80).map(move |i| lowest * (to / lowest).powf(f64::from(i) / 80.0));
     let persson = pressures(highest).map(|p| (p, persson_area(p)));
@@ -83,8 +83,8 @@ pub fn theories(lowest: f64, highest: f64) -> [Series; 2] {
     ]
 }
 
-/// A range of colours about zero for a difference. The largest 2 % of the magnitudes are left out if they are much
-/// larger than the others, as at singular edges; `None` if nothing differs.
+/// Returns a colour range symmetric about zero for a difference; `None` if nothing differs. The largest 2 % of the
+/// magnitudes are left out if they are much larger than the others, as at singular edges.
 pub fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
@@ -93,10 +93,10 @@ pub fn about_zero(differences: &[f64]) -> Option<[f64; 2]> {
     (end > 0.0).then_some([-end, end])
 }
 
-/// The largest number of values that are drawn along a line; longer profiles are thinned.
+/// Largest number of values drawn along a line; longer profiles are thinned.
 const MOST_POINTS: usize = 4000;
 
-/// Writes a number with up to four digits, without an exponent unless it is very small or large.
+/// Formats a number with up to four digits, without an exponent unless it is very small or large.
 pub fn short(value: f64) -> String {
     let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
     let signed = |text: String| text.replace('-', "−");
@@ -110,22 +110,22 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// The smallest ratio of the points along x to those along y for which a map is two columns wide.
+/// Smallest ratio of points along x to points along y at which a map is two columns wide.
 const LONG: usize = 4;
 
-/// A figure of a field: a map, or the profile of a line contact.
+/// Figure of a field: a map, or the profile of a line contact.
 pub enum Drawn<'a> {
-    /// The profile of a line contact.
+    /// Profile of a line contact.
     Chart(Chart),
-    /// A map.
+    /// Map of a field.
     Map(Map<'a>),
 }
 
 impl Drawn<'_> {
-    /// Writes the figure as SVG and PNG; returns their names.
+    /// Writes the figure as SVG and PNG and returns their names.
     ///
     /// # Errors
-    /// Files that cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn save(&self, stem: &Path) -> Result<Vec<PathBuf>, Failure> {
         Ok(match self {
             Self::Chart(chart) => chart.save(stem)?.to_vec(),
@@ -134,31 +134,31 @@ impl Drawn<'_> {
     }
 }
 
-/// The readable unit for lengths up to `largest`; `length` if the unit is unknown.
+/// Returns the readable unit for lengths up to `largest`; `length` if the unit is unknown.
 pub fn length(unit: &str, largest: f64) -> Readable {
     let known = Units::new(Some(unit), None).shown("length", largest);
     known.unwrap_or_else(|| Readable { factor: 1.0, name: unit.into() })
 }
 
-/// The readable unit for the sides of a cell.
+/// Returns the readable unit for the sides of a cell.
 pub fn sides(grid: &Grid, unit: &str) -> Readable {
     let [lx, ly] = grid.lengths();
     length(unit, if grid.is_line() { lx } else { lx.max(ly) })
 }
 
-/// The largest absolute value.
+/// Returns the largest absolute value.
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
-/// The figure of heights, with their unit.
+/// Passes the figure of the heights, with their unit, to `take`.
 pub fn heights<R>(grid: &Grid, values: &[f64], unit: &str, take: impl FnOnce(&Drawn) -> R) -> R {
     let Readable { factor, name } = length(unit, largest(values));
     let scaled: Vec<f64> = values.iter().map(|height| height * factor).collect();
     take(&field(grid, &scaled, &format!("height *h* / {name}"), unit))
 }
 
-/// The figure of a field, whose lengths have the unit `unit`. A long profile is thinned to the largest of several
+/// Returns the figure of a field on a grid with lengths in `unit`. A long profile is thinned to the largest of several
 /// neighbours.
 pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
     let Readable { factor, name: unit } = sides(grid, unit);
@@ -186,7 +186,7 @@ pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Dra
     Drawn::Map(map)
 }
 
-/// The figure of the pressure, from values in the unit of the label.
+/// Returns the figure of the pressure, from values in the unit of the label.
 pub fn pressure<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
     let mut drawn = field(grid, values, label, unit);
     if let Drawn::Map(map) = &mut drawn {

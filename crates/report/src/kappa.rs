@@ -1,4 +1,4 @@
-//! The page about a sweep. The numbers are those of the file; the figures are drawn from its runs.
+//! Page about a sweep. The numbers are read from the file; the figures are drawn from its runs.
 
 pub mod figures;
 
@@ -26,10 +26,10 @@ const CITED: [&str; 5] = [
     "A. W. Bush, R. D. Gibson, T. R. Thomas, The elastic contact of a rough surface, Wear 35, 87–111 (1975).",
 ];
 
-/// The page about the sweep in a file.
+/// Builds the page about the sweep in a file.
 ///
 /// # Errors
-/// A file without a fit or without runs.
+/// Returns an error if the file has no fit or no runs.
 pub fn page(reader: &Reader, session: &Session) -> Result<Page, Failure> {
     let fits = Stored::new(reader, "/fit", "kappa_tfc")?;
     let loads = Stored::new(reader, "/runs", "mean_pressure")?;
@@ -62,12 +62,12 @@ pub fn page(reader: &Reader, session: &Session) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// κ with an index.
+/// Formats κ with an index.
 fn kappa(index: &str) -> Markup {
     html! { i { "κ" } sub { (index) } }
 }
 
-/// The result and a table of all fits.
+/// Adds the result and a table of all fits.
 fn answer(page: &mut Page, reader: &Reader, fits: &Stored) {
     let column = |name: &str| fits.column(name);
     let areas = reader.texts("/fit/area").unwrap_or_default();
@@ -136,7 +136,7 @@ fn answer(page: &mut Page, reader: &Reader, fits: &Stored) {
     });
 }
 
-/// A table of the extrapolations of one axis at a time, if the file has any.
+/// Adds a table of the one-axis extrapolations, if the file has any.
 fn protocols(page: &mut Page, reader: &Reader) {
     let Ok(stored) = Stored::new(reader, "/protocol", "kappa_tfc") else { return };
     let column = |name: &str| stored.column(name);
@@ -170,7 +170,7 @@ fn protocols(page: &mut Page, reader: &Reader) {
     });
 }
 
-/// A table of the points.
+/// Adds a table of the points.
 fn points(page: &mut Page, reader: &Reader) -> Result<(), Failure> {
     let stored = Stored::new(reader, "/points", "kappa")?;
     let names = ["hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "n", "realisations", "p_star"];
@@ -247,7 +247,7 @@ fn asked(page: &mut Page, config: &Config) {
     ]);
 }
 
-/// The number of surfaces of the points, in words.
+/// Describes the number of surfaces per point.
 fn surfaces(statistics: &StatisticsConfig) -> String {
     let StatisticsConfig { realisations, nested, target, surfaces, seed, .. } = statistics;
     let number = match (surfaces.iter().min(), surfaces.iter().max()) {
@@ -259,7 +259,7 @@ fn surfaces(statistics: &StatisticsConfig) -> String {
     format!("{number}{aim}, first seed {seed}")
 }
 
-/// The parts of the body besides its top layer.
+/// Describes the parts of the body below its top layer.
 fn others(body: &BodyConfig) -> String {
     let mut parts = String::new();
     for [young, poisson, height] in &body.layers {
@@ -282,7 +282,7 @@ fn others(body: &BodyConfig) -> String {
     parts
 }
 
-/// Draws the figures from the runs of the file. `stored` is the result that the file has.
+/// Draws the figures from the runs of the file. `stored` is the result in the file.
 fn drawn(
     page: &mut Page,
     reader: &Reader,

@@ -1,9 +1,9 @@
 //! Presentation of results: figures of a state, of areas and of sweeps, and the HTML page of a file.
 //!
-//! [`contact`], [`path`], [`slide`], [`wear`], [`punch`], [`body`] and [`kappa`] make the [`Page`] of a file of this
-//! kind, from its numbers and fields alone; [`whole_page`] adds the sections of all results and writes the page, which
-//! needs no network. [`figures`] has the common parts of figures, in files or in a page; [`surface`] the figures and
-//! the page of a surface. The charts themselves are those of `gfmd-plot`.
+//! [`contact`], [`path`], [`slide`], [`wear`], [`punch`], [`body`] and [`kappa`] build the [`Page`] of a file of this
+//! kind from its numbers and fields alone. [`whole_page`] adds the sections common to all results and writes the page,
+//! which needs no network. [`figures`] holds the common parts of figures in files and pages, [`surface`] the figures
+//! and the page of a surface. The charts come from `gfmd-plot`.
 #![warn(missing_docs)]
 
 pub mod body;

@@ -1,4 +1,4 @@
-//! The contents of a page about a result, section by section, and its HTML.
+//! Contents of a page about a result, section by section, and its HTML.
 
 mod about;
 mod parts;
@@ -21,68 +21,68 @@ pub(crate) use said::{list, option, unit_for, with_unit};
 pub use write::quoted;
 pub(crate) use write::{given, interval, number, of, powers, text, transforms, whole};
 
-/// The contents of a page about a result. The sections common to all kinds of results are added when it is written.
+/// Contents of a page about a result. The sections common to all kinds of results are added when it is written.
 #[derive(Default)]
 pub struct Page {
-    /// The problem that was computed, in a few words.
+    /// Short description of the computed problem.
     pub(crate) title: String,
-    /// The result, most important first.
+    /// Results, most important first.
     pub(crate) answer: Vec<Markup>,
-    /// The problem in words.
+    /// Description of the problem.
     pub(crate) asked: Vec<Fact>,
     pub(crate) figures: Vec<Figure>,
     pub(crate) tables: Vec<Table>,
     pub(crate) certificates: Vec<Certificate>,
-    /// The failure of a search, if there is one.
+    /// Failure of a search, if there is one.
     pub(crate) failed: Option<Markup>,
     pub(crate) cost: Vec<Fact>,
-    /// Works whose methods or theories were used.
+    /// Works that describe the methods and theories used.
     pub(crate) cited: Vec<&'static str>,
     /// Warnings, and parts that could not be shown.
     pub remarks: Vec<String>,
 }
 
-/// A term and its description.
+/// Term and its description.
 pub(crate) struct Fact(pub(crate) Markup, pub(crate) Markup);
 
 impl Fact {
-    /// A fact of a word and a text of the file.
+    /// Creates a fact from a term and a text of the file.
     pub(crate) fn new(term: &str, said: &str) -> Self {
         Self(html! { (term) }, html! { (text(said)) })
     }
 }
 
-/// A residual and its largest allowed value.
+/// Residual and its largest allowed value.
 pub(crate) struct Certificate {
     pub(crate) name: String,
     pub(crate) largest: f64,
     pub(crate) allowed: f64,
 }
 
-/// A figure as an `svg` element.
+/// Figure as an `svg` element.
 pub(crate) struct Figure {
     title: String,
     svg: String,
     caption: Markup,
 }
 
-/// A table.
+/// Table of a page.
 pub(crate) struct Table {
     pub(crate) caption: Markup,
     pub(crate) head: Vec<Markup>,
     pub(crate) rows: Vec<Vec<Markup>>,
 }
 
-/// The largest number of rows of a table; a longer table is thinned.
+/// Largest number of rows of a table; a longer table is thinned.
 const MOST_ROWS: usize = 60;
 
 impl Page {
-    /// Number of figures.
+    /// Returns the number of figures.
     pub fn figures(&self) -> usize {
         self.figures.len()
     }
 
-    /// The figures as SVG, by names made of their titles, of which one that occurs again has a number behind it.
+    /// Returns the figures as SVG with names made from their titles. A repeated name gets a number as suffix.
     pub fn into_figures(self) -> Vec<(String, String)> {
         let mut seen = BTreeMap::new();
         let named = |Figure { title, svg, .. }: Figure| {
@@ -120,7 +120,7 @@ impl Page {
         self.drawn(drawn, title, caption);
     }
 
-    /// The name of the next figure.
+    /// Returns the name of the next figure.
     pub(crate) fn next_name(&self) -> String {
         format!("figure{}", self.figures.len() + 1)
     }
@@ -133,17 +133,17 @@ impl Page {
         }
     }
 
-    /// True if every residual is at most its allowed value; false for NaN.
+    /// Returns true if every residual is at most its allowed value; false for NaN.
     pub(crate) fn is_certified(&self) -> bool {
         !self.certificates.is_empty() && self.certificates.iter().all(|one| one.largest <= one.allowed)
     }
 }
 
-/// The sections of a page for every kind of result.
+/// Sections common to the pages of all results.
 pub(super) struct Common {
     pub(super) kicker: String,
     pub(super) dated: String,
-    /// The text about the checksum of the result file; `None` for a page without certificates.
+    /// Text about the checksum of the result file; `None` for a page without certificates.
     pub(super) checksum: Option<&'static str>,
     pub(super) config: String,
     pub(super) cost: Vec<Fact>,
@@ -152,12 +152,12 @@ pub(super) struct Common {
     pub(super) version: String,
 }
 
-/// The element of a page by which this program recognises its own pages.
+/// HTML element that marks the pages of this program.
 pub const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
 
-/// The page.
+/// Renders the page.
 pub(super) fn render(page: &Page, common: &Common) -> Markup {
-    // No script runs, and nothing is fetched, whatever a text of the file may say.
+    // No script runs and nothing is fetched, even if a text of the file contains markup.
     let policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
     let certified = page.is_certified() && page.failed.is_none();
     html! {
@@ -266,10 +266,10 @@ pub(super) fn render(page: &Page, common: &Common) -> Markup {
     }
 }
 
-/// The longest text of a block that is open, in characters: about a screen.
+/// Longest text of an open block in characters, about a screen.
 const OPEN: usize = 2500;
 
-/// A block of code, folded if its `words` are long, as with a table of hundreds of rows in them.
+/// Renders a block of code, folded if `words` is long, e.g. for a table of hundreds of rows.
 pub(crate) fn block(words: &str, code: Markup) -> Markup {
     let count = words.chars().count();
     let block = html! { pre tabindex="0" { code { (code) } } };

@@ -1,4 +1,4 @@
-//! The page about a path.
+//! Page about a path.
 
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
@@ -21,10 +21,10 @@ const CITED: [&str; 2] = [
      Mesomechanics 17, 334–340 (2014).",
 ];
 
-/// The page about the path in a file.
+/// Builds the page about the path in a file.
 ///
 /// # Errors
-/// A file without steps.
+/// Returns an error if the file has no steps.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/path", "mean_pressure")?;
     let table = config(reader);
@@ -55,7 +55,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 
     let sum = |name: &str| column(name)[..computed].iter().copied().filter(|v| !v.is_nan()).reduce(|a, b| a + b);
     let dissipated = sum("dissipated").unwrap_or(f64::NAN);
-    // The error of the sum is known if all errors are. Earlier programs wrote the imbalance of a step as its error.
+    // The error of the sum is known if all errors are. Earlier versions wrote the imbalance of a step as its error.
     let is_error = !relaxes || column("work_imbalance").iter().any(|value| value.is_finite());
     let [losses, errors] = ["dissipated", "dissipated_error"].map(column);
     let parts = losses[..computed].iter().zip(&errors[..computed]);
@@ -120,10 +120,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     else {
         return Ok(page);
     };
-    // The unit of pressure E* g, from the step with the largest pressure.
+    // Unit of pressure E* g, from the step with the largest pressure.
     let loudest = (0..computed).max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()));
     let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
-    // The motion that tells the directions of a loop apart, the same in all panels.
+    // Motion that separates the directions of a loop, common to all panels.
     let drive = match (sideways, approach.iter().any(|value| value.is_finite())) {
         (true, _) => lateral.to_vec(),
         (false, true) => approach.to_vec(),
@@ -154,7 +154,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         }
         false => {
             let area = panel(reduced, "contact area", pairs(&p_star, &area));
-            // The displacement may have no level.
+            // The displacement may have no reference level.
             match approach.iter().any(|approach| approach.is_finite()) {
                 true => {
                     let read = length(&unit, farthest(&approach[..computed]));
@@ -172,7 +172,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     if computed > 1 && !panels.is_empty() {
         page.chart(&Chart::new(panels), "the path", &caption);
     }
-    // Fields are kept at the waypoints only; the one with the largest contact is shown.
+    // Fields are kept at the waypoints only; show the one with the largest contact.
     let waypoints = waypoints(&table, "time", computed, steps_of_leg);
     let at_waypoint = waypoints.iter().copied().max_by(|a, b| area[*a].total_cmp(&area[*b]));
     let hardness = surface.as_ref().ok().and_then(|surface| hardness::of_result(reader, &table, &surface.grid));
@@ -197,8 +197,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// The indices of the steps with fields in a file; of legs that have a `length`, the key of their times or distances,
-/// the last step of each.
+/// Returns the indices of the steps with fields in a file. For legs with a `length`, the key of their times or
+/// distances, these are the last steps of the legs.
 pub(crate) fn waypoints(table: &toml::Table, length: &str, computed: usize, steps_of_leg: usize) -> Vec<usize> {
     let list = |name: &str| table.get(name).and_then(toml::Value::as_array).map_or(&[][..], Vec::as_slice);
     let lengths = list(length);
@@ -218,8 +218,8 @@ pub(crate) fn waypoints(table: &toml::Table, length: &str, computed: usize, step
     ends.take_while(|end| *end < computed).collect()
 }
 
-/// Panels of contact area, reduced pressure and approach against time, which is logarithmic if it spans more than two
-/// decades, without the state at time zero. A constant number has no panel.
+/// Returns panels of contact area, reduced pressure and approach against time. The time axis is logarithmic, without
+/// the state at time zero, if it spans more than two decades. A constant number has no panel.
 pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<Panel> {
     let farthest = columns[2].iter().map(|(_, approach)| approach.abs()).filter(|size| size.is_finite());
     let read = length(unit, farthest.fold(0.0, f64::max));
@@ -230,8 +230,8 @@ pub fn in_time(columns: [Vec<(f64, f64)>; 3], reduced: &str, unit: &str) -> Vec<
     along(&time, [area, pressure, approach].into_iter().zip(labels).collect())
 }
 
-/// Panels of columns, each of which has points and a label, against the length of a path, which is logarithmic if it
-/// has more than two decades; a state at its start is left out of these. A number that is constant has no panel.
+/// Returns panels of labelled columns against the length of a path. The axis is logarithmic, without a state at its
+/// start, if it spans more than two decades. A constant number has no panel.
 pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<Panel> {
     let lengths =
         columns.iter().flat_map(|(points, _)| points).map(|(length, _)| *length).filter(|length| *length > 0.0);
@@ -254,8 +254,8 @@ pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<
     columns.into_iter().filter(varies).map(panel).collect()
 }
 
-/// A path of points, leg by leg: joined points where the `drive`, a number of each point, rises, hollow ones and a
-/// broken line where it falls.
+/// Returns a path of points, leg by leg: joined points where the `drive`, one number per point, rises, hollow points
+/// and a broken line where it falls.
 pub fn legs(points: &[(f64, f64)], drive: &[f64], steps_of_leg: usize) -> Vec<Series> {
     let last = points.len().saturating_sub(1);
     let leg = |(hue, start): (usize, usize)| {
@@ -278,7 +278,7 @@ pub fn legs(points: &[(f64, f64)], drive: &[f64], steps_of_leg: usize) -> Vec<Se
 mod tests {
     use super::*;
 
-    /// An attraction pulls more and more while the surfaces approach: the abscissa falls, the drive rises.
+    /// Attraction grows while the surfaces approach: the abscissa falls, the drive rises.
     #[test]
     fn directions_are_those_of_the_drive() {
         let (points, drive) = ([(0.0, 0.0), (-1.0, 1.0), (-2.0, 0.5), (0.0, 0.0)], [0.0, 1.0, 2.0, -1.0]);

@@ -1,4 +1,4 @@
-//! The page about a punch.
+//! Page about a punch.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
@@ -14,13 +14,13 @@ const CITED: [&str; 1] =
     ["I. A. Polonsky, L. M. Keer, A numerical method for solving rough contact problems based on the multi-level \
      multi-summation and conjugate gradient techniques, Wear 231, 206–219 (1999)."];
 
-/// The label of the pressure.
+/// Label of the pressure.
 const PRESSURE: &str = "pressure / mean pressure";
 
-/// The page about the punch in a file.
+/// Builds the page about the punch in a file.
 ///
 /// # Errors
-/// A file without the fields of a punch.
+/// Returns an error if the file has no fields of a punch.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let unusable = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let table = config(reader);
@@ -49,7 +49,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         [nx, ny, components @ (2 | 3)] => ([nx, ny], components),
         _ => return Err(Failure::Input(format!("{path} has the shape {shape:?}; it must be that of a surface"))),
     };
-    // The positions are those of the points: a cell is one step longer than from the first to the last.
+    // The cell is one step longer than the distance from the first to the last point.
     let side = |axis: &str, n: usize| -> f64 {
         let places: Vec<f64> = reader.values(&format!("/fields/{axis}")).unwrap_or_default();
         let step = if places.len() > 1 { places[1] - places[0] } else { 1.0 };
@@ -92,7 +92,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let normal = components - 1;
     let pressure: Vec<f64> = traction[normal].iter().map(|t| -t / mean).collect();
     if !grid.is_line() {
-        // Below a sticking punch there may be tension.
+        // A sticking punch may have tension below it.
         let drawn = if pressure.iter().any(|p| *p < 0.0) {
             let mut drawn = field(&grid, &pressure, PRESSURE, "length");
             if let Drawn::Map(map) = &mut drawn {
@@ -132,7 +132,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
-/// Displacement over the depth, and traction over a stress, along a line through the middle.
+/// Returns charts of displacement / depth and of traction / stress along a line through the middle.
 pub fn cut([displacement, traction]: [Vec<Series>; 2], stress: &str) -> Chart {
     let panel = |label: &str, series| {
         let (x, y) = (Axis::linear("*x* / length"), Axis::linear(label));
@@ -142,7 +142,7 @@ pub fn cut([displacement, traction]: [Vec<Series>; 2], stress: &str) -> Chart {
     Chart { share_y: false, ..Chart::new(vec![panel("displacement / depth", displacement), traction]) }
 }
 
-/// A number of a group; NaN if the file does not have it.
+/// Reads a number of a group; NaN if the file does not have it.
 fn single(reader: &Reader, group: &str, name: &str) -> f64 {
     let values: Vec<f64> = reader.values(&format!("{group}/{name}")).unwrap_or_default();
     if values.len() == 1 { values[0] } else { f64::NAN }

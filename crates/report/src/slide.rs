@@ -1,4 +1,4 @@
-//! The page about steady sliding, and its figures.
+//! Page about steady sliding, and its figures.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
@@ -18,7 +18,7 @@ const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and conta
 const OF_HEAT: &str = "J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and \
      Proceedings of the Royal Society of New South Wales 76, 203–224 (1942).";
 
-/// The columns of the table: names in a file, and their heads.
+/// Columns of the table: names in a file, and their heads.
 const COLUMNS: [(&str, &str); 9] = [
     ("velocity", "velocity"),
     ("mean_pressure", "pressure"),
@@ -31,7 +31,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ("mean_gap", "mean gap"),
 ];
 
-/// Those of the flash temperature.
+/// Columns of the flash temperature.
 const COLUMNS_OF_HEAT: [(&str, &str); 4] = [
     ("heat_mean_flux", "heat"),
     ("heat_max_rise", "largest rise"),
@@ -39,25 +39,25 @@ const COLUMNS_OF_HEAT: [(&str, &str); 4] = [
     ("heat_fraction", "into the body"),
 ];
 
-/// The columns that have an error by the grid, which is not known.
+/// Columns with an unknown grid error.
 const ROUGH: [&str; 7] =
     ["area_fraction", "friction", "friction_slope", "mean_gap", "heat_max_rise", "heat_mean_rise", "heat_fraction"];
 
-/// A number of such a column.
+/// Formats a number of one of the [`ROUGH`] columns.
 fn rough(value: f64) -> maud::Markup {
     powers(&with_limit(value, f64::NAN, f64::NAN))
 }
 
-/// The axis of so many velocities.
+/// Returns the axis for this number of velocities.
 fn axis(velocities: usize, units: &Units) -> Axis {
     let label = format!("velocity / ({})", units.name("length/time"));
     if velocities > 1 { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
-/// A state of steady sliding for its figure.
+/// State of steady sliding for its figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sliding {
-    /// Velocity, length over the unit of the relaxation times.
+    /// Velocity in length per unit of the relaxation times.
     pub velocity: f64,
     /// Reduced pressure.
     pub p_star: f64,
@@ -65,11 +65,11 @@ pub struct Sliding {
     pub friction: [f64; 2],
     /// Contact area fraction, and its value in Persson's theory.
     pub area: [f64; 2],
-    /// Largest and mean temperature in contact above the mean of the surface; NaN if they are not known.
+    /// Largest and mean temperature in contact above the mean of the surface; NaN if unknown.
     pub rise: [f64; 2],
 }
 
-/// Friction and contact area against the velocity, a curve for each load, with `velocities` points each.
+/// Returns a chart of friction and contact area against velocity, with one curve of `velocities` points per load.
 pub fn chart(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
     let curves = |of: fn(&Sliding) -> [f64; 2]| -> Vec<Series> {
         let curve = |(hue, states): (usize, &[Sliding])| {
@@ -94,7 +94,7 @@ pub fn chart(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
     Chart { share_y: false, ..Chart::new(panels) }
 }
 
-/// Largest and mean temperature in contact against the velocity, a curve for each load, of so many `velocities` each.
+/// Returns a chart of largest and mean contact temperature against velocity, with `velocities` points per load.
 pub fn rises(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
     let curve = |(hue, states): (usize, &[Sliding])| {
         let points = |which: usize| states.iter().map(|s| Point::new(s.velocity, s.rise[which])).collect();
@@ -115,15 +115,15 @@ pub fn rises(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
     Chart::new(vec![panel])
 }
 
-/// The figure of a temperature above the mean of the surface, whose lengths have this unit.
+/// Returns the figure of a temperature above the surface mean, on a grid with lengths in `length`.
 pub fn temperature<'a>(grid: &Grid, values: &'a [f64], length: &str, units: &Units) -> Drawn<'a> {
     field(grid, values, &format!("temperature *T* / {}", units.name("temperature")), length)
 }
 
-/// The page about the sliding in a file.
+/// Builds the page about the sliding in a file.
 ///
 /// # Errors
-/// A file without states.
+/// Returns an error if the file has no states.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/states", "mean_pressure")?;
     let table = config(reader);
@@ -188,7 +188,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let tolerance = of(&table, "tol");
     page.asked.push(Fact(html! { "tolerance" }, given(tolerance)));
-    // Each load has as many states as there are before a velocity comes again.
+    // The states of a load end where the first velocity occurs again.
     let again = velocity.iter().skip(1).position(|other| Some(other) == velocity.first());
     let velocities = again.map_or(velocity.len(), |place| place + 1);
     let states: Vec<Sliding> = (0..stored.len())

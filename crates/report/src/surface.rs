@@ -27,54 +27,54 @@ const CITED: [&str; 4] = [
      topography analysis, Applied Surface Science Advances 7, 100190 (2022).",
 ];
 
-/// A surface with its numbers.
+/// Surface with its numbers.
 pub struct Subject<'a> {
     /// Heights, `[x, y]`.
     pub heights: &'a Array2<f64>,
-    /// The grid of the heights.
+    /// Grid of the heights.
     pub grid: &'a Grid,
-    /// The unit of heights and lengths, if known.
+    /// Unit of heights and lengths, if known.
     pub unit: Option<&'a str>,
-    /// The radially averaged power spectral density.
+    /// Radially averaged power spectral density.
     pub spectrum: &'a [RadialBin],
-    /// The name of the window of the spectrum, if there was one.
+    /// Name of the window of the spectrum, if there was one.
     pub window: Option<&'a str>,
-    /// The longest and the shortest wavelengths that the points of a scan resolve.
+    /// Longest and shortest wavelengths that the points of a scan resolve.
     pub resolved: Option<[f64; 2]>,
-    /// The fitted Hurst exponent, and the longest and shortest wavelengths of the fit.
+    /// Fitted Hurst exponent, and the longest and shortest wavelengths of the fit.
     pub hurst: Option<(f64, [f64; 2])>,
-    /// Autocorrelation, distributions, slopes against distance, bearing curve, if requested.
+    /// Autocorrelation, distributions, slopes against distance and bearing curve, if requested.
     pub texture: Option<&'a Texture>,
 }
 
-/// A number of a surface.
+/// Number of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number {
-    /// The key in JSON.
+    /// Key in JSON.
     pub name: &'static str,
-    /// The value, if it has one.
+    /// Value, if it has one.
     pub value: Option<f64>,
-    /// The unit as a power of length.
+    /// Unit as a power of length.
     pub power: i32,
-    /// The definition.
+    /// Definition of the number.
     pub meaning: &'static str,
 }
 
-/// The words of a page about a surface.
+/// Texts of a page about a surface.
 pub struct About<'a> {
-    /// The name of the file or of the array, or words for a generated surface.
+    /// Name of the file or array, or a description of a generated surface.
     pub name: &'a str,
-    /// The origin of the heights, and how they were prepared.
+    /// Origin of the heights, and how they were prepared.
     pub source: &'a str,
     /// Further facts: terms and their values.
     pub facts: &'a [(&'static str, String)],
-    /// True if the heights repeat: differences then cross the edges of the cell.
+    /// True if the heights are periodic, so that differences cross the edges of the cell.
     pub repeats: bool,
     /// All numbers.
     pub numbers: &'a [Number],
-    /// The command that makes the page, if there is one.
+    /// Command that makes the page, if there is one.
     pub again: Option<String>,
-    /// The file that was read, and its SHA-256.
+    /// File that was read, and its SHA-256.
     pub file: Option<(&'a str, &'a str)>,
     /// Warnings.
     pub remarks: Vec<String>,
@@ -90,7 +90,7 @@ impl Subject<'_> {
     /// `PREFIX-curvatures`, `PREFIX-bearing`.
     ///
     /// # Errors
-    /// Files that cannot be written; heights that cannot be drawn.
+    /// Returns an error if a file cannot be written or the heights cannot be drawn.
     pub fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut files = Vec::new();
         let mut keep = |made: Option<Result<[PathBuf; 2], PlotError>>| -> Result<(), Failure> {
@@ -114,7 +114,7 @@ impl Subject<'_> {
         Ok(files)
     }
 
-    /// The page about the surface, as HTML, and the number of its figures.
+    /// Returns the page about the surface as HTML, and the number of its figures.
     pub fn page(&self, about: &About, provenance: &Provenance) -> (String, usize) {
         let mut page = Page { title: "Rough surface".into(), cited: CITED.to_vec(), ..Page::default() };
         if self.grid.is_line() {
@@ -139,7 +139,7 @@ impl Subject<'_> {
         (made.into_string(), page.figures())
     }
 
-    /// A number with its unit.
+    /// Formats a number with its unit.
     fn shown(&self, value: f64, power: i32) -> Markup {
         let known = Units::new(self.unit, None).shown(&kind(power), value);
         match known {
@@ -309,7 +309,7 @@ impl Subject<'_> {
     }
 }
 
-/// A number formatted for a table.
+/// Formats a number for a table.
 fn powers_of(value: f64) -> Markup {
     if value.is_finite() && value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return powers(&format!("{value:.4e}"));
@@ -317,7 +317,7 @@ fn powers_of(value: f64) -> Markup {
     number(value)
 }
 
-/// The kind of a power of length.
+/// Returns the kind of a power of length.
 fn kind(power: i32) -> String {
     match power {
         0 => "1".into(),
@@ -326,7 +326,7 @@ fn kind(power: i32) -> String {
     }
 }
 
-/// The unit of a power of length, if lengths have the unit `unit`.
+/// Returns the unit of a power of length, for lengths in `unit`.
 pub fn unit_of(unit: &str, power: i32) -> String {
     match power {
         0 => "1".into(),

@@ -1,4 +1,4 @@
-//! The page about wear, and its figures.
+//! Page about wear, and its figures.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
@@ -16,11 +16,11 @@ const CITED: [&str; 2] = [
      Mekhanika 40, 981–986 (1976).",
 ];
 
-/// The most values along a profile; longer ones are thinned.
+/// Largest number of values along a profile; longer ones are thinned.
 const MOST_POINTS: usize = 2000;
 
-/// Panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from columns
-/// by name.
+/// Returns panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from
+/// columns by name.
 pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
     let [distance, volume, area, peak] = ["distance", "wear_volume", "area_fraction", "max_pressure"].map(column);
     let [far, deep] = [&distance, &volume].map(|values| length(unit, largest(values)));
@@ -35,8 +35,8 @@ pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &
     along(&format!("distance / {}", far.name), columns)
 }
 
-/// The heights along the row of the largest depth lost, and what is left of them, as if the rough surface alone wore;
-/// `None` if nothing is lost.
+/// Returns the heights along the row with the largest depth lost, before and after wear as if only the rough surface
+/// wore; `None` if nothing is lost.
 pub fn profile(grid: &Grid, [heights, depth]: [&[f64]; 2], unit: &str) -> Option<Chart> {
     let [nx, ny] = grid.points();
     let deepest =
@@ -72,17 +72,17 @@ pub fn profile(grid: &Grid, [heights, depth]: [&[f64]; 2], unit: &str) -> Option
     Some(Chart::new(vec![panel]))
 }
 
-/// The map of the depth lost, or its profile for a line contact.
+/// Passes the map of the depth lost, or its profile for a line contact, to `take`.
 pub fn depth_of<R>(grid: &Grid, depth: &[f64], unit: &str, take: impl FnOnce(&Drawn) -> R) -> R {
     let read = length(unit, largest(depth));
     let scaled: Vec<f64> = depth.iter().map(|w| w * read.factor).collect();
     take(&field(grid, &scaled, &format!("depth lost *w* / {}", read.name), unit))
 }
 
-/// The page about the wear in a file.
+/// Builds the page about the wear in a file.
 ///
 /// # Errors
-/// A file without steps.
+/// Returns an error if the file has no steps.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/wear", "mean_pressure")?;
     let table = config(reader);

@@ -4,11 +4,11 @@ use gfmd_field::{Grid, Split, Transform};
 
 use crate::{FullResponse, NormalResponse, Workspace};
 
-/// The elastic side of a contact, with the component u_z only or with all components of the surface displacement. The
-/// response is shared, so that a clone costs nothing.
+/// Elastic side of a contact, with u_z only or with all components of the surface displacement. The response is shared,
+/// so that clones are cheap.
 #[derive(Clone, Debug)]
 pub enum Elastic {
-    /// The component u_z only.
+    /// Component u_z only.
     Normal(Arc<NormalResponse>),
     /// All components.
     Full(Arc<FullResponse>),
@@ -39,7 +39,7 @@ impl From<FullResponse> for Elastic {
 }
 
 impl Elastic {
-    /// The grid of the surface.
+    /// Returns the grid of the surface.
     pub fn grid(&self) -> &Grid {
         match self {
             Self::Normal(response) => response.grid(),
@@ -47,7 +47,7 @@ impl Elastic {
         }
     }
 
-    /// Number of components of a field; z is the last.
+    /// Returns the number of components of a field; z is the last.
     pub fn components(&self) -> usize {
         match self {
             Self::Normal(_) => 1,
@@ -55,8 +55,8 @@ impl Elastic {
         }
     }
 
-    /// Compliance of the uniform mode for each component, in length/stress; 0 if the mean displacement does not depend
-    /// on the mean traction.
+    /// Returns the compliance of the uniform mode for each component, in length/stress; 0 if the mean displacement does
+    /// not depend on the mean traction.
     pub fn uniform_compliance(&self) -> Vec<f64> {
         match self {
             Self::Normal(response) => vec![response.uniform_compliance()],
@@ -67,7 +67,7 @@ impl Elastic {
         }
     }
 
-    /// Smallest and largest stiffness of the modes q ≠ 0, in stress/length.
+    /// Returns the smallest and largest stiffness of the modes q ≠ 0, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
         match self {
             Self::Normal(response) => response.stiffness_range(),
@@ -75,7 +75,7 @@ impl Elastic {
         }
     }
 
-    /// E* of the body, in stress.
+    /// Returns E* of the body, in stress.
     pub fn contact_modulus(&self) -> f64 {
         match self {
             Self::Normal(response) => response.contact_modulus(),
@@ -104,7 +104,7 @@ pub enum Transforms {
 }
 
 impl Transforms {
-    /// `out` ← K `field`, except for the means: the mean of a component is `uniform` times that of `field`.
+    /// Computes `out` = K `field`, except that the mean of each component is `uniform` times the mean of `field`.
     pub fn stiffness(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
         match self {
             Self::Normal(normal) => {
@@ -119,7 +119,7 @@ impl Transforms {
         }
     }
 
-    /// `out` ← G `field`, except for the means: the mean of a component is `uniform` times that of `field`.
+    /// Computes `out` = G `field`, except that the mean of each component is `uniform` times the mean of `field`.
     pub fn compliance(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
         match self {
             Self::Normal(normal) => {
@@ -134,7 +134,7 @@ impl Transforms {
         }
     }
 
-    /// Forward and inverse transforms of one component so far, in pairs.
+    /// Returns the number of pairs of forward and inverse transforms of one component so far.
     pub fn pairs(&self) -> f64 {
         match self {
             Self::Normal(normal) => normal.pairs(),
@@ -142,7 +142,7 @@ impl Transforms {
         }
     }
 
-    /// The counter of transforms, for a solve that continues an earlier one.
+    /// Returns the counter of transforms, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         match self {
             Self::Normal(normal) => normal.counter(),
@@ -151,11 +151,10 @@ impl Transforms {
     }
 }
 
-/// The transforms of a [`NormalResponse`], with their memory and a counter. Of several processes each has its own rows
-/// and modes.
+/// Transforms of a [`NormalResponse`], with their memory and a counter. Each process has its own rows and modes.
 ///
 /// # Panics
-/// Every method panics if a field does not have the size of the grid, or a kernel that of its modes.
+/// Every method panics if a field does not have the size of the grid, or a kernel not the number of its modes.
 #[derive(Debug)]
 pub struct NormalTransforms {
     response: Arc<NormalResponse>,
@@ -166,7 +165,7 @@ pub struct NormalTransforms {
 }
 
 impl NormalTransforms {
-    /// For transforms on the grid of `response`; none is counted yet.
+    /// Creates transforms on the grid of `response`, with the counter at zero.
     pub fn of(response: &Arc<NormalResponse>) -> Self {
         Self { response: Arc::clone(response), workspace: None, singles: 0 }
     }
@@ -181,14 +180,14 @@ impl NormalTransforms {
         (transform, self.workspace.get_or_insert_with(|| transform.workspace()))
     }
 
-    /// `out` ← F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
+    /// Computes `out` = F⁻¹\[k F\[field\]\], with a real kernel k laid out as [`Grid::modes`].
     pub fn convolve(&mut self, kernel: &[f64], field: &[f64], out: &mut [f64]) {
         self.singles += 2;
         let (transform, workspace) = self.parts();
         fits(transform.convolve(kernel, field, out, workspace));
     }
 
-    /// The convolution of [`convolve`](Self::convolve), row by row; see [`gfmd_field::Transform::convolve_rows`].
+    /// Applies [`convolve`](Self::convolve) row by row; see [`gfmd_field::Transform::convolve_rows`].
     pub fn convolve_rows<I: Split, O: Split>(
         &mut self,
         kernel: &[f64],
@@ -202,30 +201,30 @@ impl NormalTransforms {
         fits(transform.convolve_rows(kernel, input, source, output, sink, workspace));
     }
 
-    /// The number of points of the grid, of all processes.
+    /// Returns the number of points of the grid, over all processes.
     pub fn points(&self) -> usize {
         self.response.grid().len()
     }
 
-    /// (1/N) Σ_r f (K f) over all rows, with K the convolution with `kernel`, from one transform.
+    /// Returns (1/N) Σ_r f (K f) over all rows, where K is the convolution with `kernel`, from one transform.
     pub fn quadratic_form(&mut self, kernel: &[f64], field: &[f64]) -> f64 {
         self.singles += 1;
         let (transform, workspace) = self.parts();
         fits(transform.quadratic_form(kernel, field, workspace))
     }
 
-    /// Forward and inverse transforms so far, in pairs.
+    /// Returns the number of pairs of forward and inverse transforms so far.
     pub fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
 
-    /// The counter of single transforms, for a solve that continues an earlier one.
+    /// Returns the counter of single transforms, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         &mut self.singles
     }
 }
 
-/// The transforms of a [`FullResponse`], with their memory and a counter.
+/// Transforms of a [`FullResponse`], with their memory and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid times the number of components.
@@ -233,45 +232,45 @@ impl NormalTransforms {
 pub struct FullTransforms {
     response: Arc<FullResponse>,
     workspace: Workspace,
-    /// Number of pairs of transforms of one component.
+    /// Number of transform pairs of one component.
     pairs: u64,
 }
 
 impl FullTransforms {
-    /// Memory for transforms on the grid of `response`; none is counted yet.
+    /// Allocates memory for transforms on the grid of `response`, with the counter at zero.
     pub fn of(response: &Arc<FullResponse>) -> Self {
         Self { response: Arc::clone(response), workspace: response.workspace(), pairs: 0 }
     }
 
-    /// Traction ← K displacement.
+    /// Computes traction = K displacement.
     pub fn stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) {
         self.pairs += self.response.components().len() as u64;
         fits(self.response.stiffness().apply(displacement, traction, &mut self.workspace));
     }
 
-    /// Displacement ← G traction.
+    /// Computes displacement = G traction.
     pub fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
         self.pairs += self.response.components().len() as u64;
         fits(self.response.compliance().apply(traction, displacement, &mut self.workspace));
     }
 
-    /// Forward and inverse transforms of one component so far, in pairs.
+    /// Returns the number of pairs of forward and inverse transforms of one component so far.
     pub fn pairs(&self) -> f64 {
         self.pairs as f64
     }
 
-    /// The counter of pairs, for a solve that continues an earlier one.
+    /// Returns the counter of pairs, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         &mut self.pairs
     }
 }
 
-/// The result of an operation on fields whose size is guaranteed by the caller.
+/// Unwraps the result of an operation on fields with a size guaranteed by the caller.
 pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
     outcome.expect("every field has the size of the grid")
 }
 
-/// Adds the uniform mode to what a table without it gives, whose mean is zero.
+/// Adds the uniform mode to the result of a table without it, which has zero mean.
 fn add_uniform(field: &[f64], uniform: f64, out: &mut [f64]) {
     if uniform != 0.0 {
         let change = uniform * mean(field);

@@ -7,32 +7,32 @@ use gfmd_vector::{for_each, total};
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// The compliance of a patch that does not repeat: the pressure is constant on the cell around every point of the grid
-/// and zero outside the patch. The displacement is that of the points; it is zero far away if it [has a
-/// level](Self::has_level) (theory.md, section 3.1). Built once and shared between problems and threads.
+/// Compliance of a non-periodic patch. The pressure is constant on the cell around every grid point and zero outside
+/// the patch. The displacement refers to the grid points; it is zero far away if it [has a level](Self::has_level)
+/// (theory.md, section 3.1). Built once and shared between problems and threads.
 ///
-/// The stiffness, its inverse, is approximated: it is diagonal in cosine waves, with the inverse of the mean compliance
+/// The inverse, a stiffness, is approximated: it is diagonal in cosine waves, with the inverse of the mean compliance
 /// of each wave on the patch, multiplied on both sides by weights that increase towards the edges, where the pressure
-/// of a given displacement is largest.
+/// for a given displacement is largest.
 #[derive(Debug)]
 pub struct FreeCompliance {
     convolution: Convolution,
-    /// The convolution over the unit, in single precision.
+    /// Convolution divided by the unit, in single precision.
     rounded: Convolution<f32>,
     unit: f64,
     cosines: Cosines<f32>,
-    /// The stiffness of each cosine wave, times the unit.
+    /// Stiffness of each cosine wave times the unit.
     stiffness: Vec<f32>,
-    /// The weight of each row, and of each point of a row.
+    /// Weight of each row, and of each point of a row.
     weights: [Vec<f32>; 2],
-    /// The pressure of a uniform displacement over its sum.
+    /// Pressure for a uniform displacement, divided by its sum.
     uniform: Vec<f32>,
     has_level: bool,
 }
 
-/// The excess of the weight one cell from the edge, and the power with which it falls with the distance. The
-/// eigenvalues of the approximate stiffness times the compliance, before the [`FACTOR`], are then between 0.7 and 1.4
-/// on 256² points (without weights 0.47 and 1.3). The lowest falls with the logarithm of the number of points.
+/// Excess of the weight one cell from the edge, and the exponent of its decay with distance. The eigenvalues of the
+/// approximate stiffness times the compliance, without [`FACTOR`], are then between 0.7 and 1.4 on 256² points (without
+/// weights 0.47 and 1.3). The lowest falls with the logarithm of the number of points.
 const EDGE: (f64, f64) = (0.1, -0.5);
 
 /// Factor that makes the approximate stiffness about as large as the exact one, or larger, for most displacements.
@@ -42,7 +42,7 @@ impl FreeCompliance {
     /// Tabulates the compliance of `body` on `grid`.
     ///
     /// # Errors
-    /// A body without a level far away; layers that are too thin ([`patch_compliance`]).
+    /// Returns an error if the body has no level far away, or if layers are too thin ([`patch_compliance`]).
     pub fn new(grid: Grid, body: &Body) -> Result<Self, GreenError> {
         Ok(Self::tabulated(grid, patch_compliance(body, &grid)?, has_level(body, &grid)))
     }
@@ -50,7 +50,7 @@ impl FreeCompliance {
     /// Tabulates the resistance of a conductor on `grid`: potential for displacement, current density for pressure.
     ///
     /// # Errors
-    /// An electrode that is not deep enough ([`patch_resistance`]).
+    /// Returns an error if an electrode is not deep enough ([`patch_resistance`]).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Result<Self, GreenError> {
         Ok(Self::tabulated(grid, patch_resistance(conductor, &grid)?, has_level(conductor.body(), &grid)))
     }
@@ -60,7 +60,7 @@ impl FreeCompliance {
         Self::of(Convolution::new(grid, &compliance), &quotients, has_level)
     }
 
-    /// From the convolution, and the mean compliance of each cosine wave on the patch.
+    /// Builds the compliance from the convolution and the mean compliance of each cosine wave on the patch.
     fn of(convolution: Convolution, quotients: &[f64], has_level: bool) -> Self {
         let grid = *convolution.grid();
         let unit = power_of_two(convolution.largest());
@@ -77,7 +77,7 @@ impl FreeCompliance {
         Self { uniform, ..free }
     }
 
-    /// The compliance of the patch below springs that act point by point, of this compliance, length/stress.
+    /// Returns the compliance of the patch below point springs with this `compliance` in length/stress.
     #[must_use]
     pub fn softened(&self, compliance: f64) -> Self {
         let quotients: Vec<f64> =
@@ -85,17 +85,17 @@ impl FreeCompliance {
         Self::of(self.convolution.with_own(compliance), &quotients, self.has_level)
     }
 
-    /// The grid of the patch.
+    /// Returns the grid of the patch.
     pub fn grid(&self) -> &Grid {
         self.convolution.grid()
     }
 
-    /// True if displacements are relative to points far away; false if they are known up to a constant.
+    /// Returns true if displacements are relative to points far away; false if they are known up to a constant.
     pub fn has_level(&self) -> bool {
         self.has_level
     }
 
-    /// `out` ← the approximate stiffness, times the unit, of the displacement whose rows `source(i, row)` fills.
+    /// Computes the approximate stiffness, times the unit, of a displacement; `source(i, row)` fills its rows.
     fn weighted(&self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32], ws: &mut CosineWorkspace<f32>) {
         let [along_x, along_y] = &self.weights;
         let weigh = |i: usize, row: &mut [f32]| {
@@ -113,7 +113,7 @@ impl FreeCompliance {
     }
 }
 
-/// The weight of a row or column, which is 1 if it is the only one.
+/// Returns the weight of a row or column, which is 1 if it is the only one.
 fn weight(i: usize, points: usize) -> f64 {
     let distance = i.min(points - 1 - i) as f64 + 0.5;
     let (excess, power) = EDGE;
@@ -124,7 +124,7 @@ fn swapped<T>([x, y]: [T; 2]) -> [T; 2] {
     [y, x]
 }
 
-/// The transforms of a [`FreeCompliance`], with their memory and a counter.
+/// Transforms of a [`FreeCompliance`], with their memory and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid.
@@ -137,13 +137,13 @@ pub struct FreeTransforms {
 }
 
 impl FreeTransforms {
-    /// Memory for transforms on the grid of `compliance`; none is counted yet.
+    /// Allocates memory for transforms on the grid of `compliance`, with the counter at zero.
     pub fn of(compliance: &Arc<FreeCompliance>) -> Self {
         let workspace = compliance.convolution.workspace();
         Self { compliance: Arc::clone(compliance), workspace, singles: 0 }
     }
 
-    /// `out` ← G `pressure`, the downward displacement.
+    /// Computes `out` = G `pressure`, the downward displacement.
     pub fn apply(&mut self, pressure: &[f64], out: &mut [f64]) {
         self.singles += 2;
         fits(self.compliance.convolution.apply(pressure, out, &mut self.workspace));
@@ -164,24 +164,24 @@ impl FreeTransforms {
         fits(compliance.convolution.apply_back(output, sink, workspace));
     }
 
-    /// ⟨p, G p⟩, summed over the points, from one transform.
+    /// Returns ⟨p, G p⟩, summed over the points, from one transform.
     pub fn quadratic_form(&mut self, pressure: &[f64]) -> f64 {
         self.singles += 1;
         fits(self.compliance.convolution.quadratic_form(pressure, &mut self.workspace))
     }
 
-    /// Forward and inverse transforms so far, in pairs, of padded fields.
+    /// Returns the number of pairs of forward and inverse transforms of padded fields so far.
     pub fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
 
-    /// The counter of single transforms, for a solve that continues an earlier one.
+    /// Returns the counter of single transforms, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         &mut self.singles
     }
 }
 
-/// The transforms of a [`FreeCompliance`] in single precision, and the approximate stiffness; the counterpart of
+/// Transforms of a [`FreeCompliance`] and its approximate stiffness in single precision; the counterpart of
 /// [`RoundedTransforms`](crate::RoundedTransforms).
 ///
 /// # Panics
@@ -196,18 +196,18 @@ pub struct FreeRounded {
 }
 
 impl FreeRounded {
-    /// Memory for transforms on the grid of `compliance`; none is counted yet.
+    /// Allocates memory for transforms on the grid of `compliance`, with the counter at zero.
     pub fn of(compliance: &Arc<FreeCompliance>) -> Self {
         let (workspace, cosines) = (compliance.rounded.workspace(), compliance.cosines.workspace());
         Self { compliance: Arc::clone(compliance), workspace, cosines, singles: 0 }
     }
 
-    /// The unit of compliances, a power of two, in length/stress.
+    /// Returns the unit of compliances, a power of two, in length/stress.
     pub fn unit(&self) -> f64 {
         self.compliance.unit
     }
 
-    /// Computes G v over the unit, for the field v whose rows `source` generates from the rows of `input`.
+    /// Computes G v divided by the unit; `source` generates the rows of v from the rows of `input`.
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
         fits(self.compliance.rounded.apply_ahead(input, source, &mut self.workspace));
@@ -219,9 +219,9 @@ impl FreeRounded {
         fits(self.compliance.rounded.apply_back(output, sink, &mut self.workspace));
     }
 
-    /// `out` ← approximately K u times the unit, for the downward displacement u whose rows `source(i, row)` fills. A
-    /// `floating` surface may also move as a whole: a uniform displacement is then added to u such that the sum of the
-    /// pressure is zero.
+    /// Approximates `out` = K u times the unit; `source(i, row)` fills the rows of the downward displacement u. A
+    /// `floating` surface may also move as a whole: a uniform displacement is added to u such that the total pressure
+    /// is zero.
     pub fn stiffness(&mut self, floating: bool, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         self.singles += 2;
         let Self { compliance, cosines, .. } = self;
@@ -234,18 +234,18 @@ impl FreeRounded {
         }
     }
 
-    /// Σ_r v G v over the unit, from one transform.
+    /// Returns Σ_r v G v divided by the unit, from one transform.
     pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
         self.singles += 1;
         fits(self.compliance.rounded.quadratic_form(field, &mut self.workspace))
     }
 
-    /// Forward and inverse transforms so far, in pairs, whether of padded fields or of cosines.
+    /// Returns the number of pairs of forward and inverse transforms so far, of padded fields and of cosines.
     pub fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
 
-    /// The counter of single transforms, for a solve that continues an earlier one.
+    /// Returns the counter of single transforms, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         &mut self.singles
     }

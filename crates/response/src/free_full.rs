@@ -8,13 +8,13 @@ use crate::patch_table::Parity::{Even, Odd};
 use crate::patch_table::PatchTable;
 use crate::{Components, Hermitian, Operator, Workspace};
 
-/// The compliance of a patch that does not repeat, for all components of its surface: the counterpart of
+/// Compliance of a non-periodic patch for all components of its surface; the counterpart of
 /// [`FreeCompliance`](crate::FreeCompliance) (theory.md, section 3.1). Built once and shared between problems and
 /// threads.
 #[derive(Debug)]
 pub struct FreeFullCompliance {
     patch: Grid,
-    /// The compliance on the padded grid.
+    /// Compliance on the padded grid.
     compliance: Operator,
     normal: Arc<Convolution>,
     stiffness_range: [f64; 2],
@@ -22,10 +22,10 @@ pub struct FreeFullCompliance {
 }
 
 impl FreeFullCompliance {
-    /// Tabulates the compliance of `body` on the grid of the `patch`, a surface.
+    /// Tabulates the compliance of `body` on the two-dimensional grid of the `patch`.
     ///
     /// # Errors
-    /// The errors of [`patch_matrix`]; a patch with more points than memory can address when it is doubled.
+    /// Returns an error of [`patch_matrix`], or if the doubled patch has more points than memory can address.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
         let table = PatchTable::new(&patch, patch_matrix(body, &patch)?)?;
         let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]
@@ -47,33 +47,33 @@ impl FreeFullCompliance {
         Ok(Self { patch, compliance, normal, stiffness_range: range, contact_modulus: body.contact_modulus() })
     }
 
-    /// The grid of the patch.
+    /// Returns the grid of the patch.
     pub fn grid(&self) -> &Grid {
         &self.patch
     }
 
-    /// The components of displacement and traction.
+    /// Returns the components of displacement and traction.
     pub fn components(&self) -> Components {
         self.compliance.components()
     }
 
-    /// The compliance for pressures alone: the downward displacement.
+    /// Returns the compliance for pressures alone, which gives the downward displacement.
     pub fn normal(&self) -> &Arc<Convolution> {
         &self.normal
     }
 
-    /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
+    /// Returns E* of the body, in stress; 1/(1/E₁* + 1/E₂*) for two bodies.
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
 
-    /// Smallest and largest stiffness of the waves of a periodic cell of the size of the patch, in stress/length.
+    /// Returns the smallest and largest stiffness in a periodic cell of the size of the patch, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
 }
 
-/// The transforms of a [`FreeFullCompliance`], with their memory and a counter.
+/// Transforms of a [`FreeFullCompliance`], with their memory and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the patch times the number of components.
@@ -87,7 +87,7 @@ pub struct FreeFullTransforms {
 }
 
 impl FreeFullTransforms {
-    /// Memory for transforms on the grid of `response`; none is counted yet.
+    /// Allocates memory for transforms on the grid of `response`, with the counter at zero.
     pub fn of(response: &Arc<FreeFullCompliance>) -> Self {
         let FreeFullCompliance { compliance, .. } = &**response;
         let size = compliance.components().len() * compliance.grid().len();
@@ -95,7 +95,7 @@ impl FreeFullTransforms {
         Self { response: Arc::clone(response), workspace: compliance.workspace(), padded, pairs: 0 }
     }
 
-    /// Displacement ← G traction, both on the patch.
+    /// Computes displacement = G traction, both on the patch.
     pub fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
         let Self { response, workspace, padded: [around, moved], pairs } = self;
         let FreeFullCompliance { patch, compliance, .. } = &**response;
@@ -112,7 +112,7 @@ impl FreeFullTransforms {
         }
     }
 
-    /// Forward and inverse transforms of one component so far, in pairs, of padded fields.
+    /// Returns the number of pairs of forward and inverse transforms of one padded component so far.
     pub fn pairs(&self) -> f64 {
         self.pairs as f64
     }

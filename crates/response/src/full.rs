@@ -4,12 +4,12 @@ use gfmd_green::{Body, Matrix3, stiffness_range};
 use crate::units::Scaled;
 use crate::{Components, Hermitian, Operator, Workspace};
 
-/// The response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
+/// Response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
 /// compliance matrix of every mode. Built once and shared between problems and threads.
 ///
-/// The uniform mode q = 0 is measured against the reference level of [`Body::level_compliance`]. For a component
-/// without compliance (half-space; u_z of an incompressible slab), the stiffness is set to zero as well: its mean
-/// displacement does not depend on the mean traction.
+/// The uniform mode q = 0 is relative to the reference level of [`Body::level_compliance`]. For a component without
+/// compliance (half-space; u_z of an incompressible slab), the stiffness is set to zero as well: its mean displacement
+/// does not depend on the mean traction.
 #[derive(Debug)]
 pub struct FullResponse {
     stiffness: Operator,
@@ -32,7 +32,7 @@ impl FullResponse {
         let compliance = Operator::new(grid, |mode| of_mode(mode, uniform, Body::compliance_of).map(|g| g / unit));
         let resistance = uniform.map(|g| if g > 0.0 { 1.0 / g } else { 0.0 });
         let stiffness = compliance.beside(|mode| of_mode(mode, resistance, Body::stiffness_of).map(|k| k * unit));
-        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
+        // The uniform mode is identified by its index, the first, never by a small wavenumber.
         let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
         let range = stiffness_range(&scaled.body, &scaled.grid(&grid));
         Self {
@@ -44,49 +44,49 @@ impl FullResponse {
         }
     }
 
-    /// The grid of the surface.
+    /// Returns the grid of the surface.
     pub fn grid(&self) -> &Grid {
         self.stiffness.grid()
     }
 
-    /// The components of displacement and traction.
+    /// Returns the components of displacement and traction.
     pub fn components(&self) -> Components {
         self.stiffness.components()
     }
 
-    /// The stiffness K: traction (stress) from displacement (length).
+    /// Returns the stiffness K: traction (stress) from displacement (length).
     pub fn stiffness(&self) -> &Operator {
         &self.stiffness
     }
 
-    /// The compliance G: displacement (length) from traction (stress).
+    /// Returns the compliance G: displacement (length) from traction (stress).
     pub fn compliance(&self) -> &Operator {
         &self.compliance
     }
 
-    /// Memory for the operators on this grid, for the number of threads of the current rayon pool.
+    /// Allocates memory for the operators on this grid, for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace {
         self.stiffness.workspace()
     }
 
-    /// G_xx(0), G_yy(0), G_zz(0) in length/stress; 0 if the mean displacement does not depend on the mean traction.
+    /// Returns G_xx(0), G_yy(0), G_zz(0) in length/stress; 0 where the mean displacement ignores the mean traction.
     pub fn uniform_compliance(&self) -> [f64; 3] {
         self.uniform_compliance
     }
 
-    /// 1/G_xx(0), 1/G_yy(0), 1/G_zz(0) in stress/length; infinite where the mean displacement does not depend on the
-    /// mean traction.
+    /// Returns 1/G_xx(0), 1/G_yy(0), 1/G_zz(0) in stress/length; infinite where the mean displacement does not depend
+    /// on the mean traction.
     pub fn uniform_stiffness(&self) -> [f64; 3] {
         self.uniform_compliance.map(f64::recip)
     }
 
-    /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
+    /// Returns E* of the body, in stress; 1/(1/E₁* + 1/E₂*) for two bodies.
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
 
-    /// Smallest and largest eigenvalue of the stiffness over all modes, in stress/length, without zero and infinite
-    /// eigenvalues; zeros if there are no other eigenvalues.
+    /// Returns the smallest and largest stiffness eigenvalue over all modes, in stress/length, without zero and
+    /// infinite eigenvalues; zeros if there are no others.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }

@@ -1,7 +1,7 @@
 use gfmd_green::Matrix3;
 
-/// The Hermitian matrix of an isotropic body at one wave vector, with rows and columns x, y, z: the in-plane entries
-/// and zz are real, the entries that couple the plane with z are imaginary.
+/// Hermitian matrix of an isotropic body at one wave vector, with rows and columns x, y, z. The in-plane entries and zz
+/// are real; the entries that couple the plane with z are imaginary.
 ///
 /// ```text
 ///   x  [    xx      xy    i xz ]
@@ -25,24 +25,24 @@ pub struct Hermitian {
 }
 
 impl Hermitian {
-    /// The matrix from a stiffness or compliance matrix of `gfmd-green`.
+    /// Converts a stiffness or compliance matrix of `gfmd-green`.
     pub fn of(matrix: &Matrix3) -> Self {
         let [x, y, z] = matrix;
         Self { xx: x[0].re, yy: y[1].re, zz: z[2].re, xy: x[1].re, xz: x[2].im, yz: y[2].im }
     }
 
-    /// The diagonal matrix diag(xx, yy, zz).
+    /// Creates the diagonal matrix diag(xx, yy, zz).
     pub fn diagonal([xx, yy, zz]: [f64; 3]) -> Self {
         Self { xx, yy, zz, ..Self::default() }
     }
 
-    /// The matrix with `f` applied to each entry.
+    /// Applies `f` to each entry.
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let Self { xx, yy, zz, xy, xz, yz } = self;
         Self { xx: f(xx), yy: f(yy), zz: f(zz), xy: f(xy), xz: f(xz), yz: f(yz) }
     }
 
-    /// Eigenvalues, ascending, each with its normalised eigenvector (a, b, c), which stands for u = (a, b, i c).
+    /// Returns the eigenvalues in ascending order, each with its normalised eigenvector (a, b, c) for u = (a, b, i c).
     ///
     /// The eigenvectors of a stiffness are the independent modes of one wave vector, and also the eigenvectors of the
     /// update matrix 1 − K Δt² of the dynamics (theory.md, sections 6.1 and 6.2). Computed by Jacobi rotations.
@@ -73,8 +73,8 @@ impl Hermitian {
         modes
     }
 
-    /// The matrix function: the matrix with the eigenvectors of this one and `f` of its eigenvalues. Used for the
-    /// critical damping of all modes of a stiffness.
+    /// Computes a matrix function: applies `f` to the eigenvalues and keeps the eigenvectors. Used for the critical
+    /// damping of all modes of a stiffness.
     pub fn function(self, f: impl Fn(f64) -> f64) -> Self {
         self.modes().into_iter().fold(Self::default(), |sum, (k, [a, b, c])| {
             let part = Self { xx: a * a, yy: b * b, zz: c * c, xy: a * b, xz: -a * c, yz: -b * c };
@@ -83,9 +83,9 @@ impl Hermitian {
         })
     }
 
-    /// The inverse of a positive definite matrix, by its Cholesky factors.
+    /// Inverts a positive definite matrix by its Cholesky factors.
     ///
-    /// With u_z = i w the matrix is real and symmetric; the inversion uses this form.
+    /// With u_z = i w, the matrix is real and symmetric; the inversion uses this form.
     pub fn inverse(self) -> Self {
         let Self { xx, yy, zz, xy, xz, yz } = self;
         let (l21, l31) = (xy / xx, -xz / xx);

@@ -2,17 +2,17 @@
 //! = G traction), applied to whole fields.
 //!
 //! - [`NormalResponse`]: one number per mode, for problems with u_z and the pressure only.
-//! - [`FreeCompliance`]: the same for a patch of a half-space that does not repeat; [`FreeFullCompliance`]: for all
+//! - [`FreeCompliance`]: the normal response of a non-periodic patch of a half-space; [`FreeFullCompliance`]: for all
 //!   components.
 //! - [`PlateResponse`]: pressure and indentation on both faces of a plate, a 2 × 2 matrix per mode.
 //! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
-//! - [`Elastic`]: a [`NormalResponse`] or a [`FullResponse`], shared; its [`Transforms`] have the memory and a counter.
-//!   Each problem owns one.
+//! - [`Elastic`]: a shared [`NormalResponse`] or [`FullResponse`]; each problem owns its [`Transforms`], which hold the
+//!   memory and a counter.
 //! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner from stiffness and interface.
 //!
 //! A field of several [`Components`] is one slice, component after component, each laid out as a field of `gfmd-field`.
-//! Displacement and traction are those of the surface of the body, with +z out of the body; compression makes u_z and
-//! t_z negative.
+//! Displacement and traction refer to the surface of the body, with +z out of the body; compression makes u_z and t_z
+//! negative.
 //!
 //! A uniform shear of a slab, and a displacement in all components:
 //!
@@ -44,7 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Other crates have the matrices of one wave vector (`gfmd-green`) and the contact problems (`gfmd-contact`,
+//! Other crates provide the matrices of one wave vector (`gfmd-green`) and the contact problems (`gfmd-contact`,
 //! `gfmd-interface`, `gfmd-mixed`).
 
 mod components;

@@ -8,15 +8,15 @@ use gfmd_vector::{once, pass};
 use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
-/// The normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode for
-/// problems with u_z and the pressure only. Built once and shared between problems and threads. Of several processes,
-/// each has the modes of its own lanes ([`Transform::lanes`]) and transforms its own rows.
+/// Normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode, for problems
+/// with u_z and the pressure only. Built once and shared between problems and threads. Each process has the modes of
+/// its own lanes ([`Transform::lanes`]) and transforms its own rows.
 #[derive(Debug)]
 pub struct NormalResponse {
     transform: Arc<Transform>,
     share: Share,
     compliance: Vec<f64>,
-    /// Tabulated when it is first used, as the contacts with a hard wall do not need it.
+    /// Tabulated at first use, since contacts with a hard wall do not need it.
     stiffness: OnceLock<Vec<f64>>,
     stiffness_of: StiffnessOf,
     body: Body,
@@ -24,24 +24,24 @@ pub struct NormalResponse {
     stiffness_range: [f64; 2],
     contact_modulus: f64,
     rounded: OnceLock<Rounded>,
-    /// True if waves of one length have one stiffness: the body is isotropic, and modes were not changed one by one.
+    /// True if waves of equal length have equal stiffness: isotropic body, modes not changed individually.
     is_isotropic: bool,
 }
 
-/// The smallest allowed entry of the compliance of a patch, relative to the largest.
+/// Smallest allowed compliance of a patch, relative to the largest.
 const LEAST_COMPLIANCE: f64 = 1e-12;
 
-/// A table of stiffnesses with zero for the uniform mode, which is recognised by its index, the first.
+/// Sets the stiffness of the uniform mode, identified by its index, the first, to zero.
 fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
     table[0] = 0.0;
     table
 }
 
-/// The stiffness of a wave vector.
+/// Stiffness as a function of the wave vector.
 type StiffnessOf = fn(&Body, [f64; 2]) -> f64;
 
-/// The stiffness of a mode other than the uniform one: the mean over the waves that the grid does not tell apart, which
-/// differ if the body is not isotropic.
+/// Returns the stiffness of a mode other than the uniform one: the mean over its aliases on the grid, which differ if
+/// the body is anisotropic.
 fn stiffness_of_mode(body: &Body, mode: &Mode, of: StiffnessOf) -> f64 {
     if body.is_isotropic() {
         return of(body, [mode.wavenumber(), 0.0]);
@@ -50,7 +50,7 @@ fn stiffness_of_mode(body: &Body, mode: &Mode, of: StiffnessOf) -> f64 {
     sum / count
 }
 
-/// The stiffness of the modes in some lanes.
+/// Tabulates the stiffness of the modes in some lanes.
 fn stiffness_table(grid: &Grid, lanes: Range<usize>, body: &Body, of: StiffnessOf) -> Vec<f64> {
     match body.is_isotropic() {
         true => table_of_lanes(grid, lanes, 0.0, |q| of(body, [q, 0.0])),
@@ -58,12 +58,12 @@ fn stiffness_table(grid: &Grid, lanes: Range<usize>, body: &Body, of: StiffnessO
     }
 }
 
-/// The stiffness 1/G_zz of a surface with free lateral displacement.
+/// Returns the stiffness 1/G_zz of a surface with free lateral displacement.
 fn free(body: &Body, q: [f64; 2]) -> f64 {
     1.0 / body.normal_compliance_along(q)
 }
 
-/// The stiffness K_N of a surface without lateral displacement.
+/// Returns the stiffness K_N of a surface without lateral displacement.
 fn held(body: &Body, [x, y]: [f64; 2]) -> f64 {
     body.restricted_normal_stiffness(x.hypot(y))
 }
@@ -74,7 +74,7 @@ impl NormalResponse {
         Self::over(grid, body, &grid.whole())
     }
 
-    /// Tabulates the response of `body` on `grid` for the rows that are the `share` of this process, with free lateral
+    /// Tabulates the response of `body` on `grid` for the `share` of rows of this process, with free lateral
     /// displacement.
     pub fn over(grid: Grid, body: &Body, share: &Share) -> Self {
         Self::tabulated(grid, body, share, free)
@@ -86,13 +86,13 @@ impl NormalResponse {
         Self::held_sideways_over(grid, body, &grid.whole())
     }
 
-    /// The response of [`held_sideways`](Self::held_sideways) for the rows that are the `share` of this process.
+    /// Tabulates [`held_sideways`](Self::held_sideways) for the `share` of rows of this process.
     pub fn held_sideways_over(grid: Grid, body: &Body, share: &Share) -> Self {
         Self::tabulated(grid, body, share, held)
     }
 
-    /// The response of a conductor: potential for displacement, current density for pressure. The uniform mode has no
-    /// resistance, since the bulk is not part of that of a contact (theory.md, section 7.6).
+    /// Tabulates the response of a conductor, with potential as displacement and current density as pressure. The
+    /// uniform mode has no resistance, since the bulk is not part of the contact resistance (theory.md, section 7.6).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Self {
         let conductance = |body: &Body, [x, y]: [f64; 2]| 1.0 / body.transverse_compliance(x.hypot(y));
         let response = Self::tabulated(grid, conductor.body(), &grid.whole(), conductance);
@@ -102,7 +102,7 @@ impl NormalResponse {
     fn tabulated(grid: Grid, body: &Body, share: &Share, stiffness_of: StiffnessOf) -> Self {
         let transform = Transform::over(grid, share);
         let mut compliance = stiffness_table(&grid, transform.lanes(), body, stiffness_of);
-        // The uniform mode is recognised by its index, the first, never by a small wavenumber.
+        // The uniform mode is identified by its index, the first, never by a small wavenumber.
         let first = usize::from(transform.lanes().contains(&0));
         let none = [f64::INFINITY, 0.0];
         let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [a.min(low), b.max(high)];
@@ -132,19 +132,19 @@ impl NormalResponse {
         }
     }
 
-    /// The response of a patch that does not repeat (theory.md, section 3.1), on its [padded](Grid::padded) grid: if
-    /// the traction vanishes outside the patch, the displacement inside is that of a surface at rest far away. G_zz is
-    /// the transform of the compliance between two cells, and positive for every mode, including the uniform one.
+    /// Tabulates the response of a non-periodic patch (theory.md, section 3.1) on its [padded](Grid::padded) grid: if
+    /// the traction vanishes outside the patch, the displacement inside is relative to a surface at rest far away. G_zz
+    /// is the transform of the compliance between two cells, and positive for every mode, including the uniform one.
     ///
     /// # Errors
-    /// A body without a level far away; a patch that cannot be doubled; a table with an entry that is not positive.
+    /// Returns an error if the body has no level far away, the patch cannot be doubled, or an entry is not positive.
     pub fn of_patch(patch: &Grid, body: &Body) -> Result<Self, GreenError> {
         let table = PatchTable::new(patch, patch_compliance(body, patch)?)?;
         let spectrum = table.spectrum(|compliance| *compliance, [Parity::Even; 2]);
         let mut compliance: Vec<f64> = spectrum.iter().map(|mode| mode.re).collect();
         let [softest, stiffest] =
             [f64::max, f64::min].map(|pick| compliance.iter().copied().reduce(pick).unwrap_or(0.0));
-        // Below, an entry would be a rounding error of the largest.
+        // A smaller entry would be a rounding error of the largest.
         let is_resolved = stiffest > LEAST_COMPLIANCE * softest;
         if !is_resolved {
             return Err(GreenError::PatchStiffness { least: stiffest, largest: softest });
@@ -166,8 +166,8 @@ impl NormalResponse {
         })
     }
 
-    /// The response with the stiffness of each mode multiplied by these `factors`, laid out as [`Grid::modes`]; the
-    /// first one belongs to the uniform mode. All modes must belong to this process.
+    /// Multiplies the stiffness of each mode by one of `factors`, laid out as [`Grid::modes`]; the first factor belongs
+    /// to the uniform mode. All modes must belong to this process.
     #[must_use]
     pub fn stiffened(&self, factors: &[f64]) -> Self {
         let mut compliance = self.compliance.clone();
@@ -176,17 +176,17 @@ impl NormalResponse {
         self.changed(compliance, uniform, false)
     }
 
-    /// The response of the body below springs that act point by point, of this `compliance` in length/stress: all modes
-    /// are more compliant by it, the uniform one, too. All modes belong to this process.
+    /// Returns the response of the body below point springs with this `compliance` in length/stress, which is added to
+    /// the compliance of all modes, including the uniform one. All modes must belong to this process.
     #[must_use]
     pub fn softened(&self, compliance: f64) -> Self {
-        // The table has no uniform mode, which is recognised by its index, the first.
+        // The table has no uniform mode, which is identified by its index, the first.
         let waves = self.compliance.iter().enumerate();
         let table = waves.map(|(index, wave)| if index == 0 { 0.0 } else { wave + compliance }).collect();
         self.changed(table, self.uniform_compliance + compliance, self.is_isotropic)
     }
 
-    /// The response with other compliances.
+    /// Returns the response with other compliances.
     fn changed(&self, compliance: Vec<f64>, uniform_compliance: f64, is_isotropic: bool) -> Self {
         let stiffness = compliance.iter().map(|compliance| 1.0 / compliance).collect();
         let waves = || compliance[1.min(compliance.len())..].iter().copied();
@@ -205,50 +205,50 @@ impl NormalResponse {
         }
     }
 
-    /// The grid of the surface.
+    /// Returns the grid of the surface.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
     }
 
-    /// The planned transforms of the grid, used by [`NormalTransforms`](crate::NormalTransforms).
+    /// Returns the planned transforms of the grid, used by [`NormalTransforms`](crate::NormalTransforms).
     pub(crate) fn transform(&self) -> &Transform {
         &self.transform
     }
 
-    /// The response in single precision, tabulated when it is first used.
+    /// Returns the response in single precision, tabulated at first use.
     pub(crate) fn rounded(&self) -> &Rounded {
         let Self { transform, share, compliance, stiffness_range: [softest, _], rounded, is_isotropic, .. } = self;
         once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest, *is_isotropic))
     }
 
-    /// True if waves of equal length have equal stiffness.
+    /// Returns true if waves of equal length have equal stiffness.
     pub(crate) fn is_isotropic(&self) -> bool {
         self.is_isotropic
     }
 
-    /// True if the compliance is tabulated; it may then have any form at short waves.
+    /// Returns true if the compliance is tabulated; it may then have any form at short waves.
     pub(crate) fn is_tabulated(&self) -> bool {
         self.body.tabulated_wavenumbers().is_some()
     }
 
-    /// The rows of this process; a single process has all.
+    /// Returns the rows of this process; a single process has all rows.
     pub fn share(&self) -> &Share {
         &self.share
     }
 
-    /// True if this process has the uniform mode, which is then its first mode.
+    /// Returns true if this process has the uniform mode, which is then its first mode.
     pub fn has_uniform(&self) -> bool {
         self.transform.lanes().contains(&0)
     }
 
-    /// G_zz(q) in length/stress of the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0, see
+    /// Returns G_zz(q) in length/stress for the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0, see
     /// [`uniform_compliance`](Self::uniform_compliance).
     pub fn compliance(&self) -> &[f64] {
         &self.compliance
     }
 
-    /// The compliance of the mode with this index among all modes, in length/stress. It is computed if the mode belongs
-    /// to another process.
+    /// Returns the compliance of mode `index` among all modes, in length/stress. It is computed if the mode belongs to
+    /// another process.
     pub fn compliance_at(&self, index: usize) -> f64 {
         let [_, positions] = self.grid().spectrum_shape();
         let own = index.checked_sub(self.transform.lanes().start * positions);
@@ -258,26 +258,26 @@ impl NormalResponse {
         })
     }
 
-    /// 1/G_zz(q) in stress/length of the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0.
+    /// Returns 1/G_zz(q) in stress/length for the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
         let Self { transform, stiffness_of, body, .. } = self;
         let table = || stiffness_table(self.grid(), transform.lanes(), body, *stiffness_of);
         once::<Vec<f64>>(&self.stiffness, table)
     }
 
-    /// E* of the body, in stress; of two bodies 1/(1/E₁* + 1/E₂*).
+    /// Returns E* of the body, in stress; 1/(1/E₁* + 1/E₂*) for two bodies.
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
 
-    /// G_zz(0) in length/stress, relative to the reference level of [`Body::level_compliance`]: height over P-wave
-    /// modulus, summed over slabs and layers; 0 for a half-space (whose surface has a fixed mean level, theory.md,
-    /// section 7) and for an incompressible slab.
+    /// Returns G_zz(0) in length/stress, relative to the reference level of [`Body::level_compliance`]: height divided
+    /// by P-wave modulus, summed over slabs and layers; 0 for a half-space (with a fixed mean level, theory.md, section
+    /// 7) and for an incompressible slab.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }
 
-    /// Smallest and largest stiffness 1/G_zz of the modes q ≠ 0, in stress/length.
+    /// Returns the smallest and largest stiffness 1/G_zz of the modes q ≠ 0, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }

@@ -7,15 +7,15 @@ use rayon::prelude::*;
 
 use crate::{Components, Hermitian};
 
-/// A Hermitian matrix per mode, applied to vector fields on a grid: a stiffness, a compliance, or a preconditioner.
+/// Hermitian matrix per mode, applied to vector fields on a grid: a stiffness, a compliance, or a preconditioner.
 pub struct Operator {
     transform: Arc<Transform>,
     components: Components,
     matrices: Vec<Hermitian>,
 }
 
-/// Memory of one caller, made by [`Operator::workspace`]: a spectrum for each component, and the memory of a transform.
-/// It can be used with all operators on one grid, which then do not allocate.
+/// Memory of one caller, created by [`Operator::workspace`]: a spectrum per component, and the memory of a transform.
+/// It works with all operators on one grid, which then do not allocate.
 pub struct Workspace {
     transform: gfmd_field::Workspace,
     spectra: [Vec<Complex64>; 3],
@@ -30,12 +30,12 @@ impl Operator {
         Self::on(Arc::new(Transform::new(grid)), matrix)
     }
 
-    /// Another operator on the grid of this one, with shared planned transforms.
+    /// Tabulates another operator on the same grid, with shared planned transforms.
     pub fn beside(&self, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         Self::on(Arc::clone(&self.transform), matrix)
     }
 
-    /// The operator on this grid whose matrices are `f` of each mode and its matrix.
+    /// Creates the operator with the matrices `f(mode, matrix)` on the same grid.
     pub fn map(&self, f: impl Fn(&Mode, Hermitian) -> Hermitian + Sync) -> Self {
         let Self { transform, components, matrices } = self;
         let grid = *transform.grid();
@@ -44,8 +44,8 @@ impl Operator {
         Self { transform: Arc::clone(transform), components: *components, matrices }
     }
 
-    /// The function field ← F⁻¹\[M F\[field\]\], with its own memory. A field that does not have the size of the grid
-    /// is not changed.
+    /// Returns the function that replaces a field by F⁻¹\[M F\[field\]\], with its own memory. A field without the size
+    /// of the grid is not changed.
     pub fn in_place(self) -> impl Fn(&mut [f64]) {
         let scratch = Mutex::new((self.workspace(), Vec::new()));
         move |field| {
@@ -57,7 +57,7 @@ impl Operator {
         }
     }
 
-    /// The operator with these matrices, laid out as [`Grid::modes`].
+    /// Creates the operator with these matrices, laid out as [`Grid::modes`].
     pub(crate) fn of_matrices(transform: Transform, matrices: Vec<Hermitian>) -> Self {
         Self { components: Components::of(transform.grid()), transform: transform.into(), matrices }
     }
@@ -72,27 +72,27 @@ impl Operator {
         Self { transform, components: Components::of(&grid), matrices }
     }
 
-    /// The grid of the fields.
+    /// Returns the grid of the fields.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
     }
 
-    /// The components of the fields.
+    /// Returns the components of the fields.
     pub fn components(&self) -> Components {
         self.components
     }
 
-    /// The planned transforms of one component.
+    /// Returns the planned transforms of one component.
     pub fn transform(&self) -> &Transform {
         &self.transform
     }
 
-    /// The matrices, laid out as [`Grid::modes`].
+    /// Returns the matrices, laid out as [`Grid::modes`].
     pub fn matrices(&self) -> &[Hermitian] {
         &self.matrices
     }
 
-    /// Memory for the operators on this grid, for the number of threads of the current rayon pool.
+    /// Allocates memory for the operators on this grid, for the number of threads of the current rayon pool.
     pub fn workspace(&self) -> Workspace {
         let mut spectra = [const { Vec::new() }; 3];
         for &axis in self.components.axes() {
@@ -101,10 +101,10 @@ impl Operator {
         Workspace { transform: self.transform.workspace(), spectra }
     }
 
-    /// `out` ← F⁻¹\[M F\[field\]\], both component after component. Costs one transform pair per component.
+    /// Computes `out` = F⁻¹\[M F\[field\]\], both component after component. Costs one transform pair per component.
     ///
     /// # Errors
-    /// A slice or a workspace that does not have the size of the grid.
+    /// Returns an error if a slice or the workspace does not have the size of the grid.
     pub fn apply(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
         self.check("output", out)?;
         self.analyse(field, ws)?;
@@ -128,17 +128,17 @@ impl Operator {
         Ok(())
     }
 
-    /// (1/N) Σ_r f·(M f), summed over all modes and components: twice the elastic energy per area, if M is a stiffness
-    /// and f a displacement (theory.md, section 0). Costs half of [`apply`](Self::apply).
+    /// Returns (1/N) Σ_r f·(M f), summed over all modes and components: twice the elastic energy per area if M is a
+    /// stiffness and f a displacement (theory.md, section 0). Costs half of [`apply`](Self::apply).
     ///
     /// # Errors
-    /// A slice or a workspace that does not have the size of the grid.
+    /// Returns an error if a slice or the workspace does not have the size of the grid.
     pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
         self.analyse(field, ws)?;
         let [x, y, z] = &ws.spectra;
         let of_mode = |index: usize| {
             let m = &self.matrices[index];
-            // A profile has no component along y.
+            // A line has no component along y.
             let (x, y, z) = (x[index], y.get(index).copied().unwrap_or_default(), z[index]);
             let coupled = (x.conj() * z).im * m.xz + (y.conj() * z).im * m.yz;
             let weight = self.grid().mode_at(index).weight;

@@ -4,15 +4,15 @@ use rayon::prelude::*;
 
 use crate::elastic::fits;
 
-/// A compliance between two cells of a patch, tabulated by their distance up to half of the padded grid, and its
-/// transforms there.
+/// Compliance between two cells of a patch, tabulated by their distance up to half of the padded grid, and the
+/// transforms of the padded grid.
 pub(crate) struct PatchTable<T> {
     pub(crate) transform: Transform,
     /// Values by the distance `[i, j]` in cells, i and j ≥ 0.
     near: Vec<T>,
 }
 
-/// The symmetry of a value under reversal of the distance along an axis.
+/// Symmetry of a value under reversal of the distance along an axis.
 #[derive(Clone, Copy)]
 pub(crate) enum Parity {
     Even,
@@ -20,8 +20,7 @@ pub(crate) enum Parity {
 }
 
 impl Parity {
-    /// The factor of the value at the distance of index `index` among `points`. Odd values vanish where the images of
-    /// the patch meet.
+    /// Returns the factor for distance `index` among `points`. Odd values vanish where the images of the patch meet.
     fn factor(self, index: usize, points: usize) -> f64 {
         match self {
             Self::Even => 1.0,
@@ -36,7 +35,7 @@ impl<T: Send + Sync> PatchTable<T> {
     /// Tabulates `between([i, j])` for the padded grid of `patch`.
     ///
     /// # Errors
-    /// A padded grid with more points than memory can address.
+    /// Returns an error if the padded grid has more points than memory can address.
     pub(crate) fn new(patch: &Grid, between: impl Fn([usize; 2]) -> T + Sync) -> Result<Self, GridError> {
         let cell = patch.padded()?;
         let [rows, columns] = cell.points().map(|points| points / 2 + 1);
@@ -44,8 +43,8 @@ impl<T: Send + Sync> PatchTable<T> {
         Ok(Self { near: near.collect(), transform: Transform::new(cell) })
     }
 
-    /// Σ_r k(r) e^{−i q·r} over the padded grid, laid out as [`Grid::modes`], for the component k of the entries that
-    /// `of` selects.
+    /// Computes Σ_r k(r) e^{−i q·r} over the padded grid, laid out as [`Grid::modes`]; `of` selects the component k of
+    /// the entries.
     pub(crate) fn spectrum(&self, of: impl Fn(&T) -> f64, parity: [Parity; 2]) -> Vec<Complex64> {
         let cell = *self.transform.grid();
         let [nx, ny] = cell.points();

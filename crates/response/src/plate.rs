@@ -10,8 +10,8 @@ use crate::elastic::fits;
 /// Number of modes in a task of one thread.
 const CHUNK: usize = 4096;
 
-/// The response of a plate to pressures on both faces, on one grid: planned transforms, and compliance and stiffness of
-/// every mode. A field of both faces is one slice, the upper face first; indentations are positive into the plate on
+/// Response of a plate to pressures on both faces, on one grid: planned transforms, and compliance and stiffness of
+/// every mode. A field on both faces is one slice, the upper face first; indentations are positive into the plate on
 /// both faces.
 #[derive(Debug)]
 pub struct PlateResponse {
@@ -25,7 +25,7 @@ pub struct PlateResponse {
     contact_modulus: f64,
 }
 
-/// A symmetric matrix on half sum and half difference of the faces.
+/// Symmetric matrix that acts on half sum and half difference of the faces.
 #[derive(Clone, Copy, Debug)]
 struct Symmetric {
     sum: f64,
@@ -38,13 +38,13 @@ impl Symmetric {
 
     fn inverse(self) -> Self {
         let Self { sum, difference, mixed } = self;
-        // Divided by the pivots first: the determinant of a thin plate may overflow where the inverse does not.
+        // Divides by the pivots first: the determinant of a thin plate may overflow where the inverse does not.
         let sum_inverse = 1.0 / (sum - mixed * (mixed / difference));
         let difference_inverse = 1.0 / (difference - mixed * (mixed / sum));
         Self { sum: sum_inverse, difference: difference_inverse, mixed: -(mixed / difference) * sum_inverse }
     }
 
-    /// The eigenvalues, in any order.
+    /// Returns the eigenvalues, in any order.
     fn eigenvalues(self) -> [f64; 2] {
         let Self { sum, difference, mixed } = self;
         let large = 0.5 * (sum + difference) + (0.5 * (sum - difference)).hypot(mixed);
@@ -57,7 +57,7 @@ impl PlateResponse {
     pub fn new(grid: Grid, plate: &Plate) -> Self {
         let of_mode = |index: usize| {
             let mode = grid.mode_at(index);
-            // The uniform mode is recognised by its numbers, never by a small wavenumber.
+            // The uniform mode is identified by its numbers, never by a small wavenumber.
             if mode.is_uniform() {
                 return Symmetric::ZERO;
             }
@@ -91,40 +91,40 @@ impl PlateResponse {
         }
     }
 
-    /// The grid of the faces.
+    /// Returns the grid of the faces.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
     }
 
-    /// The compliance of the uniform mode, half of the compression of the plate by a uniform pressure on both faces, in
-    /// length/stress.
+    /// Returns the compliance of the uniform mode in length/stress: half of the plate compression due to a uniform
+    /// pressure on both faces.
     pub fn uniform_compliance(&self) -> f64 {
         self.uniform_compliance
     }
 
-    /// Smallest and largest stiffness of the modes q ≠ 0, in stress/length.
+    /// Returns the smallest and largest stiffness of the modes q ≠ 0, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
 
-    /// Smallest stiffness of the modes q ≠ 0 against equal pressures on the two faces, in stress/length.
+    /// Returns the smallest stiffness of the modes q ≠ 0 against equal pressures on both faces, in stress/length.
     pub fn softest_squeezing(&self) -> f64 {
         self.softest_squeezing
     }
 
-    /// The fraction of the indentation of one face, under pressure on this face alone, by which the other face moves
-    /// away: one at long waves, where the plate bends, and zero at short ones. Laid out as [`Grid::modes`].
+    /// Returns the displacement of the unloaded face as a fraction of the indentation of the loaded face: one at long
+    /// waves, where the plate bends, and zero at short ones. Laid out as [`Grid::modes`].
     pub fn following(&self) -> &[f64] {
         &self.following
     }
 
-    /// E* of the material at the upper face, in stress.
+    /// Returns E* of the material at the upper face, in stress.
     pub fn contact_modulus(&self) -> f64 {
         self.contact_modulus
     }
 }
 
-/// The transforms of a [`PlateResponse`], with their memory and a counter.
+/// Transforms of a [`PlateResponse`], with their memory and a counter.
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid, or of both faces.
@@ -138,7 +138,7 @@ pub struct PlateTransforms {
 }
 
 impl PlateTransforms {
-    /// Memory for transforms on the grid of `response`; none is counted yet.
+    /// Allocates memory for transforms on the grid of `response`, with the counter at zero.
     pub fn of(response: &Arc<PlateResponse>) -> Self {
         let modes = response.compliance.len();
         Self {
@@ -149,21 +149,21 @@ impl PlateTransforms {
         }
     }
 
-    /// Indentation ← C `pressure`, with the compliance `uniform` of the half sum at q = 0. The half difference at q = 0
-    /// is zero: the plate as a whole has no support.
+    /// Computes indentation = C `pressure`, with the compliance `uniform` for the half sum at q = 0. The half
+    /// difference at q = 0 is zero: the plate as a whole has no support.
     pub fn compliance(&mut self, uniform: f64, pressure: &[f64], indentation: &mut [f64]) {
         let response = Arc::clone(&self.response);
         self.apply(&response.compliance, uniform, pressure, indentation);
     }
 
-    /// Pressure ← C⁻¹ `indentation`, with the stiffness `uniform` of the half sum at q = 0, and without pressure for
-    /// the half difference at q = 0.
+    /// Computes pressure = C⁻¹ `indentation`, with the stiffness `uniform` for the half sum at q = 0, and zero pressure
+    /// for the half difference at q = 0.
     pub fn stiffness(&mut self, uniform: f64, indentation: &[f64], pressure: &mut [f64]) {
         let response = Arc::clone(&self.response);
         self.apply(&response.stiffness, uniform, indentation, pressure);
     }
 
-    /// `out` ← the part of the `field` on one face that the other face [follows](PlateResponse::following).
+    /// Computes the part of the `field` on one face that the other face [follows](PlateResponse::following).
     pub fn follow(&mut self, field: &[f64], out: &mut [f64]) {
         self.singles += 2;
         fits(self.response.transform.convolve(&self.response.following, field, out, &mut self.workspace));
@@ -188,12 +188,12 @@ impl PlateTransforms {
         fits(transform.inverse(lower, second, workspace));
     }
 
-    /// Forward and inverse transforms of one face so far, in pairs.
+    /// Returns the number of pairs of forward and inverse transforms of one face so far.
     pub fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
 
-    /// The counter of single transforms, for a solve that continues an earlier one.
+    /// Returns the counter of single transforms, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         &mut self.singles
     }

@@ -7,7 +7,7 @@ use crate::NormalResponse;
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// The normal response in single precision, for solvers that round their steps: compliance over a unit, and stiffness
+/// Normal response in single precision, for solvers that round their steps: compliance divided by a unit, and stiffness
 /// times this unit, so that the compliance of the softest wave is about 1.
 #[derive(Debug)]
 pub(crate) struct Rounded {
@@ -18,8 +18,8 @@ pub(crate) struct Rounded {
 }
 
 impl Rounded {
-    /// Tabulates the response from the compliance of the modes of this process, and the smallest stiffness of all
-    /// modes. A table that `is_even` in q_x is stored for half of its modes.
+    /// Tabulates the response from the compliance of the modes of this process and the smallest stiffness of all modes.
+    /// A table that `is_even` in q_x is stored for half of its modes.
     pub(crate) fn of(grid: Grid, share: &Share, compliance: &[f64], softest: f64, is_even: bool) -> Self {
         let unit = power_of_two(1.0 / softest);
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
@@ -32,7 +32,7 @@ impl Rounded {
     }
 }
 
-/// The table of a function for modes with q_x ≥ 0 if it `is_even` in q_x; for all modes otherwise, and for a line.
+/// Tabulates a function for modes with q_x ≥ 0 if it `is_even` in q_x; for all modes otherwise, and for a line.
 fn table(grid: &Grid, values: &[f64], is_even: bool, of: impl Fn(f64) -> f32 + Sync) -> Vec<f32> {
     let [nx, ny] = grid.points();
     let column = if nx == 1 || ny == 1 { values.len().max(1) } else { nx };
@@ -41,8 +41,8 @@ fn table(grid: &Grid, values: &[f64], is_even: bool, of: impl Fn(f64) -> f32 + S
     columns.flat_map_iter(|column| column[..kept].iter().map(|value| of(*value))).collect()
 }
 
-/// The transforms of a [`NormalResponse`] in single precision, with their memory and a counter: steps may have any
-/// unit; their images have that unit times [`unit`](Self::unit).
+/// Transforms of a [`NormalResponse`] in single precision, with their memory and a counter. Steps may have any unit;
+/// their images have that unit times [`unit`](Self::unit).
 ///
 /// # Panics
 /// Every method panics if a field does not have the size of the grid.
@@ -51,15 +51,15 @@ pub struct RoundedTransforms {
     response: Arc<NormalResponse>,
     /// Allocated by the first transform.
     workspace: Option<Workspace<f32>>,
-    /// Tables with another uniform mode.
+    /// Tables with a different uniform mode.
     own: Option<[Vec<f32>; 2]>,
     /// Number of single transforms.
     singles: u64,
 }
 
 impl RoundedTransforms {
-    /// Memory for transforms on the grid of `response`, with the compliance and the stiffness of the `uniform` mode;
-    /// both are zero for `None`.
+    /// Creates transforms on the grid of `response`, with compliance and stiffness of the `uniform` mode; both are zero
+    /// for `None`.
     pub fn of(response: &Arc<NormalResponse>, uniform: Option<[f64; 2]>) -> Self {
         let rounded = response.rounded();
         let own = uniform.map(|[compliance, stiffness]| {
@@ -80,12 +80,12 @@ impl RoundedTransforms {
         self.workspace = None;
     }
 
-    /// The unit of compliances, a power of two, in length/stress.
+    /// Returns the unit of compliances, a power of two, in length/stress.
     pub fn unit(&self) -> f64 {
         self.response.rounded().unit
     }
 
-    /// Computes G v over the unit, for the field v whose rows `source` generates from the rows of `input`
+    /// Computes G v divided by the unit; `source` generates the rows of v from the rows of `input`
     /// ([`Transform::convolve_ahead`]).
     pub fn compliance<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
@@ -101,22 +101,22 @@ impl RoundedTransforms {
         fits(transform.convolve_back(output, sink, workspace));
     }
 
-    /// Computes K u times the unit, for the field u whose rows `source` generates from the rows of `input`;
-    /// [`rows`](Self::rows) passes it on.
+    /// Computes K u times the unit; `source` generates the rows of u from the rows of `input`, and [`rows`](Self::rows)
+    /// passes on the result.
     pub fn stiffness_ahead<I: Split>(&mut self, input: I, source: impl Fn(usize, I, &mut [f32]) + Sync) {
         self.singles += 1;
         let (transform, [_, stiffness], workspace) = self.parts();
         fits(transform.convolve_ahead(stiffness, input, source, workspace));
     }
 
-    /// `out` ← K u times the unit, for the field u whose rows `source(i, row)` fills.
+    /// Computes `out` = K u times the unit; `source(i, row)` fills the rows of u.
     pub fn stiffness(&mut self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32]) {
         let [_, columns] = self.response.grid().rows();
         self.stiffness_ahead((), |i, (), row| source(i, row));
         self.rows(Rows(out, columns), |_, row, Rows(out, _): Rows<&mut [f32]>| out.copy_from_slice(row));
     }
 
-    /// Σ_r v G v over the unit, over all rows, from one transform.
+    /// Returns Σ_r v G v divided by the unit, over all rows, from one transform.
     pub fn quadratic_form(&mut self, field: &[f32]) -> f64 {
         let points = self.response.grid().len() as f64;
         self.singles += 1;
@@ -124,7 +124,7 @@ impl RoundedTransforms {
         fits(transform.quadratic_form(compliance, field, workspace)) * points
     }
 
-    /// The plan, compliance and stiffness, and memory.
+    /// Returns the plan, compliance and stiffness, and memory.
     fn parts(&mut self) -> (&Transform<f32>, [&[f32]; 2], &mut Workspace<f32>) {
         let Rounded { transform, compliance, stiffness, .. } = self.response.rounded();
         let tables =
@@ -132,12 +132,12 @@ impl RoundedTransforms {
         (transform, tables.map(Vec::as_slice), self.workspace.get_or_insert_with(|| transform.workspace()))
     }
 
-    /// Forward and inverse transforms so far, in pairs.
+    /// Returns the number of pairs of forward and inverse transforms so far.
     pub fn pairs(&self) -> f64 {
         self.singles as f64 / 2.0
     }
 
-    /// The counter of single transforms, for a solve that continues an earlier one.
+    /// Returns the counter of single transforms, for a solve that continues an earlier one.
     pub fn counter(&mut self) -> &mut u64 {
         &mut self.singles
     }

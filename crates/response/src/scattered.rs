@@ -1,4 +1,4 @@
-//! The response of a body between few points of a grid.
+//! Response of a body between few points of a grid.
 
 mod blocks;
 mod near_part;
@@ -21,65 +21,65 @@ use crate::NormalResponse;
 use crate::elastic::fits;
 use crate::units::power_of_two;
 
-/// Compliance between few points of a periodic grid, in single precision, and the parts of an approximate stiffness:
-/// for contacts so small that transforms of the whole surface would act mostly on zeros.
+/// Compliance between few points of a periodic grid, in single precision, and the parts of an approximate stiffness. It
+/// suits contacts so small that transforms of the whole surface would act mostly on zeros.
 ///
-/// The compliance is split as Ewald (1921) split Coulomb's sum. With g = q G for the shortest waves, the part `g (1 −
-/// Φ(r))/(2π r)` vanishes beyond a radius of some points, and is summed over pairs of points. The rest, `g Φ(r)/(2π r)`
-/// on a half-space, has hardly any short waves. It is computed on a grid of four times the spacing; B-splines (Essmann
-/// et al. 1995) spread pressures to this grid and interpolate displacements from it. Φ is the integral of a window of
-/// Kaiser and Bessel, which separates short distances from long waves better than Ewald's error function. Displacements
-/// are accurate to 4e-4 of the largest one.
+/// The compliance is split as in the Ewald (1921) sum. With g = q G for the shortest waves, the part
+/// `g (1 − Φ(r))/(2π r)` vanishes beyond a radius of several points, and is summed over pairs of points. The rest,
+/// `g Φ(r)/(2π r)` on a half-space, has hardly any short waves. It is computed on a grid with four times the spacing;
+/// B-splines (Essmann et al. 1995) spread pressures to this grid and interpolate displacements from it. Φ is the
+/// integral of a Kaiser-Bessel window, which separates short distances from long waves better than Ewald's error
+/// function. The error of displacements is at most 4e-4 of the largest one.
 ///
 /// The points come in [`Blocks`] of [`LANES`] neighbours in a row.
 #[derive(Debug)]
 pub struct Scattered {
     coarse: Transform<f32>,
-    /// The compliance of long waves on the coarse grid, over the unit.
+    /// Compliance of long waves on the coarse grid, divided by the unit.
     smooth: Vec<f32>,
-    /// The stiffness of waves that are interpolated from the coarse grid, times the unit.
+    /// Stiffness of waves interpolated from the coarse grid, times the unit.
     stiffness: Vec<f32>,
-    /// The compliance of short waves between two points, over the unit.
+    /// Short-wave compliance between two points, divided by the unit.
     near: Stencil<NEAR>,
-    /// The stiffness between two points times the unit, cut off at a short distance.
+    /// Stiffness between two points times the unit, cut off at a short distance.
     stiff: Stencil<NEXT>,
     splines: Splines,
     unit: f64,
 }
 
-/// The number of rows of points that one task processes.
+/// Number of rows of points that one task processes.
 const ROWS: usize = 16;
 
-/// The number of neighbouring points in a block.
+/// Number of neighbouring points in a block.
 pub const LANES: usize = 8;
 
-/// The spacing of the coarse grid of [`Scattered`], in points.
+/// Spacing of the coarse grid of [`Scattered`], in points.
 pub const COARSENING: usize = 4;
 
-/// The distance in points at which short waves have decayed, except for ripples along the axes, due to the cut-off of
-/// the spectrum by the grid, which are summed up to a longer distance.
+/// Distance in points at which short waves have decayed. Ripples along the axes, caused by the spectral cut-off of the
+/// grid, are summed up to a longer distance.
 const RADIUS: f64 = 10.0;
 const REACH: usize = 16;
 
-/// The number of blocks of a row with points at that distance.
+/// Number of blocks of a row with points within that distance.
 const NEAR: usize = 2 * REACH.div_ceil(LANES) + 1;
 
-/// The distance in points up to which the stiffness couples points.
+/// Distance in points up to which the stiffness couples points.
 const STIFF: usize = 6;
 
-/// The number of blocks of a row with points at that distance.
+/// Number of blocks of a row with points within that distance.
 const NEXT: usize = 2 * STIFF.div_ceil(LANES) + 1;
 
-/// The largest relative difference from a half-space, of the shortest waves of the coarse grid.
+/// Largest relative difference from a half-space for the shortest waves of the coarse grid.
 const DEEP: f64 = 1e-3;
 
-/// The smallest number of points of a cell in which the response to a point has decayed.
+/// Smallest number of points along a cell in which the response to a point has decayed.
 const BOX: usize = 2 * REACH + LANES;
 
 impl Scattered {
-    /// Splits the response, with the given compliance and stiffness of the uniform mode, in length/stress and
-    /// stress/length. `None` if the grid is small or does not consist of whole blocks and coarse cells, if layers are
-    /// only a few points thick, or if waves of equal length differ in stiffness.
+    /// Splits the response, with the given compliance (length/stress) and stiffness (stress/length) of the uniform
+    /// mode. Returns `None` if the grid is small, elongated or not made of whole blocks and coarse cells, if layers are
+    /// only a few points thick, or if the response is tabulated or differs between waves of equal length.
     pub fn of(response: &NormalResponse, [compliance, stiffness]: [f64; 2]) -> Option<Self> {
         if !response.is_isotropic() || response.is_tabulated() {
             return None;
@@ -92,7 +92,7 @@ impl Scattered {
             let [x, y] = grid.spacing();
             pick(x, y)
         });
-        // Beyond, the reach would be too short along an axis, or have too many points along the other one.
+        // Otherwise the reach would be too short along one axis, or have too many points along the other.
         if !nx.is_multiple_of(COARSENING) || !ny.is_multiple_of(LANES) || wide > 1.5 * narrow {
             return None;
         }
@@ -136,23 +136,23 @@ impl Scattered {
         })
     }
 
-    /// The unit of compliances, a power of two, in length/stress.
+    /// Returns the unit of compliances, a power of two, in length/stress.
     pub fn unit(&self) -> f64 {
         self.unit
     }
 
-    /// The coarse grid.
+    /// Returns the coarse grid.
     pub fn coarse(&self) -> &Grid {
         self.coarse.grid()
     }
 
-    /// The cost of a transform pair on the coarse grid, in pairs on the whole grid; [`compliance`](Self::compliance)
-    /// and [`stiffen`](Self::stiffen) take one each.
+    /// Returns the cost of a transform pair on the coarse grid, in pairs on the whole grid;
+    /// [`compliance`](Self::compliance) and [`stiffen`](Self::stiffen) take one pair each.
     pub fn effort(&self) -> f64 {
         1.0 / (COARSENING * COARSENING) as f64
     }
 
-    /// Memory for images of pressures on the coarse grid.
+    /// Creates the memory for images of pressures on the coarse grid.
     pub fn memory(&self) -> ScatteredMemory {
         ScatteredMemory {
             workspace: self.coarse.workspace(),
@@ -162,8 +162,8 @@ impl Scattered {
         }
     }
 
-    /// `out` ← G `pressure` over the unit. Both have a value for each point of the blocks; the pressure elsewhere is
-    /// zero.
+    /// Computes `out` = G `pressure` divided by the unit. Both have a value for each point of the blocks; the pressure
+    /// elsewhere is zero.
     pub fn compliance(&self, blocks: &Blocks, pressure: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         let ScatteredMemory { workspace, far, lines, sources } = memory;
         sources.take(blocks, pressure);
@@ -178,14 +178,14 @@ impl Scattered {
         sources.add(&self.near, blocks, out);
     }
 
-    /// `out` ← S `gap` times the unit, with S the stiffness between points up to 6 steps apart. S is positive definite.
+    /// Computes `out` = S `gap` times the unit. S, the stiffness up to 6 points apart, is positive definite.
     pub fn stiffness(&self, blocks: &Blocks, gap: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         memory.sources.take(blocks, gap);
         out.fill(0.0);
         memory.sources.add(&self.stiff, blocks, out);
     }
 
-    /// `out` ← I `field`: interpolates a field on the coarse grid at the points.
+    /// Computes `out` = I `field`: interpolates a field on the coarse grid at the points.
     pub fn interpolate(&self, blocks: &Blocks, field: &[f32], memory: &mut ScatteredMemory, out: &mut [f32]) {
         memory.far.resize(self.coarse.grid().points()[0] * self.splines.line(), 0.0);
         let rows = field.par_chunks_exact(self.coarse.grid().points()[1]);
@@ -193,8 +193,8 @@ impl Scattered {
         self.splines.interpolate(blocks, &memory.far, out);
     }
 
-    /// `field` ← Iᵀ (K I `field` times the unit − `pressure`), with the stiffness K of the body and the transpose of
-    /// [`interpolate`](Self::interpolate). K I has the waves of the coarse grid only.
+    /// Replaces `field` by Iᵀ (K I `field` times the unit − `pressure`), with the stiffness K of the body and the
+    /// transpose of [`interpolate`](Self::interpolate). K I has the waves of the coarse grid only.
     pub fn stiffen(&self, blocks: &Blocks, field: &mut [f32], pressure: &[f32], memory: &mut ScatteredMemory) {
         let ScatteredMemory { workspace, lines, sources, .. } = memory;
         sources.take(blocks, pressure);
@@ -214,7 +214,7 @@ impl Scattered {
 #[derive(Debug)]
 pub struct ScatteredMemory {
     workspace: Workspace<f32>,
-    /// The lines of a field on the coarse grid, such as the displacement by long waves.
+    /// Lines of a field on the coarse grid, such as the long-wave displacement.
     far: Vec<f32>,
     lines: Lines,
     sources: Sources,
@@ -227,11 +227,11 @@ impl ScatteredMemory {
     }
 }
 
-/// A table of the modes of the coarse grid with q_x ≥ 0, in which it is even. `of` gets the mode and the squared
-/// transfer factor of the interpolation by splines, times the number of points per coarse point.
+/// Tabulates `of` for the modes of the coarse grid with q_x ≥ 0; it is even in q_x. `of` gets the mode and the squared
+/// transfer factor of the spline interpolation times the number of points per coarse point.
 fn long_waves(grid: &Grid, coarse: &Grid, of: &(dyn Fn(Mode, f64) -> f64 + Sync)) -> Vec<f32> {
     let points = grid.len() as f64 / coarse.len() as f64;
-    // The transforms of the splines along each axis, squared.
+    // The squared transforms of the splines along each axis.
     let [across, along] = [0, 1].map(|axis| {
         let points = coarse.points()[axis];
         let sinc = |number: usize| {
@@ -245,7 +245,7 @@ fn long_waves(grid: &Grid, coarse: &Grid, of: &(dyn Fn(Mode, f64) -> f64 + Sync)
     modes.map(|index| value(index / across.len(), index % across.len())).collect()
 }
 
-/// The compliance of the mode with these numbers, or of the opposite one.
+/// Returns the compliance of the mode with these numbers, or of the opposite mode.
 fn compliance_of(response: &NormalResponse, number: [i64; 2]) -> f64 {
     let grid = response.grid();
     let index = grid.index_of(number).or_else(|| grid.index_of(number.map(|number| -number)));

@@ -4,8 +4,8 @@ use gfmd_green::Body;
 /// Numbers between the inverse of this number and this number are ordinary; 2¹⁰⁰ is about 10³⁰.
 const ORDINARY: f64 = (1_u128 << 100) as f64;
 
-/// The power of two below a positive number, by which division is exact; 1 if the number is zero, negative, subnormal,
-/// infinite or NaN.
+/// Returns the power of two at or below a positive number, so that division by it is exact; 1 if the number is zero,
+/// negative, subnormal, infinite or NaN.
 pub fn power_of_two(number: f64) -> f64 {
     // The exponent bits alone.
     if number >= f64::MIN_POSITIVE && number.is_finite() {
@@ -15,8 +15,8 @@ pub fn power_of_two(number: f64) -> f64 {
     }
 }
 
-/// The unit for numbers of the size of `number`: the power of two below it, or 1 for an ordinary number, from 1e-30 to
-/// 1e30, and for zero.
+/// Returns the unit for numbers of the size of `number`: the power of two at or below it, or 1 for an ordinary number,
+/// from 1e-30 to 1e30, for zero, and for a number that is not finite.
 pub fn unit_of(number: f64) -> f64 {
     if !number.is_finite() || number == 0.0 || (1.0 / ORDINARY..=ORDINARY).contains(&number) {
         return 1.0;
@@ -25,12 +25,12 @@ pub fn unit_of(number: f64) -> f64 {
     f64::from_bits(number.to_bits() & (0x7ff << 52)).max(f64::MIN_POSITIVE)
 }
 
-/// A body whose stiffnesses are computed in units of their own size, so that determinants, products of several of them,
+/// Body with stiffnesses in units of their own size, so that determinants, which are products of several stiffnesses,
 /// do not overflow.
 pub(crate) struct Scaled {
     pub(crate) body: Body,
     length: f64,
-    /// The unit of stiffnesses.
+    /// Unit of stiffnesses.
     pub(crate) stiffness: f64,
 }
 

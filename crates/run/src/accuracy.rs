@@ -1,4 +1,4 @@
-//! The grid on which all numbers of a contact are as exact as asked for.
+//! Grid on which all numbers of a contact have the requested accuracy.
 
 use gfmd_contact::Boundary;
 use gfmd_problem::Accuracy;
@@ -8,32 +8,32 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::series::Prepared;
 
-/// The least whole number of times, a power of two or three times one, that is not below this one.
+/// Returns the least whole number, a power of two or three times one, that is not below `times`.
 fn round(times: f64) -> u64 {
     let double = (times.min(1e9).ceil() as u64).next_power_of_two();
     let three = double / 4 * 3;
     if three as f64 >= times { three } else { double }
 }
 
-/// The number of a contact that is farthest from an accuracy.
+/// Number of a contact that is farthest from an accuracy.
 #[derive(Clone, Debug, Serialize)]
 pub struct Worst {
-    /// Its name.
+    /// Name of the number.
     #[serde(rename = "worst")]
     pub number: &'static str,
-    /// The relative error of its limit.
+    /// Relative error of its limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// The reason why that is not known.
+    /// Reason why the error is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// The points along each side over those of the contact that it needs; 1 if it is exact enough.
+    /// Refinement factor of each side that the number needs; 1 if it is accurate enough.
     #[serde(skip)]
     pub times: u64,
 }
 
-/// The number that needs the most points for an accuracy. Boundary links are a count of one grid, and do not count; nor
-/// do numbers of which no grid tells the limit, since they have no value, or are near closing or full contact.
+/// Returns the number that needs the most points for an accuracy. Boundary links are ignored, since they count points
+/// of one grid. So are numbers without a limit on any grid, which have no value, or are near closing or full contact.
 pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
     let names = || {
         let names = COLUMNS.iter().filter_map(|column| Some((column.limit_of()?, column.order)));
@@ -56,11 +56,10 @@ pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
     all.max_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)))
 }
 
-/// Checks that a finer grid makes the numbers of a contact more exact, and that this is known.
+/// Checks that an accuracy can be requested: the grid errors are known, and a finer grid reduces them.
 ///
 /// # Errors
-/// A contact of which one solution does not tell the error of the grid, or whose surface is not known between its
-/// points.
+/// Returns an error if one solution does not give the grid error, or if the surface is unknown between its points.
 pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<(), Failure> {
     let refuse =
         |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.relative()));
@@ -92,10 +91,10 @@ pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<
     Ok(())
 }
 
-/// Boundary links per point in contact beyond which contacts are less than two points wide.
+/// Boundary links per point in contact above which contacts are less than two points wide.
 const NARROW: f64 = 1.5;
 
-/// The remark on a load whose grid is too coarse, with what tells it; `None` if it is not.
+/// Returns the remark on a load with too coarse a grid, and its area error if known; `None` if the grid is fine enough.
 pub fn too_coarse(record: &Record) -> Option<String> {
     let narrow = record.number("boundary_links") / record.number("contact_nodes");
     let width = 100.0 * record.number("area_fraction_grid_error") / record.number("area_fraction");

@@ -6,11 +6,10 @@ use ndarray::ArrayD;
 
 use gfmd_problem::options::given::ArrayOption;
 
-/// The kind of quantity that an array must hold. A dataset of HDF5 may say its unit, in the attribute `units` or
-/// `unit`.
+/// Kind of quantity that an array must hold. An HDF5 dataset may give its unit in the attribute `units` or `unit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity<'a> {
-    /// Lengths, in the unit of the surface if that has one.
+    /// Lengths, in the unit of the surface if it has one.
     Length(Option<&'a str>),
     /// Stresses, in the unit of the elastic moduli, which has no name.
     Stress,
@@ -19,11 +18,11 @@ pub enum Quantity<'a> {
 }
 
 impl Quantity<'_> {
-    /// Brings values in the `unit` of a file to that of the problem.
+    /// Converts values from the `unit` of a file to the unit of the problem.
     ///
     /// # Errors
-    /// A unit of another quantity; a unit of length where that of the surface is not known, or another that is not
-    /// known.
+    /// Returns an error for a unit of another quantity, for a unit of length if the surface has no known unit, and for
+    /// other unknown units.
     fn convert(self, values: &mut [f64], unit: &str) -> Result<(), String> {
         let wrong = |allowed: &str| Err(format!("the unit is {}; it must be {allowed}", line(unit)));
         match self {
@@ -39,10 +38,10 @@ impl Quantity<'_> {
     }
 }
 
-/// The array in FILE.npy or FILE.h5:/dataset, or in memory, in the unit of the problem.
+/// Reads the array in FILE.npy or FILE.h5:/dataset, or in memory, in the unit of the problem.
 ///
 /// # Errors
-/// A file that cannot be read, or has no such dataset; a unit that contradicts the quantity.
+/// Returns an error if the file cannot be read or has no such dataset, or if its unit contradicts the quantity.
 pub fn read(given: &ArrayOption, quantity: Quantity) -> Result<ArrayD<f64>, String> {
     let name = match given {
         ArrayOption::File(name) => name,
@@ -78,7 +77,7 @@ mod tests {
         for unit in ["µm", "um", "length", "1", ""] {
             assert_eq!(convert(in_micrometres, unit), Ok([3.0, -0.5]), "{unit}");
         }
-        // A unit that is not known is that of the surface, or it cannot be converted.
+        // An unknown unit must be the unit of the surface, since it cannot be converted.
         assert_eq!(convert(Quantity::Length(Some("sigma")), "sigma"), Ok([3.0, -0.5]));
         for (quantity, unit) in [
             (Quantity::Length(Some("sigma")), "nm"),

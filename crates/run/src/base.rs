@@ -1,4 +1,4 @@
-//! A base that moves, from flags.
+//! Moved base of a body, from flags.
 
 use std::borrow::Cow;
 
@@ -32,42 +32,42 @@ pub struct BaseArgs {
     pub base_traction: Option<ArrayOption>,
 }
 
-/// A base that moves, and what it does to the surface.
+/// Moved base, with its effect on the surface.
 #[derive(Clone, Debug)]
 pub struct MovedBase {
     kind: Kind,
-    /// `[x, y, component]`; of several processes the first one has it.
+    /// Field `[x, y, component]`; of several processes only the first one has it.
     field: ArrayD<f64>,
-    /// u_z of the unloaded surface, of the rows of this process.
+    /// u_z of the unloaded surface, rows of this process.
     pub lift: Array2<f64>,
 }
 
-/// The quantity that is prescribed.
+/// Prescribed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Displacement,
     Traction,
 }
 
-/// The datasets of a file, by kind, with the flag that they came from.
+/// Datasets of a file, by kind, with their flags.
 const STORED: [(Kind, &str, &str); 2] = [
     (Kind::Displacement, "base-displacement", "/base/displacement"),
     (Kind::Traction, "base-traction", "/base/traction"),
 ];
 
 impl BaseArgs {
-    /// The keys of these flags in a configuration.
+    /// Keys of these flags in a configuration.
     pub const NAMES: [&'static str; 2] = ["base_displacement", "base_traction"];
 
-    /// True if there is a base that moves.
+    /// Returns true if the base is moved.
     pub fn is_given(&self) -> bool {
         self.base_displacement.is_some() || self.base_traction.is_some()
     }
 
-    /// Reads the field for a body whose surface has this `grid`, and its lengths this `unit`, if it has one.
+    /// Reads the field for a body with a surface on this `grid`; `unit` is the unit of its lengths, if it has one.
     ///
     /// # Errors
-    /// A file that cannot be read, of another shape or quantity, or for another base.
+    /// Returns an error if a file cannot be read, has another shape or quantity, or is for another base.
     pub fn read(&self, body: &Body, grid: &Grid, unit: Option<&str>) -> Result<Option<MovedBase>, Failure> {
         let given = [&self.base_displacement, &self.base_traction];
         let Some((name, (kind, flag, _))) =
@@ -110,12 +110,12 @@ impl BaseArgs {
 }
 
 impl MovedBase {
-    /// The SHA-256 of the field.
+    /// Returns the SHA-256 of the field.
     pub fn checksum(&self) -> String {
         Checksum::of_numbers(self.field.iter().copied())
     }
 
-    /// The heights of the contact that has the same gap over a base at rest (theory.md, section 4.2).
+    /// Returns the heights of the contact that has the same gap over a base at rest (theory.md, section 4.2).
     pub fn under<'a>(base: Option<&Self>, heights: &'a Array2<f64>) -> Cow<'a, Array2<f64>> {
         match base {
             Some(base) => Cow::Owned(heights + &base.lift),
@@ -123,10 +123,10 @@ impl MovedBase {
         }
     }
 
-    /// Writes the group `/base` of a file; `archive` is that of the process that writes.
+    /// Writes the group `/base` of a file; only the writing process has an `archive`.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write(
         &self,
         mut archive: Option<&mut Archive>,
@@ -155,7 +155,7 @@ impl MovedBase {
         written
     }
 
-    /// The base that the first process has read, with the rows of each; the others give `None`.
+    /// Distributes the rows of the base that the first process has read; the other processes give `None`.
     pub(crate) fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
         let lift = rows::handed_out(share, base.as_ref().map(|base| &base.lift), grid.points()[1]);
         let nothing =
@@ -164,17 +164,17 @@ impl MovedBase {
     }
 }
 
-/// The key of the base that a file has, and the name by which it is read from there.
+/// Returns the key of the base in a file, and the name to read it from there.
 pub(crate) fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
     let found = BaseArgs::NAMES.into_iter().zip(STORED).find(|(_, (.., path))| reader.contains(path));
     found.map(|(key, (.., path))| (key, format!("{}:{path}", reader.path().display())))
 }
 
-/// The fields inside a body over the base that the contact in the file `name` has: those of the load with this mean
-/// traction, and those of the base.
+/// Computes the fields inside a body over the base of the contact in the file `name`: the fields of the load with this
+/// mean traction, plus the fields of the base.
 ///
 /// # Errors
-/// A traction on a plate, or a stack of layers, whose fields inside are not available; a file that cannot be read.
+/// Returns an error if the file cannot be read, or for a traction on a plate or a stack of layers (not available).
 pub fn inside(
     name: &str,
     body: &Body,

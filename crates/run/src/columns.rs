@@ -1,4 +1,4 @@
-//! The columns of records in files.
+//! Columns of records in files.
 
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_problem::Facts;
@@ -7,11 +7,11 @@ use gfmd_unit::Units;
 
 use crate::failure::Failure;
 
-/// Writes the columns of a problem into a group: `count` rows, without a number beyond those there are, with the
-/// reasons of numbers without a value, in the units of a problem. A row has a name, in singular and plural.
+/// Writes the columns of a problem into a group, in the units of the problem: `count` rows, NaN beyond the given
+/// records, with the reasons of numbers without a value. A row has a name, in singular and plural.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn write_columns(
     archive: &mut Archive,
     (group, rows, name): (&str, &Dimension, [&str; 2]),

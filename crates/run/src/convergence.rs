@@ -1,4 +1,4 @@
-//! Searches that did not converge: the criteria that are not met, the history of the residual, and advice.
+//! Searches that did not converge: unmet criteria, history of the residual, and advice.
 
 use std::fmt;
 
@@ -8,10 +8,10 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// The most samples of a history; when there are more, every second one is left out.
+/// Largest number of samples of a history; if there are more, every second one is left out.
 const MOST_SAMPLES: usize = 64;
 
-/// The residual against the iterations of one search, in samples at equal distances and the last one.
+/// Residual against iterations of one search, in equally spaced samples and the last one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct History {
     iteration: Vec<u64>,
@@ -38,7 +38,7 @@ impl History {
         if !iteration.is_multiple_of(self.every) {
             return;
         }
-        // A search that takes no iteration is seen at the same one again and again.
+        // A search that takes no iteration reports the same one again and again.
         if let (true, Some(last)) = (self.iteration.last() == Some(&iteration), self.residual.last_mut()) {
             *last = residual;
             return;
@@ -64,17 +64,17 @@ impl History {
         self
     }
 
-    /// The number of iterations at which the residual would fall to `aim` at its rate over the last half; `None` if it
-    /// does not fall.
+    /// Predicts the number of iterations at which the residual falls to `aim`, at its rate over the last half; `None`
+    /// if it does not fall.
     fn forecast(&self, aim: f64) -> Option<f64> {
         let end = self.residual.len().checked_sub(1)?;
         let middle = end / 2;
-        // A residual that goes up and down has fallen if its least value has.
+        // A residual that goes up and down has fallen if its minimum has.
         let least = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
         let [before, after] = [least(&self.residual[..=middle]), least(&self.residual[middle..])];
         let [fall, left] = [before / after, self.residual[end] / aim].map(f64::ln);
         let steps = (self.iteration[end] - self.iteration[middle]) as f64;
-        // A fall by less than a tenth over that half is no progress.
+        // A fall by less than a tenth over this half is no progress.
         (fall > 0.1 && left > 0.0)
             .then(|| self.iteration[end] as f64 + steps * left / fall)
             .filter(|total| *total < 1e9)
@@ -82,7 +82,7 @@ impl History {
 }
 
 impl fmt::Display for History {
-    /// A line of bars, as high as the logarithm of the residual.
+    /// Writes a line of bars with the logarithm of the residual as their height.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
         let heights: Vec<f64> = self.residual.iter().map(|residual| residual.max(f64::MIN_POSITIVE).log10()).collect();
@@ -97,39 +97,39 @@ impl fmt::Display for History {
     }
 }
 
-/// A criterion of convergence that is not met.
+/// Unmet criterion of convergence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Criterion {
-    /// The name of the residual, as in `residual` of the report.
+    /// Name of the residual, as in `residual` of the report.
     pub name: &'static str,
-    /// The residual.
+    /// Residual.
     pub value: f64,
-    /// Its largest allowed value.
+    /// Largest allowed value.
     pub allowed: f64,
 }
 
-/// A part of a run that did not converge.
+/// Part of a run that did not converge.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NotConverged {
-    /// The part: the number of the load, step or grid, from 0.
+    /// Number of the load, step or grid, from 0.
     pub part: usize,
-    /// The reason why the search ended.
+    /// Reason why the search ended.
     pub why: String,
-    /// The criteria that are not met.
+    /// Unmet criteria.
     pub criteria: Vec<Criterion>,
-    /// The residual that the search saw.
+    /// Residual seen by the search.
     pub history: History,
     /// Advice in words.
     pub advice: String,
 }
 
 impl NotConverged {
-    /// A state that does not meet `tolerance`.
+    /// Reports a state that does not meet `tolerance`.
     pub fn new(part: usize, state: &impl Fields, tolerance: f64, why: &Why, history: History) -> Self {
         Self::of(part, state.residuals(), tolerance, why, history)
     }
 
-    /// The report of [`new`](Self::new) from named residuals.
+    /// Reports like [`new`](Self::new), from named residuals.
     pub fn of(part: usize, residuals: Vec<(&'static str, f64)>, allowed: f64, why: &Why, history: History) -> Self {
         let history = history.closed();
         let unmet = residuals.into_iter().filter(|(_, value)| value.is_nan() || *value > allowed);
@@ -142,7 +142,7 @@ impl NotConverged {
         }
     }
 
-    /// Tells it on stderr: which criterion failed, the history, the advice.
+    /// Prints the unmet criteria, the history and the advice on stderr.
     pub fn tell(&self, what: &str) {
         let Self { part, why, criteria, history, advice } = self;
         for Criterion { name, value, allowed } in criteria {
@@ -160,7 +160,7 @@ impl NotConverged {
     /// Writes the group `/not_converged` of a file.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write(&self, archive: &mut Archive) -> Result<(), Failure> {
         let sample = Dimension::index("sample", self.history.iteration.len(), "sample of the history");
         let iteration = Variable { dimensions: &[&sample], units: "1", long_name: "iterations of the search" };
@@ -177,23 +177,23 @@ impl NotConverged {
     }
 }
 
-/// The failure that a file has in `/not_converged`, as [`NotConverged::write`] writes it: its texts, and samples of
-/// iterations and residuals; `None` if it has none.
+/// Failure in `/not_converged` of a file, as [`NotConverged::write`] writes it: its texts, and samples of iterations
+/// and residuals.
 pub struct StoredFailure {
-    /// The number of the load, step or grid.
+    /// Number of the load, step or grid.
     pub part: f64,
-    /// The reason.
+    /// Reason why the search ended.
     pub why: String,
-    /// The residuals and what they should be.
+    /// Residuals and their allowed values.
     pub criteria: String,
-    /// The advice to the user.
+    /// Advice to the user.
     pub advice: String,
     /// Iterations and residuals.
     pub history: Vec<(f64, f64)>,
 }
 
 impl StoredFailure {
-    /// Reads the failure of a file.
+    /// Reads the failure of a file; `None` if it has none.
     pub fn read(reader: &Reader) -> Option<Self> {
         let group = "/not_converged";
         let why = reader.text(group, "why").ok()?;
@@ -209,7 +209,7 @@ impl StoredFailure {
     }
 }
 
-/// Advice for a search that ended because of `why`.
+/// Returns advice for a search that ended because of `why`.
 fn advice(why: &Why, history: &History, tolerance: f64) -> String {
     // A search that sees no residual above the tolerance gains nothing from more iterations.
     let is_blind = *why == Why::Iterations && history.residual.last().is_some_and(|last| *last <= tolerance);

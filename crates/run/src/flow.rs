@@ -1,4 +1,4 @@
-//! The flow of a fluid through the gap of a contact, by Reynolds' equation.
+//! Flow of a fluid through the gap of a contact, by Reynolds' equation.
 
 use gfmd_flow::{Flow, FlowError, flow};
 use ndarray::{Array2, ArrayView2, Zip};
@@ -6,13 +6,13 @@ use ndarray::{Array2, ArrayView2, Zip};
 use crate::failure::Failure;
 use crate::source::Surface;
 
-/// The flow through the gap, relative to a uniform gap equal to the mean gap; points with a positive `pressure` are
-/// closed. Soft surfaces may overlap so far that their mean gap is not positive: the flow is then relative to a uniform
-/// gap equal to the largest one, and has no meaning but that of the paths that it takes. `warn` takes the words of a
-/// flow that is less exact than it should be.
+/// Computes the flow through the gap, relative to a uniform gap equal to the mean gap; points with a positive
+/// `pressure` are closed. Soft surfaces may overlap so far that their mean gap is not positive. The flow is then
+/// relative to a uniform gap equal to the largest one, and only its paths have a meaning. `warn` receives a message if
+/// the flow is less exact than it should be.
 ///
 /// # Errors
-/// A flow that cannot be computed.
+/// Returns an error if the flow cannot be computed.
 pub fn through(
     surface: &Surface,
     [pressure, gap]: [ArrayView2<f64>; 2],

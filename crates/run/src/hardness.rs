@@ -1,4 +1,4 @@
-//! The hardness, from a flag: a number, or a field in a file.
+//! Hardness, from a flag: a number, or a field in a file.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,13 +15,13 @@ use crate::failure::Failure;
 use crate::rows;
 use gfmd_problem::options::given::ArrayOption;
 
-/// The flag as it is given.
+/// Hardness as given by its flag.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum GivenHardness {
-    /// A stress.
+    /// Stress.
     Number(f64),
-    /// The hardness of each point.
+    /// Hardness of each point.
     Field(ArrayOption),
 }
 
@@ -44,14 +44,14 @@ impl fmt::Display for GivenHardness {
 
 const FLAG: &str = "--hardness";
 
-/// The field in a result.
+/// Dataset of the field in a result.
 const STORED: &str = "/surface/hardness";
 
 impl GivenHardness {
-    /// The hardness on the grid of the surface.
+    /// Reads the hardness on the grid of the surface.
     ///
     /// # Errors
-    /// A value that is not positive and finite; a file that cannot be read, has another shape or the unit of a length.
+    /// Returns an error if a value is not positive and finite, or a file is unreadable, of another shape or in length.
     pub fn read(&self, grid: &Grid) -> Result<Hardness, Failure> {
         let name = match self {
             Self::Number(hardness) if hardness.is_finite() && *hardness > 0.0 => return Ok((*hardness).into()),
@@ -75,7 +75,7 @@ impl GivenHardness {
     }
 }
 
-/// The rows of a hardness that the first process has, at each; of a field `None` at the others.
+/// Distributes the rows of the hardness of the first process; for a field the other processes give `None`.
 pub(crate) fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share) -> Hardness {
     match share.first(
         hardness.as_ref().map(|hardness| if let Hardness::Uniform(value) = hardness { *value } else { f64::NAN }),
@@ -88,7 +88,7 @@ pub(crate) fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share)
     }
 }
 
-/// The words that name a hardness that is a field among the input of a run; none for others.
+/// Returns the words that identify a hardness field among the input of a run; empty for other hardnesses.
 pub fn identity(hardness: Option<&Hardness>) -> String {
     match hardness {
         Some(Hardness::Field(field)) => format!("\nhardness {}", Checksum::of_numbers(field.iter().copied())),
@@ -96,10 +96,10 @@ pub fn identity(hardness: Option<&Hardness>) -> String {
     }
 }
 
-/// Writes a hardness that is a field, of which each process has its rows, beside the surface of a file.
+/// Writes a hardness field, with its rows on each process, beside the surface of a file.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn write(
     hardness: Option<&Hardness>,
     archive: Option<&mut Archive>,
@@ -116,8 +116,8 @@ pub fn write(
     rows::write_all(share, field.view(), archive, STORED, &variable)
 }
 
-/// The hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of another
-/// shape.
+/// Returns the hardness of a result on `grid`, from its configuration or its field; `None` if it has none, or one of
+/// another shape.
 pub fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> Option<Hardness> {
     match config.get("hardness")? {
         toml::Value::String(_) => {
@@ -128,7 +128,7 @@ pub fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> Option<H
     }
 }
 
-/// The key of the hardness that a file has, and the name by which it is read from there.
+/// Returns the key of the hardness field in a file, and the name to read it from there.
 pub(crate) fn stored_hardness(reader: &Reader) -> Option<(&'static str, String)> {
     reader.contains(STORED).then(|| ("hardness", format!("{}:{STORED}", reader.path().display())))
 }

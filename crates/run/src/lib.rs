@@ -1,11 +1,10 @@
-//! A run of a command: what a description of a problem asks for, computed.
+//! Run of a command: computes what the description of a problem asks for.
 //!
-//! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name; [`series`] makes the states at
-//! the loads of `contact` and at the steps of `path`, keeps them in a file and beside it, and checks those that are
-//! stored; [`resume`] continues. [`units`] puts bare numbers in place of quantities with a unit. [`result`](mod@result)
-//! reads what files say of their problem and compares numbers. A [`Session`](session::Session) tells whether to stop,
-//! collects warnings and knows the processes that compute together. Nothing here prints, knows a flag of the command
-//! line or ends the process.
+//! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name. [`series`] computes the states
+//! at the loads of `contact` and at the steps of `path`, keeps them in a file and beside it, and checks stored ones;
+//! [`resume`] continues. [`units`] replaces quantities with a unit by bare numbers. [`result`](mod@result) reads the
+//! problem of a file and compares numbers. A [`Session`](session::Session) handles interruptions, collects warnings and
+//! knows the processes that compute together. Nothing here prints, parses the command line or ends the process.
 #![warn(missing_docs)]
 
 pub mod accuracy;

@@ -1,4 +1,4 @@
-//! A second rigid surface, below the slab, from flags.
+//! Second rigid surface, below the slab, from flags.
 
 use clap::Args;
 use gfmd_files::{Archive, Dimension, Reader};
@@ -27,20 +27,20 @@ pub struct LowerArgs {
     pub lower_seed: Option<u64>,
 }
 
-/// The words for a slab in place of those for its base.
+/// Words for a slab between two surfaces, in place of the words for its base.
 pub const BETWEEN: &str = "between two rigid surfaces";
 
-/// The group of a file.
+/// Group in a file.
 const GROUP: &str = "/lower";
 
-/// The heights in a file.
+/// Heights in a file.
 const HEIGHT: &str = "/lower/height";
 
 impl LowerArgs {
-    /// The keys of these flags in a configuration.
+    /// Keys of these flags in a configuration.
     pub const NAMES: [&'static str; 2] = ["lower_surface", "lower_seed"];
 
-    /// The flag that is given.
+    /// Returns the flag that is given.
     pub fn flag(&self) -> Option<&'static str> {
         match (&self.lower_surface, self.lower_seed) {
             (Some(_), _) => Some("--lower-surface"),
@@ -49,10 +49,10 @@ impl LowerArgs {
         }
     }
 
-    /// Reads or generates the surface that goes with the `upper` one, which `source` describes.
+    /// Reads or generates the surface that goes with the `upper` one, as described by `source`.
     ///
     /// # Errors
-    /// A file that cannot be read, a grid or a unit other than that of the upper surface, a seed without a spectrum.
+    /// Returns an error if a file cannot be read, grid or unit differ from the upper surface, or a spectrum is missing.
     pub fn read(&self, source: &SourceArgs, upper: &Surface, session: &Session) -> Result<Option<Surface>, Failure> {
         let lower = if let Some(file) = &self.lower_surface {
             let plain = SourceArgs { channel: None, surface: Some(file.clone()), ..source.clone() };
@@ -100,17 +100,17 @@ impl LowerArgs {
 /// Writes the group of the lower surface.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn write(lower: &Surface, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
     lower.write_as(archive, GROUP, "height of the lower rigid surface, peaks towards the elastic body", axes)
 }
 
-/// True if the file has a lower surface.
+/// Returns true if the file has a lower surface.
 pub fn is_stored(reader: &Reader) -> bool {
     reader.contains(HEIGHT)
 }
 
-/// The key of the lower surface that a file has, and the name by which it is read from there.
+/// Returns the key of the lower surface in a file, and the name to read it from there.
 pub(crate) fn stored_lower(reader: &Reader) -> Option<(&'static str, String)> {
     is_stored(reader).then(|| ("lower_surface", format!("{}:{HEIGHT}", reader.path().display())))
 }

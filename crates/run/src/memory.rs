@@ -1,46 +1,46 @@
-//! MemoryNeed: the need of each problem, and the use of this process.
+//! Memory: the need of each problem, and the use of this process.
 
 use gfmd_files::Reader;
 use gfmd_problem::MemoryNeed;
 
 use crate::failure::Failure;
 
-/// The synthesis of a surface: heights, half spectrum, workspace of the transform.
+/// Synthesis of a surface: heights, half spectrum, workspace of the transform.
 pub const SURFACE: MemoryNeed = MemoryNeed(5);
-/// A punch.
+/// Punch.
 pub const PUNCH: MemoryNeed = MemoryNeed(48);
 /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.
 pub const BODY: MemoryNeed = MemoryNeed(36);
 
-/// The number of fields that are under way between processes, rounded up.
+/// Number of fields in transit between processes, rounded up.
 const LETTERS: u64 = 1;
 
-/// The number of processes that share a grid, on this machine and in all.
+/// Number of processes that share a grid, on this machine and in total.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Processes {
-    /// The processes on this machine.
+    /// Processes on this machine.
     pub here: usize,
-    /// All of them.
+    /// All processes.
     pub all: usize,
 }
 
 impl Processes {
-    /// One process.
+    /// Single process.
     pub const ALONE: Self = Self { here: 1, all: 1 };
 }
 
-/// Refuses a grid of `points` whose fields do not fit into memory; the message begins with `name`, its flag or file.
+/// Refuses a grid of `points` that does not fit into memory; the message begins with `name`, its flag or file.
 ///
 /// # Errors
-/// A need of more memory than is available.
+/// Returns an error if more memory is needed than available.
 pub fn fits(need: MemoryNeed, name: &str, points: [usize; 2]) -> Result<(), Failure> {
     fits_with(0, need, name, points, Processes::ALONE)
 }
 
-/// The check of [`fits`] for the memory of all processes of this machine.
+/// Checks like [`fits`], for the memory of all processes on this machine.
 ///
 /// # Errors
-/// A need of more memory than is available.
+/// Returns an error if more memory is needed than available.
 pub(crate) fn fits_shared(
     need: MemoryNeed,
     name: &str,
@@ -50,16 +50,16 @@ pub(crate) fn fits_shared(
     fits_with(0, need, name, points, processes)
 }
 
-/// All that these processes of this machine hold, in bytes: the rest of a problem, and freed memory that the allocator
-/// keeps.
+/// Returns the resident memory of these processes on this machine, in bytes: the rest of a problem, and freed memory
+/// that the allocator keeps.
 pub(crate) fn resident(processes: Processes) -> u64 {
     own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64)
 }
 
-/// The check of [`fits_shared`] if some bytes of the problem are already `there`.
+/// Checks like [`fits_shared`] if some bytes of the problem are already `there`.
 ///
 /// # Errors
-/// A need of more memory than is available.
+/// Returns an error if more memory is needed than available.
 pub(crate) fn fits_with(
     there: u64,
     need: MemoryNeed,
@@ -80,7 +80,7 @@ pub(crate) fn fits_with(
 /// Refuses numbers that do not fit into memory: `count` items, called `what`, of `each` bytes.
 ///
 /// # Errors
-/// A need of more memory than is available.
+/// Returns an error if more memory is needed than available.
 pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), Failure> {
     check(name, &format!("{count} {what}"), count.saturating_mul(each), 0)
 }
@@ -88,13 +88,13 @@ pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), 
 /// Refuses a file with a variable that does not fit into memory.
 ///
 /// # Errors
-/// A need of more memory than is available.
+/// Returns an error if more memory is needed than available.
 pub fn check_file(reader: &Reader) -> Result<(), Failure> {
     let Some((variable, bytes)) = reader.largest() else { return Ok(()) };
     check(&reader.path().display().to_string(), &format!("the values of {variable}"), bytes, 0)
 }
 
-/// Refuses a need that exceeds what is available and what is `held` of it already.
+/// Refuses a need that exceeds the available memory plus the memory already `held`.
 fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> {
     let available = available_bytes().map(|available| available.saturating_add(held));
     let Some(available) = available.filter(|available| needed > *available) else { return Ok(()) };
@@ -103,14 +103,14 @@ fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> 
     Err(Failure::input(name, reason))
 }
 
-/// The memory that a computation may use, in bytes: that of the machine, less if the process or its control group has a
-/// limit; `None` if the system does not report it.
+/// Returns the memory that a computation may use, in bytes: the memory of the machine, less if the process or its
+/// control group has a limit; `None` if the system does not report it.
 pub(crate) fn available_bytes() -> Option<u64> {
     [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
 }
 
-/// The memory below the limit of the control group, such as a container. Copies of files that have not been read lately
-/// count as used, but make room.
+/// Returns the memory below the limit of the control group, such as a container. Cached files that have not been read
+/// lately count as used, but can be dropped.
 fn of_control_group() -> Option<u64> {
     let text = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
     let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
@@ -120,7 +120,7 @@ fn of_control_group() -> Option<u64> {
     Some(limit.saturating_sub(number("current")?).saturating_add(files.unwrap_or(0)).min(limit))
 }
 
-/// The addresses below the limit of the process (`ulimit -v`).
+/// Returns the address space below the limit of the process (`ulimit -v`).
 fn of_process() -> Option<u64> {
     #[cfg(target_os = "linux")]
     {
@@ -132,15 +132,15 @@ fn of_process() -> Option<u64> {
     None
 }
 
-/// The name of the size of all addresses of a process in `/proc/self/status`.
+/// Name of the address space size of a process in `/proc/self/status`.
 #[cfg(target_os = "linux")]
 const ADDRESSES: &str = "VmSize:";
 
-/// The name of the size of the part that is in memory.
+/// Name of the resident size.
 const RESIDENT: &str = "VmRSS:";
 
-/// A size of this process in bytes; `None` if the system does not report it. Linux gives it in kilobytes, whatever the
-/// size of its pages.
+/// Returns a size of this process in bytes; `None` if the system does not report it. Linux reports kilobytes for any
+/// page size.
 fn own_size(name: &str) -> Option<u64> {
     bytes_of_linux("/proc/self/status", name)
 }
@@ -149,7 +149,7 @@ fn of_machine() -> Option<u64> {
     bytes_of_linux("/proc/meminfo", "MemAvailable:")
 }
 
-/// The bytes that a file of Linux tells under a name.
+/// Reads a kB entry of a /proc file, in bytes.
 fn bytes_of_linux(file: &str, name: &str) -> Option<u64> {
     if !cfg!(target_os = "linux") {
         return None;
@@ -159,9 +159,9 @@ fn bytes_of_linux(file: &str, name: &str) -> Option<u64> {
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
-/// The largest resident memory of this process so far, in bytes; 0 if the system does not report it.
+/// Returns the largest resident memory of this process so far, in bytes; 0 if the system does not report it.
 pub fn peak_bytes() -> u64 {
-    // The number of `getrusage` on Linux is at least the memory of the process that started this one.
+    // On Linux, `getrusage` reports at least the memory of the process that started this one.
     if let Some(bytes) = bytes_of_linux("/proc/self/status", "VmHWM:") {
         return bytes;
     }
@@ -203,12 +203,12 @@ mod tests {
         assert_eq!(MemoryNeed::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
     }
 
-    /// The system's own table of the addresses of this process, in bytes, is the reference.
+    /// Compares the size with the system's own table of this process's addresses, in bytes.
     #[cfg(target_os = "linux")]
     #[test]
     fn the_size_of_this_process_is_that_of_its_addresses_whatever_the_size_of_pages() {
-        // Other tests of this binary allocate meanwhile: the table counts if the size is the same before and after it
-        // is read.
+        // Other tests of this binary allocate meanwhile: the table counts if the size is the same before and after
+        // reading it.
         let settled = (0..10_000).find_map(|_| {
             let before = own_size(ADDRESSES);
             let maps = std::fs::read_to_string("/proc/self/maps").ok()?;

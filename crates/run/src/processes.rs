@@ -1,13 +1,13 @@
-//! Agreement of the processes that run a command together.
+//! Agreement between the processes that run a command together.
 
 use gfmd_vector::Ranks;
 
 use crate::failure::Failure;
 
-/// The common outcome of a step that may fail on some processes only: an error on all if one fails.
+/// Returns the common outcome of a step that may fail on some processes only: an error on all if one fails.
 ///
 /// # Errors
-/// The first failure, in the order of the processes.
+/// Returns the first failure, in process order.
 pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Failure> {
     let text = match &outcome {
         Ok(_) => String::new(),
@@ -24,7 +24,7 @@ pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Fai
     })
 }
 
-/// The numbers that the first process gives, of which all know how many they are.
+/// Returns the numbers of the first process on all processes.
 pub fn of_first<const N: usize>(ranks: &dyn Ranks, own: [u64; N]) -> [u64; N] {
     let (is_first, mut all) = (ranks.rank() == 0, [0; N]);
     let lengths: Vec<usize> = (0..ranks.size()).map(|rank| if rank == 0 { N } else { 0 }).collect();
@@ -32,7 +32,7 @@ pub fn of_first<const N: usize>(ranks: &dyn Ranks, own: [u64; N]) -> [u64; N] {
     all
 }
 
-/// The text of each process.
+/// Gathers the text of each process.
 pub fn texts(ranks: &dyn Ranks, own: &str) -> Vec<String> {
     let mut lengths = vec![0; ranks.size()];
     ranks.gather(&[own.len() as u64], &mut lengths, &vec![1; ranks.size()]);

@@ -1,5 +1,4 @@
-//! Result files as the commands read them again: their kind, their configuration, and the comparison with what is
-//! computed anew.
+//! Result files as the commands read them: kind, configuration, and comparison with recomputed values.
 
 mod comparison;
 mod configuration;
@@ -19,11 +18,11 @@ pub use pair::{Against, Pair, layout};
 pub(crate) use surface::stored_unit;
 pub use surface::{compare_heights, regenerated, repeated_problem, stored_problem};
 
-/// The largest residual of a law on a patch that follows from the fields of a file, over the tolerance of the solve:
-/// the displacement outside of the patch, which a file does not contain, is that by its pressure, to the residual.
+/// Largest residual of a law on a patch, as computed from the fields of a file, divided by the solve tolerance. A file
+/// lacks the displacement outside the patch, which follows from its pressure only to within the residual.
 pub(crate) const RESIDUAL_OF_A_PATCH: f64 = 10.0;
 
-/// The kinds of result files.
+/// Kinds of result files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the names of the commands")]
@@ -38,7 +37,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of a file, by its groups; `None` if it is no result.
+    /// Returns the kind of a file, from its groups; `None` if it is not a result.
     pub fn of(reader: &Reader) -> Option<Self> {
         let has = |group: &str| !reader.names(group).is_empty();
         let groups = [
@@ -54,7 +53,7 @@ impl Kind {
             .or_else(|| reader.contains("/fields/depth").then_some(Self::Body))
     }
 
-    /// The name of its command.
+    /// Returns the name of its command.
     pub fn name(self) -> &'static str {
         match self {
             Self::Contact => "contact",

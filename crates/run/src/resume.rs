@@ -1,13 +1,13 @@
-//! The finished parts of a command that solves its parts in turn, each from the state of the one before: kept beside
-//! the output, so that `--resume` continues a run that was killed, and ends with the numbers of an uninterrupted one.
+//! Finished parts of a command that solves its parts in turn, each from the previous state. They are kept beside the
+//! output, so that `--resume` continues a killed run, and ends with the numbers of an uninterrupted one.
 //!
 //! | file beside `OUT`   | contents                                                                    |
 //! |---------------------|-----------------------------------------------------------------------------|
 //! | `OUT.journal`       | the record of every finished part, appended                                 |
-//! | `OUT.state`         | the state of the last finished part, from which the next one starts         |
+//! | `OUT.state`         | the state of the last finished part, the start of the next one              |
 //! | `OUT.checkpoint`    | the variables of the running solve                                          |
 //!
-//! Writing takes at most a twentieth of the time: a part that ends sooner after the last write waits in memory.
+//! Writing takes at most a twentieth of the time; a part that ends too soon after the last write waits in memory.
 
 mod snapshot;
 
@@ -41,10 +41,10 @@ pub struct CheckpointArgs {
 }
 
 impl CheckpointArgs {
-    /// The time between two copies, if any are made.
+    /// Returns the time between two copies, if any are made.
     ///
     /// # Errors
-    /// A time that is negative or longer than a century.
+    /// Returns an error for a time that is negative or longer than a century.
     pub fn every(&self) -> Result<Option<Duration>, Failure> {
         match self.checkpoint {
             0.0 => Ok(None),
@@ -54,42 +54,42 @@ impl CheckpointArgs {
     }
 }
 
-/// A century in seconds.
+/// Length of a century in seconds.
 const CENTURY: f64 = 3e9;
 
-/// The time between two writes over the time that a write takes.
+/// Time between two writes divided by the time of a write.
 const PATIENCE: u32 = 20;
 
-/// The time that the first write is expected to take.
+/// Expected time of the first write.
 const FIRST_COST: Duration = Duration::from_millis(5);
 
-/// The bytes that may wait in memory.
+/// Number of bytes that may wait in memory.
 const MOST_WAITING: usize = 1 << 26;
 
-/// A finished part: its scalars as text, and the fields that go into the output.
+/// Finished part: its scalars as text, and its fields for the output.
 pub struct Part<'a> {
-    /// Its scalars.
+    /// Scalars.
     pub text: String,
-    /// Its fields, in the order of the output.
+    /// Fields, in the order of the output.
     pub fields: Vec<Cow<'a, [f64]>>,
 }
 
-/// The files beside an output that is being computed.
+/// Files beside an output that is being computed.
 pub struct UnfinishedRun<'a> {
     output: &'a Output,
-    /// Identifies the run.
+    /// Text that identifies the run.
     head: Vec<u8>,
     journal: Option<Journal>,
-    /// Number of parts that the journal had when the run began.
+    /// Number of parts in the journal when the run began.
     finished: usize,
     state: Option<Stored>,
     running: Option<Stored>,
     /// Records that wait to be written, and the state after the last one.
     waiting: Vec<Vec<u8>>,
     latest: Vec<u8>,
-    /// Number of parts with those that wait.
+    /// Number of parts, including waiting ones.
     done: usize,
-    /// True once a file was written, or if there was one.
+    /// True once a file was written, or if one existed.
     on_disk: bool,
     written: Instant,
     cost: Duration,
@@ -97,10 +97,10 @@ pub struct UnfinishedRun<'a> {
 }
 
 impl<'a> UnfinishedRun<'a> {
-    /// Finds what is kept of the run that `head` identifies, of at most `parts` parts.
+    /// Opens what is kept of the run that `head` identifies, with at most `parts` parts.
     ///
     /// # Errors
-    /// An unfinished run without `--resume`; files of another run, or damaged ones.
+    /// Returns an error for an unfinished run without `--resume`, for files of another run, and for damaged files.
     pub fn open(
         output: &'a Output,
         head: String,
@@ -146,7 +146,7 @@ impl<'a> UnfinishedRun<'a> {
         // A kill between the two writes leaves a record without its state.
         journal.keep_first(self.finished).map_err(refused)?;
         self.journal = Some(journal);
-        // The copy of a solve that has ended since is of no use.
+        // The copy of a solve that has ended since is useless.
         self.running = Stored::read(&running, &self.head)?.filter(|running| running.parts() == self.finished);
         self.done = self.finished;
         tracing::info!("finished parts taken over: {} of {parts}", self.finished);
@@ -157,15 +157,15 @@ impl<'a> UnfinishedRun<'a> {
         [".journal", ".state", ".checkpoint"].map(|suffix| self.output.beside(suffix))
     }
 
-    /// Number of parts that are finished already.
+    /// Returns the number of finished parts.
     pub fn finished(&self) -> usize {
         self.finished
     }
 
-    /// A finished part.
+    /// Reads a finished part.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// Returns an error if a file cannot be read.
     pub fn part(&self, index: usize) -> Result<Part<'static>, Failure> {
         let missing = || Failure::Computation(format!("there is no part {index}"));
         let journal = self.journal.as_ref().ok_or_else(missing)?;
@@ -173,7 +173,7 @@ impl<'a> UnfinishedRun<'a> {
         Part::decode(&record).ok_or_else(|| refused(journal.unusable(index, "this is not a part of a run")))
     }
 
-    /// The error of a part whose text cannot be used.
+    /// Returns the error for a part with unusable text.
     pub fn unusable(&self, index: usize, reason: impl std::fmt::Display) -> Failure {
         let text = reason.to_string();
         match &self.journal {
@@ -182,26 +182,26 @@ impl<'a> UnfinishedRun<'a> {
         }
     }
 
-    /// The state of the last finished part, once.
+    /// Returns the state of the last finished part, once.
     pub fn state(&mut self) -> Option<Stored> {
         self.state.take()
     }
 
-    /// The variables of the solve that was running.
+    /// Returns the variables of the solve that was running.
     pub fn running(&mut self) -> Option<&mut Stored> {
         self.running.as_mut().filter(|running| !running.is_at_end())
     }
 
-    /// Adds a finished part, of which `keep_state` keeps the state.
+    /// Adds a finished part; [`keep_state`](Self::keep_state) keeps its state.
     pub fn add(&mut self, part: &Part) {
         self.waiting.push(part.encode());
         self.done += 1;
     }
 
-    /// Keeps the part that was added, and the state after it.
+    /// Keeps the added part, and the state after it.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn keep_state(&mut self, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
         let mut writer = Writer::new(Vec::new(), &self.head, self.done);
         state(&mut writer);
@@ -213,10 +213,10 @@ impl<'a> UnfinishedRun<'a> {
         Ok(())
     }
 
-    /// Writes all that waits.
+    /// Writes everything that waits.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn flush(&mut self) -> Result<(), Failure> {
         if self.waiting.is_empty() {
             return Ok(());
@@ -237,7 +237,7 @@ impl<'a> UnfinishedRun<'a> {
         Ok(())
     }
 
-    /// True if it is time to copy the running solve.
+    /// Returns true if it is time to copy the running solve.
     pub(crate) fn is_due(&self) -> bool {
         let elapsed = self.written.elapsed();
         self.every.is_some_and(|every| elapsed >= every && elapsed >= PATIENCE * self.cost)
@@ -246,7 +246,7 @@ impl<'a> UnfinishedRun<'a> {
     /// Copies the running solve.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) -> Result<(), Failure> {
         self.flush()?;
         let started = Instant::now();
@@ -261,7 +261,7 @@ impl<'a> UnfinishedRun<'a> {
         Ok(())
     }
 
-    /// The remark on a failure: the parts that are kept, and how to continue.
+    /// Returns the remark on a failure: the parts that are kept, and how to continue.
     pub fn remark(&self) -> String {
         let parts = self.done - self.waiting.len();
         if !self.on_disk {
@@ -269,7 +269,7 @@ impl<'a> UnfinishedRun<'a> {
         }
         let ([journal, state, running], path) = (self.paths(), self.output.path().display());
         let plural = if parts == 1 { "" } else { "s" };
-        // A checkpoint comes before the first finished part.
+        // A checkpoint may precede the first finished part.
         if (journal.exists() && state.exists()) || (parts == 0 && running.exists()) {
             format!("; {parts} finished part{plural} and the state are kept beside {path}, --resume continues")
         } else {
@@ -277,7 +277,7 @@ impl<'a> UnfinishedRun<'a> {
         }
     }
 
-    /// Removes the files: the run is complete and its output stored. A kill may have left an unfinished one.
+    /// Removes the files, since the run is complete and its output stored. A kill may have left an unfinished file.
     pub fn remove(self) {
         let unfinished = [".state.part", ".checkpoint.part"].map(|suffix| self.output.beside(suffix));
         for path in self.paths().into_iter().chain(unfinished).filter(|path| path.exists()) {
@@ -288,7 +288,7 @@ impl<'a> UnfinishedRun<'a> {
     }
 }
 
-/// The failure of a file that cannot be continued.
+/// Returns the failure for a file that cannot be continued.
 pub fn refused(error: JournalError) -> Failure {
     match error {
         JournalError::Io { .. } => not_written(error),
@@ -296,7 +296,7 @@ pub fn refused(error: JournalError) -> Failure {
     }
 }
 
-/// The failure of a file that cannot be written.
+/// Returns the failure for a file that cannot be written.
 pub(crate) fn not_written(error: JournalError) -> Failure {
     Failure::Computation(error.to_string())
 }
@@ -390,7 +390,7 @@ mod tests {
         kept.running().unwrap().field(&mut field);
         assert_eq!(field, [2.5; 2]);
         assert!(kept.running().is_none(), "it is read once");
-        // The next part ends, and the copy of its solve is of no use any more.
+        // The next part ends, and the copy of its solve becomes useless.
         kept.add(&part(2.0));
         kept.keep_state(|visitor| visitor.number(&mut 2.5)).unwrap();
         kept.flush().unwrap();

@@ -1,4 +1,4 @@
-//! Fields of which each process has its rows: from the process that reads files, and to the one that writes and draws.
+//! Fields distributed by rows over processes: from the process that reads files, and to the one that writes and draws.
 
 use gfmd_field::Share;
 use gfmd_files::{Archive, Variable, contiguous, rows_of_chunk};
@@ -6,23 +6,22 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::failure::Failure;
 
-/// The number of chunks of a file in a block of rows that travels at once, and is compressed by all threads of the
-/// first process.
+/// Number of file chunks in a block of rows. A block travels at once, and all threads of the first process compress it.
 const CHUNKS: usize = 16;
 
-/// The number of rows of a block, of so many values each.
+/// Returns the number of rows of a block with `columns` values each.
 fn height(columns: usize) -> usize {
     CHUNKS * rows_of_chunk(columns)
 }
 
-/// The own rows of a field that the first process has; the others give `None`.
+/// Distributes the rows of a field of the first process; the other processes give `None`.
 pub(crate) fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: usize) -> Array2<f64> {
     let whole = whole.map(|whole| contiguous(whole)).unwrap_or_default();
     let own = share.from_first(&whole, columns, height(columns));
     Array2::from_shape_vec((own.len() / columns, columns), own).expect("rows are whole")
 }
 
-/// The whole field at the first process, `None` at the others.
+/// Gathers the whole field at the first process; returns `None` at the others.
 pub fn gathered(share: &Share, own: ArrayView2<f64>) -> Option<Array2<f64>> {
     let (columns, own) = (own.ncols(), contiguous(&own));
     let mut whole = Vec::new();
@@ -31,10 +30,10 @@ pub fn gathered(share: &Share, own: ArrayView2<f64>) -> Option<Array2<f64>> {
     if share.ranks().rank() == 0 { Array2::from_shape_vec(shape, whole).ok() } else { None }
 }
 
-/// Writes a variable along x and y to the `archive` of the first process, `None` at the others.
+/// Writes a variable along x and y to the `archive`, which only the first process has.
 ///
 /// # Errors
-/// At the first process, a file that cannot be written.
+/// Returns an error, at the first process, if the file cannot be written.
 pub fn write_all(
     share: &Share,
     own: ArrayView2<f64>,
@@ -51,11 +50,11 @@ pub fn write_all(
     written
 }
 
-/// Writes a field to the `archive` of the first process, `None` at the others: the variable `path`, or its entry
-/// `index`. `see` gets the values in order. All rows travel, also if they cannot be written.
+/// Writes a field to the `archive`, which only the first process has: the variable `path`, or its entry `index`. `see`
+/// gets the values in order. All rows travel, even if they cannot be written.
 ///
 /// # Errors
-/// At the first process, a file that cannot be written.
+/// Returns an error, at the first process, if the file cannot be written.
 pub fn write(
     share: &Share,
     own: ArrayView2<f64>,

@@ -1,4 +1,4 @@
-//! States of one contact, each found from the one before: the loads of `contact`, the steps of `path`.
+//! States of one contact, each found from the previous one: loads of `contact`, steps of `path`.
 
 mod check;
 mod file;
@@ -41,35 +41,35 @@ pub use slopes::Slopes;
 pub use stored::records_of;
 pub use watching::Watching;
 
-/// A series of states.
+/// Series of states.
 pub struct Series<'a> {
-    /// Its input.
+    /// Input.
     pub prepared: &'a Prepared,
-    /// The run that it is part of.
+    /// Run that the series is part of.
     pub session: &'a Session,
-    /// The drive of each state.
+    /// Drive of each state.
     pub drives: &'a [Drive],
-    /// The largest residual of a state at rest.
+    /// Largest residual of a state at rest.
     pub tolerance: f64,
-    /// Those whose fields are in the file.
+    /// States that have fields in the file.
     pub places: Places,
-    /// The fields that it has of them.
+    /// Fields of these states in the file.
     pub chosen: Chosen,
-    /// True if the file follows at once on the last state, which need not be kept.
+    /// True if the file is written right after the last state, which need not be kept.
     pub ends_with_file: bool,
 }
 
-/// The states of a series whose fields are in its file.
+/// Choice of the states of a series that have fields in its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Places {
-    /// The first one of each so many.
+    /// Every n-th state.
     Every(usize),
-    /// Those with these numbers, in ascending order.
+    /// States with these numbers, in ascending order.
     At(Vec<usize>),
 }
 
 impl Places {
-    /// The place of a state in the file, if it has one.
+    /// Returns the place of a state in the file, if it has one.
     pub fn of(&self, index: usize) -> Option<usize> {
         match self {
             Self::Every(every) => index.is_multiple_of(*every).then_some(index / every),
@@ -77,7 +77,7 @@ impl Places {
         }
     }
 
-    /// The number of states with a place, of so many in all.
+    /// Returns the number of states with a place, of `states` in total.
     pub fn count(&self, states: usize) -> usize {
         match self {
             Self::Every(every) => states.div_ceil(*every),
@@ -86,17 +86,17 @@ impl Places {
     }
 }
 
-/// What a command makes of the states of its series.
+/// Receiver of the states of a series in a command.
 pub trait Outlet {
-    /// A recorder of the search for the next state, if it is wanted.
+    /// Returns a recorder for the next search, if requested.
     fn tracer(&self) -> Result<Option<Tracer>, Failure> {
         Ok(None)
     }
 
-    /// Takes what was recorded.
+    /// Takes the finished record of a search.
     fn traced(&mut self, _tracer: Tracer) {}
 
-    /// The failure of a first part that is refused.
+    /// Returns the failure for a refused first part.
     fn refused(&self, refusal: Refusal) -> Failure {
         refusal.into()
     }
@@ -104,53 +104,53 @@ pub trait Outlet {
     /// Makes the record of a state.
     fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure>;
 
-    /// Takes over the fields of a part that is kept.
+    /// Takes over the fields of a kept part.
     fn recall(&mut self, _fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// Visits what goes on from part to part beside the state; `is_new` before the first part.
+    /// Visits data that continues from part to part beside the state; `is_new` if it is read from a kept run.
     fn visit(&mut self, _visitor: &mut dyn Visit, _is_new: bool) {}
 }
 
-/// A state that was reached.
+/// State that was reached.
 pub struct Reached<'a> {
-    /// The number of its part.
+    /// Number of its part.
     pub index: usize,
-    /// The state.
+    /// State.
     pub state: &'a Rest,
-    /// The step that led to it.
+    /// Step that led to the state.
     pub step: &'a Step,
-    /// Its numbers so far: without stiffness, measurements, step and time.
+    /// Numbers so far: without stiffness, measurements, step and time.
     pub at: At<'a>,
-    /// The start of its search.
+    /// Start of the search.
     pub started: Instant,
-    /// True if it is only as far as the search came.
+    /// True if the search ended before the state was at rest.
     pub is_cut: bool,
 }
 
-/// The end of a series.
+/// End of a series.
 #[derive(Default)]
 pub struct Ended {
-    /// The records of the parts so far.
+    /// Records of the parts so far.
     pub records: Vec<Record>,
-    /// The failure of the last part.
+    /// Failure of the last part.
     pub failure: Option<Failure>,
-    /// The search that did not converge.
+    /// Search that did not converge.
     pub not_converged: Option<NotConverged>,
-    /// The step of a path at which the surfaces parted under their load.
+    /// Step of a path at which the surfaces parted under their load.
     pub parted_at: Option<usize>,
 }
 
 impl Ended {
-    /// True if the run goes on later from what is kept, and has no file yet.
+    /// Returns true if the run can continue later from what is kept, and has no file yet.
     pub fn is_kept(&self, kept: Option<&UnfinishedRun>) -> bool {
         matches!(self.failure, Some(Failure::Interrupted(_))) && kept.is_some()
     }
 }
 
 impl Series<'_> {
-    /// The file for the series, made by all processes; `None` if there is none.
+    /// Creates the file of the series on all processes; `None` if it is not wanted.
     pub fn file<'a>(
         &self,
         output: Option<&'a Output>,
@@ -164,7 +164,7 @@ impl Series<'_> {
         is_wanted.then(create).transpose()
     }
 
-    /// Makes the parts that are not kept, one after the other, until one fails.
+    /// Computes the parts that are not kept, one after the other, until one fails.
     pub fn run(
         &self,
         path: &mut Path<'_, Posed>,
@@ -185,7 +185,7 @@ impl Series<'_> {
         }
         for (index, drive) in drives.iter().enumerate().skip(ended.records.len()) {
             let started = Instant::now();
-            // Only a part of a single solve can go on in its middle.
+            // Only a part with a single solve can continue in its middle.
             let copies = if facts.task == Task::Loads { kept.as_deref_mut() } else { None };
             let place = format!("{part} {index}");
             let mut watch = Watching::new(place.clone(), progress, session).with(outlet.tracer()?, copies);
@@ -199,7 +199,7 @@ impl Series<'_> {
             let (step, cut, stopped) = match reached {
                 Ok(step) => (step, None, None),
                 Err(SolveError::Refused(refusal)) if index == 0 => return Err(outlet.refused(refusal)),
-                // Numbers that this part alone makes too large; those before it stay.
+                // Numbers of this part alone are too large; earlier parts stay.
                 Err(SolveError::Refused(refusal)) => {
                     ended.failure = Some(Failure::Computation(refusal.to_string()).at(&place));
                     break;
@@ -258,7 +258,7 @@ impl Series<'_> {
         Ok(ended)
     }
 
-    /// Takes over the parts that are kept, and continues the path from the last one.
+    /// Takes over the kept parts, and continues the path from the last one.
     fn recall(
         &self,
         kept: &mut UnfinishedRun,
@@ -293,12 +293,12 @@ impl Series<'_> {
     }
 }
 
-/// A record as a line of progress.
+/// Formats a record as a line of progress.
 fn progress_line(record: &Record) -> String {
     format!("p* {:.3e}, area {:.4}", record.number("p_star"), record.number("area_fraction"))
 }
 
-/// Refuses units in which a number of a part that converged is not finite.
+/// Refuses units in which a number of a converged part is not finite.
 fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
     match record.overflow() {
         Some((name, found)) if record.is("converged") => Err(Failure::Computation(format!(
@@ -308,8 +308,8 @@ fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
     }
 }
 
-/// Runs a command that keeps its parts beside its output. What an interruption or a failure leaves is flushed and named
-/// in the message; of a run that has ended nothing stays but its output, which `out` tells.
+/// Runs a command that keeps its parts beside its output. After an interruption or an error, the kept parts are flushed
+/// and named in the message. After the end of a run, only its output remains, as returned by `out`.
 pub fn keeping<R>(
     mut kept: Option<UnfinishedRun>,
     run: impl FnOnce(Option<&mut UnfinishedRun>) -> Result<Outcome<R>, Failure>,
@@ -317,7 +317,7 @@ pub fn keeping<R>(
 ) -> Result<Outcome<R>, Failure> {
     let outcome = run(kept.as_mut());
     if let (Err(_) | Ok(Outcome { failure: Some(Failure::Interrupted(_)), .. }), Some(kept)) = (&outcome, &mut kept) {
-        // The failure is the news; a disk that is full keeps what it has.
+        // The failure itself is reported; a full disk keeps what it has.
         let _ = kept.flush();
     }
     let remark = kept.as_ref().map_or_else(String::new, UnfinishedRun::remark);

@@ -1,4 +1,4 @@
-//! One run of the program: the flags that all commands have in common, interruption, and the machine.
+//! Run of the program: common flags of all commands, interruption, and the machine.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -19,33 +19,33 @@ use crate::failure::Failure;
 use crate::memory::{self, Processes};
 use crate::processes;
 
-/// The commit that the program was built from, `unknown` if it is not known.
+/// Commit that the program was built from; `unknown` if it is not known.
 pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
 
-/// The number of the format of journals: another one cannot be continued.
+/// Number of the journal format; a journal of another format cannot be continued.
 const JOURNAL: u32 = 3;
 
-/// A run of the program.
+/// Run of the program.
 #[derive(Clone)]
 pub struct Session {
-    /// Show neither progress nor notes.
+    /// True if neither progress nor notes are shown.
     pub quiet: bool,
-    /// Reports are JSON, not tables.
+    /// True if reports are JSON, not tables.
     pub json: bool,
     interrupted: Arc<AtomicBool>,
     warnings: Warnings,
-    /// The place of results that are kept in memory.
+    /// Place of results that are kept in memory.
     memory: Option<Memory>,
-    /// The processes that run the command together.
+    /// Processes that run the command together.
     ranks: Option<Arc<dyn Ranks>>,
-    /// The number of those on this machine.
+    /// Number of these processes on this machine.
     here: usize,
-    /// True if the process is that of a caller, who holds other things in memory, too.
+    /// True if the process belongs to a caller that also holds other things in memory.
     is_embedded: bool,
 }
 
 impl Session {
-    /// A session of one process that prints nothing.
+    /// Creates a session of one process that prints nothing.
     pub fn silent() -> Self {
         let interrupted = Arc::new(AtomicBool::new(false));
         Self {
@@ -60,42 +60,42 @@ impl Session {
         }
     }
 
-    /// A session that prints nothing, in the process of a caller, who holds other things in memory, too.
+    /// Creates a session that prints nothing, in the process of a caller that also holds other things in memory.
     pub fn embedded() -> Self {
         Self { is_embedded: true, ..Self::silent() }
     }
 
-    /// Refuses a problem on a grid that needs more memory than there is, of which it has its `heights` already. The
-    /// other memory of a process that it has for itself is its own: what the allocator keeps.
+    /// Refuses a problem on a grid that needs more memory than available; its `heights` are in memory already. Without
+    /// a caller, all memory of the process counts as available, since the allocator keeps it.
     ///
     /// # Errors
-    /// At all processes, a need of more memory than is available.
+    /// Returns an error, at all processes, if more memory is needed than available.
     pub(crate) fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
         let there = if self.is_embedded { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
         self.agree(memory::fits_with(there, need, "the grid", grid.points(), self.processes()))
     }
 
-    /// The same session on several processes, of which so many are on this machine.
+    /// Returns the session on several processes, with `here` of them on this machine.
     #[must_use]
     pub fn together(self, ranks: Arc<dyn Ranks>, here: usize) -> Self {
         Self { here: here.min(ranks.size()), ranks: Some(ranks), ..self }
     }
 
-    /// The processes that run this command together, if there is more than one.
+    /// Returns the processes that run this command together, if there are several.
     pub fn ranks(&self) -> Option<&Arc<dyn Ranks>> {
         self.ranks.as_ref()
     }
 
-    /// The processes that run this command together.
+    /// Returns the numbers of processes that run this command together.
     pub fn processes(&self) -> Processes {
         let Some(ranks) = &self.ranks else { return Processes::ALONE };
         Processes { here: self.here, all: ranks.size() }
     }
 
-    /// The rows of a grid that this process has, all of them if it is alone.
+    /// Returns the rows of a grid on this process; all rows if it is alone.
     ///
     /// # Errors
-    /// More processes than can share the rows.
+    /// Returns an error if there are more processes than can share the rows.
     pub fn share(&self, grid: &Grid) -> Result<Share, Refusal> {
         match &self.ranks {
             Some(ranks) => Contact::share(Arc::clone(ranks), grid),
@@ -103,7 +103,7 @@ impl Session {
         }
     }
 
-    /// The largest of the numbers of all processes.
+    /// Returns the largest of the numbers of all processes.
     pub fn largest(&self, own: u64) -> u64 {
         let Some(ranks) = &self.ranks else { return own };
         let mut all = vec![0; ranks.size()];
@@ -111,15 +111,15 @@ impl Session {
         all.into_iter().max().unwrap_or(own)
     }
 
-    /// True if this process prints, writes and draws: it is alone, or the first one.
+    /// Returns true if this process prints, writes and draws: it is alone, or the first one.
     pub fn is_first(&self) -> bool {
         self.ranks.as_ref().is_none_or(|ranks| ranks.rank() == 0)
     }
 
-    /// The outcome of a step that may fail on some of the processes only, as that of all.
+    /// Returns the common outcome of a step that may fail on some of the processes only.
     ///
     /// # Errors
-    /// The first failure.
+    /// Returns the first failure.
     pub fn agree<T>(&self, outcome: Result<T, Failure>) -> Result<T, Failure> {
         match &self.ranks {
             Some(ranks) => processes::agree(&**ranks, outcome),
@@ -127,16 +127,16 @@ impl Session {
         }
     }
 
-    /// The same session, whose results go to memory in place of files: as far as they came, also after an interruption.
+    /// Returns the session with results in memory instead of files, as far as they came, also after an interruption.
     #[must_use]
     pub fn in_memory(self, memory: Memory) -> Self {
         Self { memory: Some(memory.limited(memory::available_bytes())), ..self }
     }
 
-    /// The output of a command: a place in memory, or the file that is named, if there is one.
+    /// Returns the output of a command: a place in memory, or the named file, if there is one.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn output(&self, named: Option<&PathBuf>) -> Result<Option<Output>, Failure> {
         match &self.memory {
             Some(memory) => Ok(Some(Output::memory(memory))),
@@ -144,12 +144,12 @@ impl Session {
         }
     }
 
-    /// The file that was written; none in memory.
+    /// Returns the written file; `None` in memory.
     pub fn written(&self, out: Option<PathBuf>) -> Option<PathBuf> {
         out.filter(|_| !self.is_in_memory())
     }
 
-    /// True if results go to memory, and nothing is kept to resume from.
+    /// Returns true if results go to memory, and nothing is kept to resume from.
     pub fn is_in_memory(&self) -> bool {
         self.memory.is_some()
     }
@@ -164,7 +164,7 @@ impl Session {
         self.interrupted.load(Ordering::Relaxed)
     }
 
-    /// The watch of a search that ends when the user asks to stop.
+    /// Returns a watch that ends a search when the user asks to stop.
     pub fn stop(&self) -> impl FnMut(&Progress) -> ControlFlow<()> + '_ {
         |_| if self.is_interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
@@ -177,15 +177,15 @@ impl Session {
         self.note(code, text);
     }
 
-    /// Records a warning like [`warn`](Self::warn), if the printed report itself contains the remark.
+    /// Records a warning like [`warn`](Self::warn), for a remark that the printed report contains itself.
     pub fn note(&self, code: &'static str, text: String) {
         self.warnings.add(Warning { code, text: line(&text) });
     }
 
-    /// The report of a command as one JSON object, with the warnings of the run.
+    /// Returns the report of a command as one JSON object, with the warnings of the run.
     ///
     /// # Errors
-    /// An error of the serialisation of the report.
+    /// Returns an error if the report cannot be serialised.
     pub fn json(&self, report: &impl Serialize) -> Result<String, Failure> {
         #[derive(Serialize)]
         struct Remark {
@@ -203,14 +203,14 @@ impl Session {
         crate::json::to_string(&whole).map_err(|error| Failure::Computation(error.to_string()))
     }
 
-    /// The text that identifies a run by its version, its configuration and the checksum of its heights: another run
-    /// cannot continue it.
+    /// Returns the text that identifies a run by its version, its configuration and the checksum of its heights:
+    /// another run cannot continue it.
     pub fn identity(&self, config: &str, heights: &str) -> String {
         let version = env!("CARGO_PKG_VERSION");
         format!("gfmd {version}, journal {JOURNAL}, heights {heights}\n{config}")
     }
 
-    /// The provenance of a file written now; `config` is the resolved configuration.
+    /// Returns the provenance of a file written now; `config` is the resolved configuration.
     pub fn provenance(&self, config: String) -> Provenance {
         Provenance {
             program: "gfmd".into(),
@@ -235,7 +235,7 @@ impl fmt::Debug for Session {
     }
 }
 
-/// The processor, the number of cores and the operating system in words.
+/// Returns the processor, the number of cores and the operating system in words.
 pub fn machine() -> String {
     let about = if cfg!(target_os = "linux") { std::fs::read_to_string("/proc/cpuinfo").ok() } else { None };
     let processor = about.and_then(|text| {

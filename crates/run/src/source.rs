@@ -1,4 +1,4 @@
-//! The rigid surface of a contact: read from a file ([`scan`]), or generated.
+//! Rigid surface of a contact: read from a file ([`scan`]), or generated.
 
 pub mod scan;
 
@@ -111,13 +111,13 @@ pub struct SourceArgs {
     pub generator: GeneratorArgs,
 }
 
-/// The largest number of points along a side over that of a file.
+/// Largest refinement factor along a side of a file's grid.
 const LARGEST_REFINE: u64 = 64;
 
 /// Parses the name of a unit of length.
 ///
 /// # Errors
-/// Another name.
+/// Returns an error for any other name.
 pub fn length_unit(text: &str) -> Result<String, String> {
     match is_length(text) {
         true => Ok(canonical(text).to_owned()),
@@ -128,7 +128,7 @@ pub fn length_unit(text: &str) -> Result<String, String> {
 /// Parses the name of a unit of stress.
 ///
 /// # Errors
-/// Another name.
+/// Returns an error for any other name.
 pub fn stress_unit(text: &str) -> Result<String, String> {
     match Units::is_stress(text) {
         true => Ok(text.to_owned()),
@@ -140,24 +140,24 @@ fn times<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::E
     within::<1, LARGEST_REFINE, _, _>(deserializer).map(Some)
 }
 
-/// The grid of a generated surface, if it fits into the memory of this machine.
+/// Builds the grid of a generated surface, if it fits into the memory of this machine.
 ///
 /// # Errors
-/// Numbers that make no grid, more points than fit.
+/// Returns an error if the numbers do not make a grid, or if the points do not fit into memory.
 pub fn grid_of(generator: &GeneratorArgs, length: &[f64]) -> Result<Grid, Failure> {
     generated_grid(generator, length, Processes::ALONE)
 }
 
-/// The grid of [`grid_of`], for several processes that share the points.
+/// Builds the grid like [`grid_of`], for several processes that share the points.
 fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
     memory::fits_shared(memory::SURFACE, "--n", generator.points()?, processes)?;
-    // Other lengths that none can have are refused with the grid.
+    // Other impossible lengths are refused with the grid.
     let given = length.iter().filter(|length| length.is_finite() && **length > 0.0);
     given.into_iter().try_for_each(|length| check_size("--length", *length))?;
     Ok(generator.grid(length)?)
 }
 
-/// The trends that can be subtracted from measured heights.
+/// Trends that can be subtracted from measured heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Detrend {
@@ -174,11 +174,11 @@ pub enum Detrend {
 /// Heights ready for a contact.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// Heights `[x, y]`, peaks towards the body, of the rows of this process.
+    /// Heights `[x, y]`, peaks towards the body, rows of this process.
     pub heights: Array2<f64>,
-    /// The grid of the heights on the cell.
+    /// Grid of the heights on the cell.
     pub grid: Grid,
-    /// The rows of this process, all of them if it is alone.
+    /// Rows of this process; all rows if it is alone.
     pub share: Share,
     /// Unit of heights and lengths, if known.
     pub unit: Option<String>,
@@ -186,45 +186,45 @@ pub struct Surface {
     pub stress_unit: Option<String>,
     /// Statistics of the heights.
     pub statistics: Statistics,
-    /// The surroundings of the surface.
+    /// Surroundings of the surface.
     pub boundary: Boundary,
-    /// The origin of the heights and the operations on them.
+    /// Origin of the heights, and the operations on them.
     pub description: String,
-    /// The words of the file, if the heights come from one; the first of several processes has them, and the fields
-    /// that follow.
+    /// Data of the file, if the heights come from one. With several processes, only the first one has it, and the
+    /// fields that follow.
     pub scan: Option<Scan>,
-    /// The file that the heights were read from, and its SHA-256.
+    /// File of the heights, and its SHA-256.
     pub origin: Option<(String, String)>,
-    /// The second surface, whose heights are part of these.
+    /// Second surface, contained in these heights.
     pub second: Option<Second>,
 }
 
-/// The second of two rough surfaces in contact.
+/// Second of two rough surfaces in contact.
 #[derive(Clone, Debug, Serialize)]
 pub struct Second {
-    /// Its file.
+    /// File of the surface.
     pub second_surface: String,
     /// Displacement along x and y, length.
     pub shift: [f64; 2],
-    /// The record of the file.
+    /// Record of the file.
     pub second_scan: Scan,
-    /// The SHA-256 of the file.
+    /// SHA-256 of the file.
     #[serde(skip)]
     checksum: String,
 }
 
 impl Surface {
-    /// True if its heights, or a part of them, were read at points, and not made of waves.
+    /// Returns true if the heights, or a part of them, were read at points, not made of waves.
     pub fn is_read(&self) -> bool {
         self.scan.is_some() || self.second.is_some()
     }
 
-    /// The highest point of the grid, length.
+    /// Returns the highest point of the grid, length.
     pub fn highest(&self) -> f64 {
         self.heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
     }
 
-    /// The moments: the spectral ones, or those of the differences inside if the surface does not repeat.
+    /// Returns the moments: spectral ones, or from inner differences if the surface is not periodic.
     pub fn moments(&self) -> Moments {
         match self.boundary {
             Boundary::Periodic => self.statistics.moments,
@@ -232,7 +232,7 @@ impl Surface {
         }
     }
 
-    /// The rms gradient: the spectral one, or that of the differences inside if the surface does not repeat.
+    /// Returns the rms gradient: the spectral one, or from inner differences if the surface is not periodic.
     pub fn rms_gradient(&self) -> f64 {
         match self.boundary {
             Boundary::Periodic => self.statistics.moments.rms_gradient(),
@@ -240,27 +240,27 @@ impl Surface {
         }
     }
 
-    /// The largest slope, by differences between neighbours inside.
+    /// Returns the largest slope, from differences between inner neighbours.
     pub fn max_slope(&self) -> f64 {
         self.statistics.max_slope
     }
 
-    /// The unit of heights and lengths; `length` if it is unknown.
+    /// Returns the unit of heights and lengths; `length` if it is unknown.
     pub fn unit(&self) -> &str {
         self.unit.as_deref().unwrap_or("length")
     }
 
-    /// The unit of stresses, if it is known.
+    /// Returns the unit of stresses, if it is known.
     pub fn stress(&self) -> Option<&str> {
         self.stress_unit.as_deref().or_else(|| (self.unit.as_deref() == Some("m")).then_some(Units::PASCAL))
     }
 
-    /// The units of the problem.
+    /// Returns the units of the problem.
     pub fn units(&self) -> Units {
         Units::new(self.unit.as_deref(), self.stress_unit.as_deref())
     }
 
-    /// The SHA-256 of the heights, row by row.
+    /// Returns the SHA-256 of the heights, row by row.
     pub fn checksum(&self) -> String {
         Checksum::of_numbers(self.heights.iter().copied())
     }
@@ -268,15 +268,15 @@ impl Surface {
     /// Writes the group `/surface` of a file.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write(&self, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
         self.write_as(archive, GROUP, LONG_NAME, axes)
     }
 
-    /// Writes the surface as a group of a file; the heights have the name `long_name`.
+    /// Writes the surface as a group of a file; the heights get the name `long_name`.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(crate) fn write_as(
         &self,
         archive: &mut Archive,
@@ -289,11 +289,11 @@ impl Surface {
         self.write_about(archive, group, self.checksum())
     }
 
-    /// Writes like [`write`](Self::write) if several processes have the rows of the heights; the first one has the
+    /// Writes like [`write`](Self::write) if several processes have the rows of the heights; only the first one has the
     /// `archive`.
     ///
     /// # Errors
-    /// At the first process, a file that cannot be written.
+    /// Returns an error, at the first process, if the file cannot be written.
     pub(crate) fn write_shared(&self, mut archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
         let height = Variable { dimensions: &axes, units: self.unit(), long_name: LONG_NAME };
         let path = format!("{GROUP}/height");
@@ -306,7 +306,7 @@ impl Surface {
         archive.map_or(Ok(()), |archive| self.write_about(archive, GROUP, sum.text()))
     }
 
-    /// Writes the attributes of a group; `checksum` is that of the heights.
+    /// Writes the attributes of a group, with the `checksum` of the heights.
     fn write_about(&self, archive: &mut Archive, group: &str, checksum: String) -> Result<(), Failure> {
         archive.attribute(group, "description", self.description.as_str())?;
         archive.attribute(group, "rms_gradient", self.rms_gradient())?;
@@ -328,17 +328,17 @@ impl Surface {
         self.scan.iter().try_for_each(|scan| scan.write(archive, group))
     }
 
-    /// The same surface with the statistics of the one that a base which moves makes of it: its heights and the `lift`,
-    /// the displacement of the surface by the base alone, of the rows of this process. The heights stay as they are.
+    /// Returns the surface with statistics of its heights plus `lift`, the displacement of the surface by a moved base
+    /// alone, rows of this process. The heights stay as they are.
     ///
     /// # Errors
-    /// Heights without statistics.
+    /// Returns an error if the heights have no statistics.
     pub fn displaced(self, lift: &Array2<f64>) -> Result<Self, SurfaceError> {
         let statistics = Statistics::over(&(&self.heights + lift), &self.grid, &self.share)?;
         Ok(Self { statistics, ..self })
     }
 
-    /// The surface with the whole heights at the first process, `None` at the others.
+    /// Returns the surface with the whole heights at the first process; `None` at the others.
     pub fn gathered(&self) -> Option<Self> {
         let heights = rows::gathered(&self.share, self.heights.view())?;
         let Self { grid, statistics, boundary, .. } = *self;
@@ -358,22 +358,22 @@ impl Surface {
     }
 }
 
-/// The group of the surface in a file.
+/// Group of the surface in a file.
 const GROUP: &str = "/surface";
 
-/// The kind of its heights.
+/// Description of its heights.
 const LONG_NAME: &str = "height of the rigid surface, peaks towards the elastic body";
 
-/// The ratio of the steps across the periodic seam to those inside above which a warning is given.
+/// Ratio of steps across the periodic seam to inner steps above which a warning is given.
 const ROUGH_SEAM: f64 = 2.0;
 
-/// The relative difference up to which the lengths of two cells are equal: headers have some six digits.
+/// Relative difference up to which the lengths of two cells count as equal; headers have some six digits.
 const SAME_LENGTH: f64 = 1e-6;
 
 gfmd_problem::defaults_of_flags!(SourceArgs);
 
 impl SourceArgs {
-    /// The name of the surface in messages: its file, `surface` of an array, or `the generated surface`.
+    /// Returns the name of the surface in messages: its file, `surface` for an array, or `the generated surface`.
     pub fn name(&self) -> String {
         match &self.surface {
             Some(ArrayOption::File(file)) => file.clone(),
@@ -385,26 +385,26 @@ impl SourceArgs {
     /// Returns the flags with every default filled in, for the record of a run.
     ///
     /// # Errors
-    /// Numbers that make no grid.
+    /// Returns an error if the numbers do not make a grid.
     pub fn resolved(&self) -> Result<Self, Failure> {
         let generator = if self.surface.is_none() { self.generator.resolved()? } else { self.generator.clone() };
         Ok(Self { generator, ..self.clone() })
     }
 
-    /// Reads or generates the surface; a doubtful one is warned of.
+    /// Reads or generates the surface, and warns if it is doubtful.
     ///
     /// # Errors
-    /// A file that cannot be read or has points without a height; flags that do not fit.
+    /// Returns an error if a file cannot be read or has points without a height, or if flags do not fit.
     pub fn surface(&self, session: &Session) -> Result<Surface, Failure> {
         self.bounded(Boundary::Periodic, session)
     }
 
-    /// The surface of [`surface`](Self::surface), with its boundary condition.
+    /// Reads or generates like [`surface`](Self::surface), with a boundary condition.
     ///
     /// # Errors
-    /// The errors of `surface`; a mirrored surface that does not repeat.
+    /// Fails like `surface`; also for a mirrored surface that is not periodic.
     pub fn bounded(&self, boundary: Boundary, session: &Session) -> Result<Surface, Failure> {
-        // The parser lets these pass beside a flag of the generator.
+        // The parser accepts these flags beside a flag of the generator.
         let of_files = [
             ("--channel", self.channel.is_some()),
             ("--fill", self.fill.is_some()),
@@ -452,8 +452,8 @@ impl SourceArgs {
         Ok(Surface { heights, grid, share, unit, stress_unit, statistics, boundary, description, scan, origin, second })
     }
 
-    /// The heights of the rows of this process. Of several, each makes its own if the generator can; else the first one
-    /// makes or reads all, and hands them out.
+    /// Makes the heights of the rows of this process. With several processes, each makes its own if the generator can;
+    /// otherwise the first one makes or reads all heights, and distributes them.
     fn made(&self, boundary: Boundary, session: &Session) -> Result<Made, Failure> {
         let Some(ranks) = session.ranks() else { return self.whole(boundary) };
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
@@ -475,7 +475,7 @@ impl SourceArgs {
         let share = shared(&grid)?;
         let heights = rows::handed_out(&share, made.as_ref().map(|made| &made.heights), points[1]);
         if let Some(made) = &mut made {
-            // Before the own rows are worked on.
+            // Frees the whole heights before the work on the own rows.
             made.heights = Array2::zeros([0, 0]);
         }
         Ok(match made {
@@ -484,7 +484,7 @@ impl SourceArgs {
         })
     }
 
-    /// All heights.
+    /// Makes all heights.
     fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
         let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
             Some(given) => {
@@ -517,11 +517,11 @@ impl SourceArgs {
         Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
     }
 
-    /// This source with so many times as many points along each side, by this way between those of a file; of a
-    /// generated surface the same one on a finer grid.
+    /// Returns this source with `times` as many points along each side, interpolated by `how` between the points of a
+    /// file. A generated surface is the same one on a finer grid.
     ///
     /// # Errors
-    /// A surface of which nothing is known between its points.
+    /// Returns an error if nothing is known between the points of the surface.
     pub fn finer(&self, times: u64, how: Interpolation) -> Result<Self, Failure> {
         let mut finer = self.resolved()?;
         if self.surface.is_some() || self.second_surface.is_some() {
@@ -536,7 +536,7 @@ impl SourceArgs {
         Ok(finer)
     }
 
-    /// Reads the second surface, which has the cell and the points of the first.
+    /// Reads the second surface, which must have the cell and the points of the first.
     fn second(&self, file: &ArrayOption, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
         const FLAG: &str = "--second-surface";
         let cell = first.map_or(grid.lengths(), |scan| scan.length);
@@ -559,7 +559,7 @@ impl SourceArgs {
         Ok((Second { second_surface: file.to_string(), shift, second_scan: scan, checksum }, heights))
     }
 
-    /// Checks that squares of the lengths are numbers, for the statistics and the units of the results.
+    /// Checks that squares of the lengths are finite numbers, for the statistics and the units of the results.
     fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>, share: &Share) -> Result<(), Failure> {
         sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
         let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
@@ -567,7 +567,7 @@ impl SourceArgs {
         let first = share.first(heights.first().copied());
         let all_equal = !share.any(heights.iter().any(|height| Some(*height) != first));
         if all_equal || !largest.is_finite() {
-            return Ok(()); // judged by what uses the heights
+            return Ok(()); // checked where the heights are used
         }
         let name = self.name();
         let flag = match (&self.surface, self.generator.rms_height) {
@@ -583,7 +583,7 @@ impl SourceArgs {
     }
 }
 
-/// Heights of the rows of this process, and where they come from.
+/// Heights of the rows of this process, with their origin.
 struct Made {
     heights: Array2<f64>,
     grid: Grid,
@@ -601,10 +601,10 @@ impl Made {
     }
 }
 
-/// The composite of two surfaces, the second moved by `shift`, and its grid.
+/// Returns the composite of two surfaces, the second one shifted by `shift`, and its grid.
 ///
 /// # Errors
-/// Surfaces of two grids, and a shift that they cannot have.
+/// Returns an error if the surfaces have different grids, or if the shift is impossible.
 pub fn composed(
     first: &Array2<f64>,
     second: &Array2<f64>,
@@ -617,7 +617,7 @@ pub fn composed(
     }
 }
 
-/// The name of a file without that of a dataset in it.
+/// Returns the name of a file without a dataset in it.
 pub fn file_of(surface: &str) -> &str {
     split_dataset(surface).map_or(surface, |(file, _)| file)
 }

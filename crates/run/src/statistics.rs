@@ -8,7 +8,7 @@ use gfmd_unit::Units;
 use crate::failure::Failure;
 use crate::result::Comparison;
 
-/// The values of all loads, one after another; none if a load has none.
+/// Joins the values of all loads; empty if a load has none, except for patches.
 fn joined(statistic: &Statistic, loads: &[Statistics]) -> Vec<f64> {
     let of_loads: Vec<Vec<f64>> =
         loads.iter().enumerate().map(|(load, found)| (statistic.values)(found, load)).collect();
@@ -16,10 +16,10 @@ fn joined(statistic: &Statistic, loads: &[Statistics]) -> Vec<f64> {
     if is_whole { of_loads.concat() } else { Vec::new() }
 }
 
-/// Writes the arrays of the loads that were solved, with numbers in these units.
+/// Writes the arrays of the solved loads, with numbers in these units.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn write(archive: &mut Archive, grid: &Grid, units: &Units, loads: &[Statistics]) -> Result<(), Failure> {
     let Some(first) = loads.first() else { return Ok(()) };
     let unit = &*units.name("length");
@@ -51,10 +51,10 @@ pub fn write(archive: &mut Archive, grid: &Grid, units: &Units, loads: &[Statist
     Ok(())
 }
 
-/// Compares the arrays of a file with those of the loads.
+/// Compares the arrays of a file with the arrays of the loads.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// Returns an error if the file cannot be read.
 pub fn compare(reader: &Reader, loads: &[Statistics], comparison: &mut Comparison) -> Result<(), Failure> {
     for statistic in STATISTICS {
         let (path, values) = (statistic.path, joined(statistic, loads));

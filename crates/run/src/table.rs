@@ -1,22 +1,22 @@
-//! Tables of two or three columns, in text files that options name.
+//! Tables of two or three columns in text files that options name.
 
 use gfmd_files::input;
 
 use crate::failure::Failure;
 
-/// The rows of the table in `file`, as the text of an option has them: `A:B,...`, with the units of the heads if
+/// Reads the rows of the table in `file`, as the text of an option: `A:B,...`, with the units of the heads if
 /// `in_units`.
 ///
-/// Rows are numbers with commas, semicolons or blanks between; lines that begin with # are comments. The first line may
-/// have the heads, one of the lists in `columns`, each with a unit if there is one: `gap [nm],traction [MPa]`,
+/// Rows are numbers separated by commas, semicolons or blanks; lines that begin with # are comments. The first line may
+/// have heads, one of the lists in `columns`, each with an optional unit: `gap [nm],traction [MPa]` or
 /// `gap_nm traction_MPa`. Without heads, a row has as many numbers as one of the lists.
 ///
 /// # Errors
-/// A file that cannot be read, is not a regular one, or is too large; a line that is no row; heads of other columns.
+/// Returns an error if the file is unreadable, not regular or too large, a line is not a row, or heads are unknown.
 pub(crate) fn rows(flag: &str, file: &str, columns: &[&[&str]], in_units: bool) -> Result<String, Failure> {
     let refuse = |reason: String| Failure::input(flag, format!("{file}: {reason}"));
     let text = input::text(file).map_err(|error| refuse(error.to_string()))?;
-    // The columns, once they are known, and their units.
+    // Columns, once they are known, and their units.
     let (mut known, mut units, mut rows) = (None, Vec::new(), Vec::new());
     for (number, line) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
         let (line, is_comment) = match line.trim().strip_prefix('#') {
@@ -48,14 +48,14 @@ pub(crate) fn rows(flag: &str, file: &str, columns: &[&[&str]], in_units: bool) 
         return Err(refuse("it has no row; it must have rows of numbers".into()));
     }
     let unit = |column: usize| units.get(column).filter(|_| in_units).map_or("", String::as_str);
-    // A blank, so that the 1 of `1/m` is no digit of the number.
+    // A blank keeps the 1 of `1/m` apart from the digits of the number.
     let blank = |unit: &str| if unit.starts_with('1') { " " } else { "" };
     let entry = |(column, number): (usize, &String)| format!("{number}{}{}", blank(unit(column)), unit(column));
     let row = |row: &Vec<String>| row.iter().enumerate().map(entry).collect::<Vec<_>>().join(":");
     Ok(rows.iter().map(row).collect::<Vec<_>>().join(","))
 }
 
-/// The words on the rows that a table may have.
+/// Describes the rows that a table may have.
 fn allowed(columns: &[&[&str]], known: Option<usize>) -> String {
     let of = |names: &&&[&str]| known.is_none_or(|count| names.len() == count);
     let lists = columns.iter().filter(of).map(|names| match names {
@@ -65,7 +65,7 @@ fn allowed(columns: &[&[&str]], known: Option<usize>) -> String {
     format!("{}, or before them these heads", lists.collect::<Vec<_>>().join(", or "))
 }
 
-/// The units in a line of heads; `None` of a line without these columns in this order.
+/// Returns the units in a line of heads; `None` if it does not have these columns in this order.
 fn heads(line: &str, names: &[&str]) -> Option<Vec<String>> {
     let lower = line.to_ascii_lowercase();
     let around = |c: char| c.is_whitespace() || ",;[](){}_:\"'".contains(c);

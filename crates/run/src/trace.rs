@@ -1,5 +1,4 @@
-//! The record of every step of a search (`--history`): residual, energy, and chosen modes and points of the
-//! displacement.
+//! Record of every step of a search (`--history`): residual, energy, and chosen modes and points of the displacement.
 
 use std::f64::consts::TAU;
 use std::str::FromStr;
@@ -31,14 +30,14 @@ pub struct TraceArgs {
     history_point: Vec<PointOf>,
 }
 
-/// A mode of a component.
+/// Mode of a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModeOf {
     numbers: [i32; 2],
     axis: usize,
 }
 
-/// A position, with a component.
+/// Position, with a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointOf {
     position: [f64; 2],
@@ -100,7 +99,7 @@ impl<'de> Deserialize<'de> for PointOf {
     }
 }
 
-/// The numbers of every step; NaN, in JSON `null`, where the method does not move the displacement.
+/// Numbers of every step; NaN, in JSON `null`, where the method does not move the displacement.
 #[derive(Clone, Debug, Default, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Trace {
@@ -114,7 +113,7 @@ pub struct Trace {
     pub points: Vec<PointTrace>,
 }
 
-/// The amplitude ⟨u exp(−i q·r)⟩ of one mode.
+/// Amplitude ⟨u exp(−i q·r)⟩ of one mode.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct ModeTrace {
@@ -124,33 +123,33 @@ pub struct ModeTrace {
     pub im: Vec<f64>,
 }
 
-/// The displacement of one point.
+/// Displacement of one point.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct PointTrace {
-    /// The position of the point.
+    /// Position of the point.
     pub point: [f64; 2],
     pub component: &'static str,
     pub u: Vec<f64>,
 }
 
-/// The recorder of one search.
+/// Recorder of one search.
 pub struct Tracer {
     trace: Trace,
     points: usize,
-    /// The waves of the modes, with the place of their components.
+    /// Waves of the modes, with the place of their components.
     waves: Vec<(usize, Vec<[f64; 2]>)>,
-    /// The entries of the points.
+    /// Entries of the points.
     entries: Vec<usize>,
 }
 
 impl TraceArgs {
-    /// Returns true if a record is wanted.
+    /// Returns true if a record is requested.
     pub fn is_wanted(&self) -> bool {
         self.history
     }
 
-    /// A recorder of displacements on `grid` with components along `axes`, if one is wanted.
+    /// Returns a recorder of displacements on `grid` with components along `axes`, if requested.
     pub fn tracer(&self, grid: &Grid, axes: &[usize]) -> Result<Option<Tracer>, Failure> {
         if !self.history {
             let given = [
@@ -198,8 +197,7 @@ impl TraceArgs {
 }
 
 impl Tracer {
-    /// Notes an iteration; one that is seen again takes the place of the earlier. A search that begins anew has a new
-    /// record.
+    /// Records an iteration; a repeated one replaces the earlier one. A search that begins anew has a new record.
     pub fn see(&mut self, iteration: u64, residual: f64) {
         let trace = &mut self.trace;
         if trace.iteration.last().is_some_and(|last| iteration < *last) {
@@ -224,7 +222,7 @@ impl Tracer {
         trace.points.iter_mut().for_each(|point| note(&mut point.u, f64::NAN));
     }
 
-    /// Notes the energy, of all points together, and the displacement of the iteration seen last.
+    /// Records the energy, summed over all points, and the displacement of the last iteration.
     pub fn layer(&mut self, energy: f64, u: &[f64]) {
         fn last(values: &mut [f64], value: f64) {
             if let Some(last) = values.last_mut() {
@@ -244,7 +242,7 @@ impl Tracer {
         }
     }
 
-    /// The record.
+    /// Returns the record.
     pub fn trace(self) -> Trace {
         self.trace
     }
@@ -329,7 +327,7 @@ mod tests {
         assert!(trace.energy[0].is_nan() && trace.energy[1] == 2.0);
         let mode = &trace.modes[0];
         assert!((mode.re[1] - 1.5).abs() < 1e-14 && (mode.im[1] - 0.5).abs() < 1e-14, "{mode:?}");
-        // 1.9 is nearest to 2.0, which is 0; 0.26 to 0.25.
+        // 1.9 is nearest to 2.0, which is 0; 0.26 is nearest to 0.25.
         assert_eq!((trace.points[0].point, trace.points[0].u[1]), ([0.0, 0.25], 1.0));
         assert!(args.tracer(&grid, &[2]).is_err());
         let mut again = args.tracer(&grid, &[0, 2]).unwrap().unwrap();

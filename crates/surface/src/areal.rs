@@ -4,8 +4,7 @@ use ndarray::{Array2, Axis};
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// Height parameters of ISO 25178-2 (ISO 4287 for a profile), about the mean height, without removal of a form and
-/// without a filter.
+/// Height parameters of ISO 25178-2 (ISO 4287 for a profile) about the mean height, without form removal and filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Areal {
     /// Sa: mean distance from the mean height, length.
@@ -18,20 +17,20 @@ pub struct Areal {
     pub sv: f64,
     /// Sz = Sp + Sv, length.
     pub sz: f64,
-    /// Ssk: mean cube over Sq³, positive if peaks are sharper than valleys; `None` for a flat surface.
+    /// Ssk: mean cubed height divided by Sq³, positive if peaks are sharper than valleys; `None` for a flat surface.
     pub ssk: Option<f64>,
-    /// Sku: mean fourth power over Sq⁴, 3 for a Gaussian surface; `None` for a flat surface.
+    /// Sku: mean fourth power of the height divided by Sq⁴, 3 for a Gaussian surface; `None` for a flat surface.
     pub sku: Option<f64>,
-    /// Sdr: developed area over the projected area, less 1; for a profile the same ratio of lengths. Each cell of four
-    /// neighbours has two triangles; none crosses the periodic seam.
+    /// Sdr: developed area divided by projected area, minus 1; the ratio of lengths for a profile. Each cell of four
+    /// neighbours is split into two triangles; none crosses the periodic seam.
     pub sdr: f64,
 }
 
 impl Areal {
-    /// The parameters of heights `[nx, ny]`, or of a profile `[n, 1]`.
+    /// Computes the parameters of heights `[nx, ny]`, or of a profile `[n, 1]`.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let count = all.len() as f64;
@@ -58,10 +57,10 @@ impl Areal {
     }
 }
 
-/// The area of triangles between the points over their projected area, less 1.
+/// Returns the area of the triangles between the points divided by their projected area, minus 1.
 fn developed(heights: &Array2<f64>, grid: &Grid) -> f64 {
     let ([nx, ny], [dx, dy]) = (heights.dim().into(), grid.spacing());
-    // √(1 + g²) − 1 without the loss of digits at small slopes.
+    // √(1 + g²) − 1 without cancellation at small slopes.
     let excess = |square: f64| square / (1.0 + (1.0 + square).sqrt());
     let slope = |to: [usize; 2], from: [usize; 2], step: f64| ((heights[to] - heights[from]) / step).powi(2);
     let (mut sum, mut cells) = (0.0, 0_usize);
@@ -97,7 +96,7 @@ mod tests {
         close(found.sz, 0.4, 1e-14);
         close(found.ssk.unwrap(), 0.0, 1e-13);
         close(found.sku.unwrap(), 1.5, 1e-13);
-        // Half of the mean square slope, less an eighth of its mean square.
+        // Half the mean square slope minus an eighth of the mean fourth power of the slope.
         let square = (0.2 * PI).powi(2) / 2.0;
         close(found.sdr, square / 2.0 - 1.5 * square * square / 8.0, 0.02 * square);
         let line = Grid::line(256, 2.0).unwrap();

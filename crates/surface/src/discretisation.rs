@@ -1,30 +1,30 @@
 use crate::{SelfAffine, SurfaceError};
 
-/// The largest number of points along an axis.
+/// Largest number of points along an axis.
 const MOST_POINTS: usize = 1 << 31;
 
-/// The largest relative distance of 1/(ε_t ε_f ε_c) from a whole number, well above the rounding of three factors.
+/// Largest relative distance of 1/(ε_t ε_f ε_c) from a whole number, well above the rounding error of three factors.
 const WHOLE: f64 = 1e-9;
 
-/// The three discretisation numbers of a self-affine spectrum in a cell of length L with spacing a
-/// (theory.md, section 9): n = L/a = 1/(ε_t ε_f ε_c).
+/// Discretisation numbers of a self-affine spectrum in a cell of length L with spacing a (theory.md, section 9): n =
+/// L/a = 1/(ε_t ε_f ε_c).
 ///
-/// They are given by their inverses, which need not be integers or powers of two; their product must be an integer.
+/// The numbers are given by their inverses, which need not be integers; the product of these must be an integer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discretisation {
-    /// 1/ε_t = L/λ_l ≥ 1: longest wavelengths per cell (thermodynamic limit).
+    /// 1/ε_t = L/λ_l ≥ 1: cell length divided by the longest wavelength (thermodynamic limit).
     pub eps_t_inv: f64,
-    /// 1/ε_f = λ_l/λ_s ≥ 1: longest over shortest wavelength (fractal limit).
+    /// 1/ε_f = λ_l/λ_s ≥ 1: longest divided by shortest wavelength (fractal limit).
     pub eps_f_inv: f64,
     /// 1/ε_c = λ_s/a ≥ 2: grid points per shortest wavelength (continuum limit); 2 is the Nyquist limit.
     pub eps_c_inv: f64,
 }
 
 impl Discretisation {
-    /// The number of points along one axis, n = 1/(ε_t ε_f ε_c).
+    /// Returns the number of points along one axis, n = 1/(ε_t ε_f ε_c).
     ///
     /// # Errors
-    /// A number below its least value or not finite; a product that is not a whole number or beyond 2³¹.
+    /// A number below its minimum or not finite; a product that is not a whole number or exceeds 2³¹.
     pub fn points(&self) -> Result<usize, SurfaceError> {
         let Self { eps_t_inv, eps_f_inv, eps_c_inv } = *self;
         for (name, found, least) in
@@ -41,17 +41,17 @@ impl Discretisation {
         Ok(product.round() as usize)
     }
 
-    /// The longest wavelength λ_l = ε_t L in a cell of `length` L.
+    /// Returns the longest wavelength λ_l = ε_t L in a cell of `length` L.
     pub fn longest_wavelength(&self, length: f64) -> f64 {
         length / self.eps_t_inv
     }
 
-    /// The shortest wavelength λ_s = ε_f λ_l in a cell of `length` L.
+    /// Returns the shortest wavelength λ_s = ε_f λ_l in a cell of `length` L.
     pub fn shortest_wavelength(&self, length: f64) -> f64 {
         length / (self.eps_t_inv * self.eps_f_inv)
     }
 
-    /// Returns `spectrum` with the longest and shortest wavelength of these numbers in a cell of `length`.
+    /// Returns `spectrum` with the longest and shortest wavelengths set from these numbers in a cell of `length`.
     pub fn self_affine(&self, length: f64, spectrum: SelfAffine) -> SelfAffine {
         let (longest_wavelength, shortest_wavelength) =
             (self.longest_wavelength(length), self.shortest_wavelength(length));

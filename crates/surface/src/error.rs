@@ -5,7 +5,7 @@ pub enum SurfaceError {
     /// A Hurst exponent outside \[0, 1\].
     #[error("the Hurst exponent is {0}; it must be between 0 and 1")]
     Hurst(f64),
-    /// Cut-offs that are not two positive wavelengths in this order.
+    /// Cut-offs that are not two positive wavelengths in ascending order.
     #[error(
         "the shortest wavelength is {shortest} and the longest {longest}; they must satisfy 0 < shortest <= longest"
     )]
@@ -15,15 +15,15 @@ pub enum SurfaceError {
         /// Longest wavelength λ_l, length.
         longest: f64,
     },
-    /// A longest wavelength that does not fit into the cell.
+    /// A longest wavelength that exceeds the cell.
     #[error("the longest wavelength is {longest}; it must be at most the cell length {length}")]
     LongerThanCell {
         /// Longest wavelength λ_l, length.
         longest: f64,
-        /// The longer side of the cell.
+        /// Longer side of the cell.
         length: f64,
     },
-    /// A shortest wavelength with less than two points on the grid.
+    /// A shortest wavelength with fewer than two points on the grid.
     #[error("the shortest wavelength is {shortest}; it must be at least {allowed}, two grid spacings")]
     BeyondNyquist {
         /// Shortest wavelength λ_s, length.
@@ -31,7 +31,7 @@ pub enum SurfaceError {
         /// Twice the (larger) grid spacing.
         allowed: f64,
     },
-    /// A roll-off wavelength that is not between the cut-offs.
+    /// A roll-off wavelength outside the cut-offs.
     #[error("the roll-off wavelength is {found}; it must be between {shortest} and {longest}")]
     RollOff {
         /// Roll-off wavelength λ_r, length.
@@ -44,12 +44,12 @@ pub enum SurfaceError {
     /// A size that must be positive and finite.
     #[error("the {what} is {found}; it must be positive and finite")]
     NotPositive {
-        /// The quantity.
+        /// Name of the quantity.
         what: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
     },
-    /// Cut-offs without a mode of the cell between them.
+    /// Cut-offs without a wave vector of the cell between them.
     #[error(
         "the wavelengths are limited to {shortest} to {longest}; at least one wave vector of the cell must lie in \
          between"
@@ -60,33 +60,33 @@ pub enum SurfaceError {
         /// Longest wavelength λ_l.
         longest: f64,
     },
-    /// A discretisation number that is too small, or not a number.
+    /// A discretisation number that is too small or not finite.
     #[error("{name} is {found}; it must be at least {least} and finite")]
     Discretisation {
         /// `1/eps_t`, `1/eps_f` or `1/eps_c`.
         name: &'static str,
-        /// Its value.
+        /// Value found.
         found: f64,
-        /// The smallest value allowed.
+        /// Smallest value allowed.
         least: f64,
     },
-    /// Discretisation numbers whose product is not a number of points.
+    /// Discretisation numbers with a product that is not a valid number of points.
     #[error("1/eps_t * 1/eps_f * 1/eps_c is {product}; it must be a whole number of points up to {most}")]
     PointCount {
-        /// The product.
+        /// Product of the three numbers.
         product: f64,
-        /// The largest number of points along an axis.
+        /// Largest number of points along an axis.
         most: usize,
     },
     /// A profile that does not lie along x.
     #[error("the profile has {0:?} points; it must lie along x with [n, 1] points")]
     ProfileAxis([usize; 2]),
-    /// Heights of another shape than the grid.
+    /// Heights that do not have the shape of the grid.
     #[error("the heights have shape {found:?}; they must have the shape {expected:?} of the grid")]
     Shape {
         /// Shape of the heights.
         found: [usize; 2],
-        /// Points of the grid.
+        /// Number of grid points along x and y.
         expected: [usize; 2],
     },
     /// Heights that are NaN or infinite.
@@ -95,91 +95,91 @@ pub enum SurfaceError {
          be finite"
     )]
     NotFinite {
-        /// The number of heights that are not finite.
+        /// Number of heights that are not finite.
         count: usize,
-        /// The number of all heights.
+        /// Total number of heights.
         points: usize,
-        /// Index `[x, y]` of the first one in storage order.
+        /// Index `[x, y]` of the first height that is not finite, in storage order.
         first: [usize; 2],
-        /// The first one: NaN or an infinity.
+        /// Its value: NaN or an infinity.
         value: f64,
     },
-    /// Heights none of which is defined.
+    /// Heights without a defined point.
     #[error("all of the {points} points are undefined; at least one must have a height")]
     Undefined {
-        /// The number of points.
+        /// Number of points.
         points: usize,
     },
     /// Harmonic fill that did not converge.
     #[error("the harmonic fill has a relative residual of {residual:e}; it must be at most {allowed:e}")]
     Unsolved {
-        /// The residual of the last iterate.
+        /// Relative residual of the last iterate.
         residual: f64,
-        /// The largest allowed.
+        /// Largest relative residual allowed.
         allowed: f64,
     },
     /// Too few points for an operation.
     #[error("the heights have {found:?} points; {what} needs at least {least} along each axis that it acts on")]
     TooFewPoints {
-        /// The operation.
+        /// Name of the operation.
         what: &'static str,
-        /// Points needed.
+        /// Number of points needed.
         least: usize,
         /// Shape of the heights.
         found: [usize; 2],
     },
-    /// A fit of the Hurst exponent without enough different wavenumbers.
+    /// A fit of the Hurst exponent with too few different wavenumbers.
     #[error("the heights have {found} wavelengths from {shortest} to {longest}; a Hurst exponent needs at least two")]
     Fit {
-        /// Shortest wavelength of the range.
+        /// Shortest wavelength of the range, length.
         shortest: f64,
-        /// Longest wavelength of the range.
+        /// Longest wavelength of the range, length.
         longest: f64,
-        /// Number of different wavenumbers in the range that carry power.
+        /// Number of different wavenumbers with power in the range.
         found: usize,
     },
-    /// A shift of one surface against another that is not finite, or goes across a profile.
+    /// A shift of one surface against another that is not finite or goes across a profile.
     #[error("the shift is {found:?}; it must be two finite numbers, the second 0 for a profile")]
     Shift {
-        /// The shift along x and y, length.
+        /// Shift along x and y, length.
         found: [f64; 2],
     },
-    /// A shift by a fraction of a grid step, of a surface that does not repeat.
+    /// A shift by a fraction of a grid step for a surface that does not repeat.
     #[error(
         "the shift is {found:?} grid steps; it must be whole steps for surfaces that do not repeat, since nothing is \
          known between their points"
     )]
     PartOfStep {
-        /// The shift along x and y, in grid steps.
+        /// Shift along x and y, in grid steps.
         found: [f64; 2],
     },
-    /// A shift after which two surfaces that do not repeat hardly overlap.
+    /// A shift that leaves too little overlap of two surfaces that do not repeat.
     #[error("the shift is {found:?}; it must leave at least two points in common along each side of {lengths:?}")]
     Apart {
-        /// The shift along x and y, length.
+        /// Shift along x and y, length.
         found: [f64; 2],
-        /// The sides of the surfaces.
+        /// Sides of the surfaces, length.
         lengths: [f64; 2],
     },
-    /// A taper that is not a fraction.
+    /// A taper outside \[0, 1\].
     #[error("the taper of the window is {0}; it must be between 0 and 1")]
     Taper(f64),
     /// An unknown name.
     #[error("the {subject} is {found:?}; it must be one of {allowed}")]
     Name {
-        /// The kind of value.
+        /// Kind of value.
         subject: &'static str,
-        /// The name given.
+        /// Name given.
         found: String,
-        /// The names allowed.
+        /// Names allowed.
         allowed: String,
     },
-    /// A number of subdivisions that is zero or would not fit into memory.
+    /// A number of subdivisions that is zero or too large for memory.
     #[error("the number of subdivisions is {found}; it must be between 1 and {most}")]
     Subdivisions {
-        /// The number given.
+        /// Number given.
         found: u32,
-        /// The most allowed.
+        /// Largest number allowed.
         most: u32,
     },
     /// A grid that cannot be made.

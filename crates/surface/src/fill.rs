@@ -9,14 +9,14 @@ use crate::SurfaceError;
 use crate::error::positive;
 use crate::names::named;
 
-/// A method to fill undefined points, which are NaN.
+/// Method to fill undefined points (NaN).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
-    /// The solution of Laplace's equation with the defined heights as boundary values: the sum over neighbours of (h −
-    /// h′)/d² is zero at every undefined point, with no neighbours beyond the edges. It has no new maxima or minima and
-    /// the smallest rms gradient. The relative residual is below 10⁻⁹.
+    /// Solution of Laplace's equation with the defined heights as boundary values. The sum over neighbours of (h −
+    /// h′)/d² is zero at every undefined point, without neighbours beyond the edges. The fill adds no maxima or minima
+    /// and has the smallest rms gradient. Its relative residual is below 10⁻⁹.
     Harmonic,
-    /// The height of the nearest defined point; among several, that with the lowest x, then the lowest y.
+    /// Height of the nearest defined point. Of several, the one with the lowest x, then the lowest y.
     Nearest,
 }
 
@@ -25,12 +25,12 @@ named! { Fill, "fill":
     Nearest = "nearest", "the height of the nearest defined point";
 }
 
-/// Returns the heights with undefined points (NaN) filled; defined heights do not change. `spacing` is the distance of
-/// the points along x and y, whose ratio enters distances. The scan is not taken as periodic. The result has the same
-/// bits for any number of threads.
+/// Returns the heights with undefined points (NaN) filled. Defined heights do not change. `spacing` is the distance
+/// between points along x and y; only its ratio matters. The scan is not treated as periodic. The result is bitwise
+/// identical for any number of threads.
 ///
 /// # Errors
-/// Heights that are infinite; no defined point; a spacing that is not positive; equations that were not solved.
+/// Infinite heights; no defined point; a spacing that is not positive; a solution that did not converge.
 pub fn fill(heights: &Array2<f64>, spacing: [f64; 2], how: Fill) -> Result<Array2<f64>, SurfaceError> {
     let mut infinite = heights.indexed_iter().filter(|(_, height)| height.is_infinite());
     if let Some(((i, j), &value)) = infinite.next() {

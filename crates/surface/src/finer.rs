@@ -6,21 +6,21 @@ use ndarray::Array2;
 use crate::SurfaceError;
 use crate::pair::interpolated;
 
-/// Methods of interpolation between the points of a periodic grid.
+/// Method of interpolation between the points of a periodic grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Trigonometric interpolation: exact for a surface whose waves are resolved by the grid.
+    /// Trigonometric interpolation, exact for a surface with waves that the grid resolves.
     #[default]
     Waves,
-    /// Cubic polynomials through four neighbours along each axis (Keys 1981), which are local.
+    /// Local cubic polynomials through four neighbours along each axis (Keys 1981).
     Cubic,
 }
 
-/// Returns the heights on a grid of the same cell with `times` as many points along each side, and that grid. The given
-/// heights are among them.
+/// Returns the heights on a grid of the same cell with `times` as many points along each side, and the grid. The given
+/// heights are kept.
 ///
 /// # Errors
-/// Heights of another shape than the grid or not finite; `times` of zero, or a grid with too many points.
+/// Heights that do not have the shape of the grid or are not finite; `times` of zero; a grid with too many points.
 pub fn finer(
     heights: &Array2<f64>,
     grid: &Grid,
@@ -36,7 +36,7 @@ pub fn finer(
         let steps = [0, 1].map(|axis| part[axis] as f64 / along[axis] as f64);
         let between = match how {
             _ if part == [0, 0] => heights.clone(),
-            // The surface moves the other way.
+            // The surface moves in the opposite direction.
             Interpolation::Waves => interpolated(heights, grid, steps.map(|step| -step))?,
             Interpolation::Cubic => cubic(heights, steps),
         };
@@ -46,7 +46,7 @@ pub fn finer(
     Ok((found, fine))
 }
 
-/// The heights at these fractions of a step beyond the points.
+/// Returns the heights displaced from the points by these fractions of a grid step.
 fn cubic(heights: &Array2<f64>, steps: [f64; 2]) -> Array2<f64> {
     let (nx, ny) = heights.dim();
     let [x, y] = steps.map(weights);
@@ -56,7 +56,7 @@ fn cubic(heights: &Array2<f64>, steps: [f64; 2]) -> Array2<f64> {
     Array2::from_shape_fn((nx, ny), |(i, j)| (0..4).map(|k| x[k] * along_y[[(i + nx + k - 1) % nx, j]]).sum())
 }
 
-/// The weights of the point before, the point, and the two after it, at the fraction `t` of a step.
+/// Returns the weights of the previous point, the point and the next two points at the fraction `t` of a step.
 fn weights(t: f64) -> [f64; 4] {
     let (square, cube) = (t * t, t * t * t);
     [

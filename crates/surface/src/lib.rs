@@ -1,4 +1,4 @@
-//! Rough surfaces and profiles: synthesis from a self-affine spectrum and a seed, and their measured statistics
+//! Rough surfaces and profiles: synthesis from a self-affine spectrum and a seed, and measured statistics
 //! ([theory.md](../gfmd/theory/index.html), section 9).
 //!
 //! | question                                           | start at                                     |
@@ -15,8 +15,8 @@
 //! | the spectrum of a scan that is not periodic        | [`window`], then [`PowerSpectrum`]           |
 //! | midpoint displacement, random addition             | [`RealSpace`]                                |
 //!
-//! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Any consistent unit of length.
-//! The gradient is the full one, |∇h|, computed from the spectrum unless a name says otherwise.
+//! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Lengths are in any consistent
+//! unit. Gradients are full gradients |∇h|, computed from the spectrum unless stated otherwise.
 //!
 //! ```
 //! use gfmd_field::Grid;
@@ -34,7 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: reading files (`gfmd-files`), contact (`gfmd-contact`), numbers of a contact (`gfmd-measure`).
+//! Related crates: `gfmd-files` reads files, `gfmd-contact` solves contacts, `gfmd-measure` evaluates them.
 #![warn(missing_docs)]
 
 mod discretisation;

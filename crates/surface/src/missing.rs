@@ -1,21 +1,21 @@
-//! The waves of an infinitely large self-affine surface beyond the longest one of a simulated surface.
+//! Waves of an infinitely large self-affine surface that are longer than the longest wave of a simulated surface.
 
 use crate::{Discretisation, SurfaceError};
 
-/// The relative slack of a wave number at the ends of the ring.
+/// Relative tolerance of a wave number at the ends of the ring.
 const AT_THE_END: f64 = 1e-9;
 
 impl Discretisation {
-    /// The mean square gradient of all waves that are longer than the longest one, down to wave number zero, over that
-    /// of the waves from the longest to the shortest, both in the spectrum ⟨|h̃|²⟩ ∝ q^{−2(1+H)} of a surface. It tends
-    /// to ε_f^{2−2H} for ε_t, ε_f → 0 (theory.md, section 11).
+    /// Returns the mean square gradient of all waves longer than the longest one, down to wave number zero, divided by
+    /// the mean square gradient of the waves from the longest to the shortest, for the surface spectrum ⟨|h̃|²⟩ ∝
+    /// q^{−2(1+H)}. The ratio tends to ε_f^{2−2H} for ε_t, ε_f → 0 (theory.md, section 11).
     ///
-    /// Both are sums over the integer wave numbers m of the cell. That of |m|^{−2H} over all m ≠ 0 below M grows as the
-    /// integral π M^{2−2H}/(1−H) less 4ζ(H)β(H) = ζ_E, Epstein's zeta function, so that the cell around m = 0
+    /// Both are sums over the integer wave numbers m of the cell. The sum of |m|^{−2H} over all m ≠ 0 below M grows as
+    /// the integral π M^{2−2H}/(1−H) minus 4ζ(H)β(H) = ζ_E, Epstein's zeta function. The cell around m = 0 therefore
     /// contributes −ζ_E.
     ///
     /// # Errors
-    /// A Hurst exponent below 0 or above 0.99 (at 1 the gradient of infinitely long waves diverges), discretisation
+    /// A Hurst exponent below 0 or above 0.99 (at 1 the gradient of infinitely long waves diverges); discretisation
     /// numbers out of range.
     pub fn missing_long_waves(&self, hurst: f64) -> Result<f64, SurfaceError> {
         self.points()?;
@@ -44,14 +44,14 @@ impl Discretisation {
     }
 }
 
-/// The sum of |m|^{−2s} over all pairs of integers m ≠ 0, continued to 0 <= s < 1: 4ζ(s)β(s).
+/// Returns the sum of |m|^{−2s} over all pairs of integers m ≠ 0, continued to 0 <= s < 1: 4ζ(s)β(s).
 fn epstein(s: f64) -> f64 {
     let zeta = alternating(|k| (k + 1.0).powf(-s)) / (1.0 - (1.0 - s).exp2());
     4.0 * zeta * alternating(|k| (2.0 * k + 1.0).powf(-s))
 }
 
-/// The sum of (−1)^k f(k) over k >= 0, convergent or not, for a completely monotonic f (algorithm 1 of Cohen, Rodriguez
-/// Villegas and Zagier, Exp. Math. 9, 3, 2000), to 16 digits.
+/// Returns the sum of (−1)^k f(k) over k >= 0, convergent or not, for a completely monotonic f, to 16 digits (algorithm
+/// 1 of Cohen, Rodriguez Villegas and Zagier, Exp. Math. 9, 3, 2000).
 fn alternating(f: impl Fn(f64) -> f64) -> f64 {
     const TERMS: i32 = 24;
     let power = (3.0 + 8.0_f64.sqrt()).powi(TERMS);

@@ -1,20 +1,20 @@
-//! Names of the choices on a command line.
+//! Names of choices on a command line.
 
-/// Implements the table of an enum without fields: `ALL`, `name`, `meaning`, `FromStr` and `Display`.
+/// Implements `ALL`, `name`, `meaning`, `FromStr` and `Display` for an enum without fields.
 macro_rules! named {
     ($type:ident, $subject:literal: $($variant:ident = $name:literal, $meaning:literal;)+) => {
         impl $type {
             /// All values.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// The name on a command line.
+            /// Returns the name on a command line.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name),+
                 }
             }
 
-            /// The meaning in one line, for a help text.
+            /// Returns the meaning in one line, for a help text.
             pub fn meaning(self) -> &'static str {
                 match self {
                     $(Self::$variant => $meaning),+

@@ -7,19 +7,18 @@ use num_complex::Complex64;
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// The distance from a whole number, in grid steps, up to which a shift counts as whole: the rounding of a decimal
-/// number.
+/// Rounding tolerance of a shift that counts as whole, in grid steps: the rounding error of a decimal number.
 const WHOLE: f64 = 1e-9;
 
-/// Returns the composite of two periodic surfaces that face each other, `first` + `second` moved by `shift` (length
+/// Returns the composite of two periodic surfaces that face each other: `first` plus `second` moved by `shift` (length
 /// along x and y).
 ///
 /// Both heights are given at the same points of one plane, each with its peaks towards the other surface. The gap
-/// between the undeformed surfaces is then that between the composite and a plane. A shift of whole grid steps moves
-/// the heights from point to point; a remaining fraction of a step moves their trigonometric interpolation.
+/// between the undeformed surfaces then equals the gap between the composite and a plane. A shift of whole grid steps
+/// moves the heights from point to point. A remaining fraction of a step moves their trigonometric interpolation.
 ///
 /// # Errors
-/// Heights of another shape than the grid or not finite; a shift that is not finite, or across a profile.
+/// Heights that do not have the shape of the grid or are not finite; a shift that is not finite or across a profile.
 pub fn composite(
     first: &Array2<f64>,
     second: &Array2<f64>,
@@ -41,12 +40,12 @@ pub fn composite(
     Ok(first + &moved)
 }
 
-/// Returns the composite of two surfaces that do not repeat, on the overlap, with its grid. The shift is in whole grid
-/// steps.
+/// Returns the composite of two surfaces that do not repeat, on their overlap, and its grid. The shift must be in whole
+/// grid steps.
 ///
 /// # Errors
-/// Heights of another shape than the grid or not finite; a shift that is not finite, goes across a profile, has a
-/// fraction of a step, or leaves fewer than 2 points in common along an axis.
+/// Heights that do not have the shape of the grid or are not finite; a shift that is not finite, goes across a profile,
+/// has a fraction of a step, or leaves fewer than 2 common points along an axis.
 pub fn composite_inside(
     first: &Array2<f64>,
     second: &Array2<f64>,
@@ -74,7 +73,7 @@ pub fn composite_inside(
     Ok((&here + &there, Grid::new([nx, ny], [nx as f64 * a, ny as f64 * b])?))
 }
 
-/// The shift in grid steps, rounded if it is whole up to rounding errors.
+/// Returns the shift in grid steps, rounded if it is whole up to rounding errors.
 fn steps(grid: &Grid, shift: [f64; 2]) -> Result<[f64; 2], SurfaceError> {
     let spacing = grid.spacing();
     let steps = [0, 1].map(|axis| shift[axis] / spacing[axis]);
@@ -84,7 +83,7 @@ fn steps(grid: &Grid, shift: [f64; 2]) -> Result<[f64; 2], SurfaceError> {
     Ok(steps.map(|step| if (step - step.round()).abs() < WHOLE { step.round() } else { step }))
 }
 
-/// The periodic heights moved by a number of steps that is not whole.
+/// Returns the periodic heights moved by a non-integer number of steps.
 pub(crate) fn interpolated(heights: &Array2<f64>, grid: &Grid, steps: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
     let transform = Transform::new(*grid);
     let mut workspace = transform.workspace();
@@ -100,7 +99,7 @@ pub(crate) fn interpolated(heights: &Array2<f64>, grid: &Grid, steps: [f64; 2]) 
     Array2::from_shape_vec((nx, ny), field).map_err(|_| SurfaceError::Shape { found, expected: [nx, ny] })
 }
 
-/// The factor of a wave that moves by `steps`. A wave at the Nyquist number represents the mean of its two directions.
+/// Returns the factor of a wave moved by `steps`. A wave at the Nyquist number is the mean of its two directions.
 fn phase(mode: &Mode, grid: &Grid, steps: [f64; 2]) -> Complex64 {
     let points = grid.points();
     [0, 1]

@@ -10,21 +10,21 @@ use crate::self_affine::Ring;
 use crate::statistics::checked;
 use crate::{Dimension, SurfaceError};
 
-/// The relative slack within which a wave is half-way between two rings, or the last one at the end: far above the
-/// rounding of |q|.
+/// Relative tolerance to detect a wave half-way between two rings or at the end of the last one, far above the rounding
+/// error of |q|.
 const ON_THE_EDGE: f64 = 1e-12;
 
-/// The fraction of h_rms² above which |h̃|² counts as power. It lies above the rounding of heights stored in single
-/// precision (3·10⁻¹⁶/N per mode of N), and below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
+/// Fraction of h_rms² above which |h̃|² counts as power. It lies above the rounding error of heights stored in single
+/// precision (3·10⁻¹⁶/N per mode of N) and below the shortest waves of any spectrum with λ_l/λ_s < 10⁴.
 const CARRIES_POWER: f64 = 1e-17;
 
-/// The largest magnitude of the exponent s of C ∝ q^{−s} in the search.
+/// Largest magnitude of the exponent s of C ∝ q^{−s} in the search.
 const STEEPEST: f64 = 64.0;
 
-/// The largest number of steps of the search: bisection needs 45, Newton's method about 6.
+/// Largest number of steps of the search: bisection needs 45, Newton's method about 6.
 const MOST_STEPS: usize = 100;
 
-/// The power |h̃(q)|² of every mode of a surface.
+/// Power |h̃(q)|² of every mode of a surface.
 pub struct PowerSpectrum {
     grid: Grid,
     /// |h̃|², laid out as [`Grid::modes`].
@@ -32,54 +32,54 @@ pub struct PowerSpectrum {
     moments: Moments,
 }
 
-/// The power spectral density of the modes in one ring of wavenumbers.
+/// Power spectral density of the modes in one ring of wavenumbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadialBin {
-    /// The mean |q| of the modes in the ring, rad/length.
+    /// Mean |q| of the modes in the ring, rad/length.
     pub wavenumber: f64,
-    /// The mean of C2D = (Lx Ly/4π²)|h̃|² in length⁴, or of C1D = (L/2π)|h̃|² in length³ for a profile.
+    /// Mean of C2D = (Lx Ly/4π²)|h̃|² in length⁴, or of C1D = (L/2π)|h̃|² in length³ for a profile.
     pub density: f64,
-    /// The number of modes of the full spectrum in the ring: ±q count as two.
+    /// Number of modes of the full spectrum in the ring: ±q count as two.
     pub modes: f64,
 }
 
-/// A power law fitted to a spectrum.
+/// Power law fitted to a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HurstFit {
-    /// The Hurst exponent H in C2D ∝ q^{−2(1+H)} or C1D ∝ q^{−(1+2H)}. It is not forced into \[0, 1\].
+    /// Hurst exponent H in C2D ∝ q^{−2(1+H)} or C1D ∝ q^{−(1+2H)}, not restricted to \[0, 1\].
     pub hurst: f64,
-    /// The standard error of H if the modes are independent and Gaussian: 1/(2 √Σ(ln q − ⟨ln q⟩)²) over pairs ±q.
+    /// Standard error of H for independent Gaussian modes: 1/(2 √Σ(ln q − ⟨ln q⟩)²), summed over pairs ±q.
     pub standard_error: f64,
-    /// The number of pairs ±q in the fit.
+    /// Number of pairs ±q in the fit.
     pub pairs: usize,
-    /// The longest and shortest wavelengths of the range of the fit, length.
+    /// Longest and shortest wavelengths of the fit range, length.
     pub range: [f64; 2],
 }
 
 impl PowerSpectrum {
-    /// The spectrum of `heights`, shape `[nx, ny]`, as one period. The mean height does not enter the moments.
+    /// Computes the spectrum of `heights`, shape `[nx, ny]`, as one period. The mean height does not enter the moments.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let (nx, ny) = heights.dim();
         let (power, moments) = power_over(&checked(heights, grid)?, grid, &Share::whole(nx, ny))?;
         Ok(Self { grid: *grid, power, moments })
     }
 
-    /// The power |h̃(q)|² in length², laid out as [`Grid::modes`].
+    /// Returns the power |h̃(q)|² in length², laid out as [`Grid::modes`].
     pub fn power(&self) -> &[f64] {
         &self.power
     }
 
-    /// The moments over all q ≠ 0.
+    /// Returns the moments over all q ≠ 0.
     pub fn moments(&self) -> Moments {
         self.moments
     }
 
-    /// The radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the multiples of
-    /// q₀, up to the smaller Nyquist wavenumber, beyond which the corners of the spectrum cut the rings. A wave
-    /// half-way between two multiples, up to rounding of its wavenumber, is in the ring of the larger one. For a
+    /// Returns the radially averaged power spectral density in rings of width q₀ = 2π/min(Lx, Ly) centred on the
+    /// multiples of q₀, up to the smaller Nyquist wavenumber. Beyond it the corners of the spectrum cut the rings. A
+    /// wave half-way between two multiples, up to rounding of its wavenumber, is in the ring of the larger one. For a
     /// profile every mode is a ring.
     pub fn radial(&self) -> Vec<RadialBin> {
         let [lengths, points] = [self.grid.lengths(), self.grid.points().map(|n| n as f64)];
@@ -103,16 +103,16 @@ impl PowerSpectrum {
             .collect()
     }
 
-    /// The mean of (h(x) − ⟨h⟩)(h(x+d) − ⟨h⟩) over all points of the period at every distance d, laid out as the
-    /// heights; length².
+    /// Returns the mean of (h(x) − ⟨h⟩)(h(x+d) − ⟨h⟩) over all points of the period at every distance d, laid out as
+    /// the heights; length².
     ///
     /// # Errors
-    /// None for a spectrum of heights.
+    /// Never fails for a spectrum of heights.
     pub fn correlation(&self) -> Result<Vec<f64>, SurfaceError> {
         let mut power = self.power.clone();
-        // The mean has no part in it.
+        // The mean height does not contribute.
         power[0] = 0.0;
-        // The transform of the power is its convolution with a point at the origin.
+        // The transform of the power is its convolution with a point source at the origin.
         let transform = Transform::new(self.grid);
         let (mut unit, mut correlation) = (vec![0.0; self.grid.len()], vec![0.0; self.grid.len()]);
         unit[0] = self.grid.len() as f64;
@@ -120,7 +120,7 @@ impl PowerSpectrum {
         Ok(correlation)
     }
 
-    /// The longest and shortest wavelengths of modes that carry power: the cut-offs of the heights, in length.
+    /// Returns the longest and shortest wavelengths of modes that carry power, the cut-offs of the heights, in length.
     /// `None` for a flat surface. A mode carries power if |h̃|² > 10⁻¹⁷ h_rms²; in a non-periodic scan all modes do.
     pub fn cut_offs(&self) -> Option<[f64; 2]> {
         let floor = CARRIES_POWER * self.moments.mean_square_height;
@@ -138,12 +138,12 @@ impl PowerSpectrum {
     /// Fits the Hurst exponent to the modes with wavelengths from `longest` to `shortest`, both included.
     ///
     /// The fit maximises the likelihood of independent Gaussian modes, with |h̃|² distributed exponentially about c
-    /// q^{−s}, over c and s (Whittle's estimate). Unlike a straight line through a logarithmic plot, it has no bias
-    /// from the logarithm of noise or from bins. Windows and mirrors correlate the modes, so that the stated error is
-    /// too small.
+    /// q^{−s}, over c and s (Whittle's estimate). Unlike a straight line in a logarithmic plot, it has no bias from the
+    /// logarithm of noise or from bins. Windows and mirrors correlate the modes, so that the standard error is too
+    /// small for them.
     ///
     /// # Errors
-    /// Wavelengths out of order; less than two different wavenumbers with power in the range.
+    /// Wavelengths out of order; fewer than two different wavenumbers with power in the range.
     pub fn fit_hurst(&self, longest: f64, shortest: f64) -> Result<HurstFit, SurfaceError> {
         if !(shortest > 0.0 && shortest <= longest && longest.is_finite()) {
             return Err(SurfaceError::Wavelengths { shortest, longest });
@@ -176,18 +176,18 @@ impl PowerSpectrum {
 }
 
 impl Moments {
-    /// The moments of heights of which each process has the rows of its `share`, row by row. All processes get the
-    /// moments of the whole surface.
+    /// Computes the moments of distributed heights: each process passes the rows of its `share`, row by row. All
+    /// processes get the moments of the whole surface.
     ///
     /// # Errors
-    /// Another number of heights than in the rows of this process.
+    /// A number of heights that differs from the rows of this process.
     pub fn over(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
         power_over(heights, grid, share).map(|(_, moments)| moments)
     }
 }
 
-/// The power of the modes of this process, and the moments of all modes, for heights of which this process has the rows
-/// of its `share`.
+/// Returns the power of the modes of this process and the moments of all modes for distributed heights: each process
+/// passes the rows of its `share`.
 pub(crate) fn power_over(heights: &[f64], grid: &Grid, share: &Share) -> Result<(Vec<f64>, Moments), SurfaceError> {
     let transform = Transform::over(*grid, share);
     let own = own_modes(grid, transform.lanes());
@@ -198,15 +198,15 @@ pub(crate) fn power_over(heights: &[f64], grid: &Grid, share: &Share) -> Result<
     Ok((power, Sums::moments(&sums, grid, 1.0)))
 }
 
-/// One mode of a fit.
+/// Mode of a fit.
 struct Sample {
     log_q: f64,
     power: f64,
     weight: f64,
 }
 
-/// The exponent s at which ⟨ln q⟩ weighted by |h̃|² q^s equals the plain ⟨ln q⟩. The difference rises with s, since its
-/// slope is a variance. Solved by Newton's method, safeguarded by bisection.
+/// Returns the exponent s at which ⟨ln q⟩ weighted by |h̃|² q^s equals the plain ⟨ln q⟩. The difference rises with s,
+/// since its slope is a variance. Solved by Newton's method, safeguarded by bisection.
 fn likeliest_exponent(samples: &[Sample], mean: f64) -> f64 {
     let (mut low, mut high) = (-STEEPEST, STEEPEST);
     let mut exponent = 3.0;

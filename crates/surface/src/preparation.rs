@@ -7,18 +7,17 @@ use crate::SurfaceError;
 use crate::names::named;
 use crate::statistics::{checked, finite};
 
-/// The part of a scan that [`remove`] subtracts, since it is not roughness.
+/// Part of a scan that is not roughness and that [`remove`] subtracts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
-    /// The mean height.
+    /// Mean height.
     Mean,
-    /// The plane with the least squared distance from the heights. It leaves the smallest rms height.
+    /// Plane with the least squared distance from the heights. Its removal leaves the smallest rms height.
     Plane,
-    /// The plane with the mean slope, which is the mean of the forward differences at all points with a neighbour along
-    /// both axes. It leaves the smallest rms gradient and joins opposite edges on average.
+    /// Plane with the mean slope, the mean of the forward differences at all points with a neighbour along both axes.
+    /// Its removal leaves the smallest rms gradient and joins opposite edges on average.
     Slope,
-    /// The paraboloid 1, x, y, x², xy, y² with the least squared distance, which includes the bow of a scanner or a
-    /// radius.
+    /// Paraboloid of 1, x, y, x², xy, y² with the least squared distance. It includes the bow of a scanner or a radius.
     Quadratic,
 }
 
@@ -29,14 +28,14 @@ named! { Trend, "trend":
     Quadratic = "quadratic", "the least-squares paraboloid";
 }
 
-/// A method to make heights that are not periodic one period of a cell.
+/// Method to turn heights that are not periodic into one period of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Periodisation {
     /// No change: the step between opposite edges becomes part of the surface. It adds to all gradients and, with C ∝
-    /// q⁻² along the axes, to the spectrum. Right for heights that are periodic.
+    /// q⁻² along the axes, to the spectrum. Use it for periodic heights.
     AsIs,
-    /// The heights and their mirror images, an even extension to `[2nx, 2ny]` points in a cell twice as long: no step,
-    /// but a crease between the images. The height distribution does not change; gradients do not change except at the
+    /// Heights and their mirror images, an even extension to `[2nx, 2ny]` points in a cell twice as long. It has no
+    /// step but a crease between the images. The height distribution does not change; gradients change only at the
     /// seams. The cell has mirror planes, its longest wavelength doubles, and a correlation of h_x with h_y is lost.
     Mirror,
 }
@@ -62,7 +61,7 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
         return Err(SurfaceError::TooFewPoints { what, least, found: [nx, ny] });
     }
     let (x, y) = (centred(nx), centred(ny));
-    // There are heights, as of the least number of points.
+    // The check of the number of points ensures that there are heights.
     let mut rest = heights - heights.mean().unwrap_or(0.0);
     match trend {
         Trend::Mean => {}
@@ -85,11 +84,11 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
     Ok(rest)
 }
 
-/// Returns the heights without the trend of their defined points; undefined points (NaN) remain undefined. Without
-/// undefined points this is [`remove`].
+/// Returns the heights without the trend of their defined points. Undefined points (NaN) remain undefined. Without
+/// undefined points, equivalent to [`remove`].
 ///
 /// # Errors
-/// Heights that are infinite; too few defined points to determine the trend.
+/// Infinite heights; too few defined points to determine the trend.
 pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
     if heights.iter().any(|height| height.is_infinite()) || !heights.iter().any(|height| height.is_nan()) {
         return remove(heights, trend);
@@ -113,7 +112,7 @@ pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2
         let [along_x, along_y] = defined_slope(heights).ok_or_else(|| too_few("removing a tilt", 2))?;
         rest.indexed_iter_mut().for_each(|((i, j), h)| *h -= along_x * i as f64 + along_y * j as f64);
     }
-    // Twice, so that the second fit takes away the rounding of the first.
+    // Two passes: the second fit removes the rounding error of the first.
     for _ in 0..2 {
         let mut equations = vec![vec![0.0; used.len() + 1]; used.len()];
         for ((i, j), height) in rest.indexed_iter().filter(|(_, height)| !height.is_nan()) {
@@ -132,7 +131,7 @@ pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2
     Ok(rest)
 }
 
-/// The mean forward differences over pairs of defined neighbours; `None` if there are none.
+/// Returns the mean forward differences over pairs of defined neighbours, or `None` if there are none.
 fn defined_slope(heights: &Array2<f64>) -> Option<[f64; 2]> {
     let mean = |step: [usize; 2]| {
         let differences = heights.indexed_iter().filter_map(|((i, j), here)| {
@@ -145,12 +144,11 @@ fn defined_slope(heights: &Array2<f64>) -> Option<[f64; 2]> {
     Some([mean([1, 0])?, if heights.ncols() == 1 { 0.0 } else { mean([0, 1])? }])
 }
 
-/// The solution of symmetric positive definite equations with their right-hand side in the last column; `None` if there
-/// is none.
+/// Solves symmetric positive definite equations with the right-hand side in the last column; `None` if singular.
 fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let count = rows.len();
     for k in 0..count {
-        // Rounding is left of the diagonal if the terms depend on each other on these points.
+        // If the terms depend on each other on these points, only rounding error remains on the diagonal.
         if rows[k][k].is_nan() || rows[k][k] <= 1e-10 * rows[0][0] {
             return None;
         }
@@ -171,7 +169,7 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
 /// Returns periodic heights and their grid.
 ///
 /// # Errors
-/// Heights of another shape than the grid or not finite.
+/// Heights that do not have the shape of the grid or are not finite.
 pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Result<(Array2<f64>, Grid), SurfaceError> {
     checked(heights, grid)?;
     match how {
@@ -180,7 +178,7 @@ pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Resu
     }
 }
 
-/// The deviations of `heights` from their mean times a Tukey window, for the spectrum of a scan that is not periodic.
+/// Returns the deviations of `heights` from their mean times a Tukey window, for the spectrum of a non-periodic scan.
 ///
 /// The window falls to zero at the edges as a cosine over the fraction `taper` of each side, half of it at either end
 /// (1: Hann window, 0: no window). It is divided by its rms value, so that the mean square of homogeneous roughness
@@ -195,12 +193,12 @@ pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceE
     }
     let (nx, ny) = heights.dim();
     let (x, y) = (tukey(nx, taper), tukey(ny, taper));
-    // The window of no heights has none.
+    // Without heights the result is empty.
     let mean = heights.mean().unwrap_or(0.0);
     Ok(Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j]))
 }
 
-/// The polynomials 1, i, i² on n points, centred and orthogonalised: discrete Legendre polynomials.
+/// Returns the polynomials 1, i, i² on n points, centred and orthogonalised: discrete Legendre polynomials.
 fn centred(points: usize) -> [Vec<f64>; 3] {
     let middle = 0.5 * (points as f64 - 1.0);
     let linear: Vec<f64> = (0..points).map(|i| i as f64 - middle).collect();
@@ -210,11 +208,11 @@ fn centred(points: usize) -> [Vec<f64>; 3] {
 }
 
 /// Subtracts from the heights their projection on a(x) b(y). Products of orthogonal polynomials are orthogonal on the
-/// lattice, so that one projection after the other gives the joint fit.
+/// lattice, so that successive projections give the joint fit.
 fn project_out(heights: &mut Array2<f64>, a: &[f64], b: &[f64]) {
     let norm: f64 = a.iter().map(|x| x * x).sum::<f64>() * b.iter().map(|y| y * y).sum::<f64>();
     if norm == 0.0 {
-        return; // along the single point of a profile
+        return; // y of a profile
     }
     let overlap: f64 =
         heights.outer_iter().zip(a).map(|(row, x)| x * row.iter().zip(b).map(|(h, y)| h * y).sum::<f64>()).sum();
@@ -224,7 +222,7 @@ fn project_out(heights: &mut Array2<f64>, a: &[f64], b: &[f64]) {
     }
 }
 
-/// The mean forward difference per index along x and y, over the points with a neighbour along both axes.
+/// Returns the mean forward difference per index along x and y, over the points with a neighbour along both axes.
 fn mean_slope(heights: &Array2<f64>) -> [f64; 2] {
     let (nx, ny) = heights.dim();
     let mean = |ahead: ArrayView2<f64>, here: ArrayView2<f64>| {
@@ -248,7 +246,7 @@ fn mirrored(heights: &Array2<f64>, grid: &Grid) -> Result<(Array2<f64>, Grid), S
     Ok((Array2::from_shape_fn(twice.points(), |(i, j)| heights[[image(i, nx), image(j, ny)]]), twice))
 }
 
-/// The Tukey window at the centres of n intervals, divided by its rms value; 1 for a single point.
+/// Returns the Tukey window at the centres of n intervals, divided by its rms value; 1 for a single point.
 fn tukey(points: usize, taper: f64) -> Vec<f64> {
     if points == 1 {
         return vec![1.0];

@@ -3,20 +3,20 @@ use std::f64::consts::TAU;
 use rand::Rng;
 use rand_pcg::Pcg64;
 
-/// The increment of the SplitMix64 sequence: 2⁶⁴ divided by the golden ratio.
+/// Increment of the SplitMix64 sequence: 2⁶⁴ divided by the golden ratio.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The stream of every generator here, the default of PCG64.
+/// Stream of every generator here, the default of PCG64.
 const STREAM: u128 = 0x0a02_bdbf_7bb3_c0a7_ac28_fa16_a64a_bf96;
 
-/// The generator that belongs to `seed` and two integers, as documented at [`crate::SelfAffine::spectrum`]. The state
-/// is mixed so that neighbouring modes and seeds share no bits. Integer arithmetic gives one stream on all platforms.
+/// Returns the generator of `seed` and two integers, as documented at [`crate::SelfAffine::spectrum`]. The state is
+/// mixed so that neighbouring modes and seeds share no bits. All platforms give the same stream (integer arithmetic).
 pub(crate) fn keyed(seed: u64, [m, n]: [i64; 2]) -> Pcg64 {
     let low = mix(mix(mix(seed) ^ m as u64) ^ n as u64);
     Pcg64::new(u128::from(mix(low)) << 64 | u128::from(low), STREAM)
 }
 
-/// Two uniform numbers, the first in (0, 1] (its logarithm is finite), the second in \[0, 1), both multiples of 2⁻⁵³.
+/// Returns two uniform multiples of 2⁻⁵³, the first in (0, 1] (its logarithm is finite), the second in \[0, 1).
 pub(crate) fn uniform_pair(generator: &mut Pcg64) -> [f64; 2] {
     const UNIT: f64 = 1.0 / (1_u64 << 53) as f64;
     let first = (generator.next_u64() >> 11) + 1;
@@ -24,19 +24,19 @@ pub(crate) fn uniform_pair(generator: &mut Pcg64) -> [f64; 2] {
     [first as f64 * UNIT, second as f64 * UNIT]
 }
 
-/// A stream of independent normal numbers of variance 1, by Box–Muller from pairs of uniform ones.
+/// Stream of independent normal numbers of variance 1, by the Box–Muller transform of pairs of uniform numbers.
 pub(crate) struct Normal {
     generator: Pcg64,
     spare: Option<f64>,
 }
 
 impl Normal {
-    /// The stream of `seed`.
+    /// Starts the stream of `seed`.
     pub(crate) fn new(seed: u64) -> Self {
         Self { generator: keyed(seed, [0, 0]), spare: None }
     }
 
-    /// The next number.
+    /// Returns the next number.
     pub(crate) fn next(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -48,8 +48,8 @@ impl Normal {
     }
 }
 
-/// The output of SplitMix64 after one step from `state`: a bijection of 64-bit words in which each input bit affects
-/// every output bit.
+/// Returns the output of SplitMix64 after one step from `state`: a bijection of 64-bit words in which each input bit
+/// affects every output bit.
 fn mix(state: u64) -> u64 {
     let z = state.wrapping_add(GOLDEN);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -61,7 +61,7 @@ fn mix(state: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// The published first outputs of SplitMix64 from state 1234567.
+    /// Compares with the published first outputs of SplitMix64 from state 1234567.
     #[test]
     fn mix_is_splitmix64() {
         let published: [u64; 3] = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423];

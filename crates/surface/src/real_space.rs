@@ -5,40 +5,40 @@ use crate::error::positive;
 use crate::names::named;
 use crate::random::Normal;
 
-/// The largest number of subdivisions of a profile: 2²⁸ + 1 points.
+/// Largest number of subdivisions of a profile: 2²⁸ + 1 points.
 const MOST_ALONG_A_LINE: u32 = 28;
 
-/// The largest number of subdivisions of a surface: (2¹⁴ + 1)² points.
+/// Largest number of subdivisions of a surface: (2¹⁴ + 1)² points.
 const MOST_OVER_THE_PLANE: u32 = 14;
 
 /// Fractional Brownian motion by repeated halving of intervals (theory.md, section 9).
 ///
 /// The method is simple, fast and inexact; use [`crate::SelfAffine`] for quantitative work. The heights are not
-/// periodic, have no sharp cut-offs (the band ends near the spacing), and on a surface they are not isotropic: the
-/// lattice of the subdivision shows as creases. With midpoint displacement, increments off that lattice have the wrong
-/// variance: up to +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
+/// periodic and have no sharp cut-offs (the band ends near the spacing). Surfaces are not isotropic: the lattice of the
+/// subdivision appears as creases. With midpoint displacement, increments off that lattice have the wrong variance: up
+/// to +24 % for H = 0.3, 0 for H = 0.5, −13 % for H = 0.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealSpace {
     /// Hurst exponent H, from 0 to 1.
     pub hurst: f64,
-    /// The number k of halvings of a side, which make 2^k + 1 points.
+    /// Number k of halvings of a side, which give 2^k + 1 points.
     pub subdivisions: u32,
-    /// The root-mean-square increment σ of the height over one side, length.
+    /// Root-mean-square increment σ of the height over one side, length.
     pub rms_increment: f64,
-    /// The points that are displaced.
+    /// Points that are displaced.
     pub displaced: Displaced,
 }
 
-/// The points that a subdivision displaces, by normal numbers of variance ∝ 2^{−2Hi} in the i-th halving of lengths.
+/// Points that a subdivision displaces, by normal numbers of variance ∝ 2^{−2Hi} in the i-th halving of lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Displaced {
-    /// The new points only: random midpoint displacement, on a surface by diamonds and squares. The variance is
-    /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which is exact for increments between neighbours of the lattice (profiles).
-    /// Coarse points do not change when the number of subdivisions grows.
+    /// New points only: random midpoint displacement, for a surface by the diamond-square algorithm. The variance is
+    /// Δ_i² = σ²(1 − 2^{2H−2}) 2^{−2Hi}, which is exact for increments between lattice neighbours (profiles). Coarse
+    /// points do not change when the number of subdivisions grows.
     Midpoints,
-    /// All points of the lattice so far: successive random addition, variance Δ_i²/2. Smoother than midpoint
-    /// displacement; all increments on the lattice are too large by one factor, 1 + (1 − 2^{2H−2})/(2^{2H} − 1) after
-    /// many subdivisions (profiles).
+    /// All points of the lattice: successive random addition, variance Δ_i²/2. The result is smoother than with
+    /// midpoint displacement. All increments on the lattice are too large by one factor, 1 + (1 − 2^{2H−2})/(2^{2H} −
+    /// 1) after many subdivisions (profiles).
     AllPoints,
 }
 
@@ -48,10 +48,10 @@ named! { Displaced, "method of subdivision":
 }
 
 impl RealSpace {
-    /// A profile, shape `[2^k + 1, 1]`, length, starting at zero.
+    /// Generates a profile, shape `[2^k + 1, 1]`, length, starting at zero.
     ///
     /// # Errors
-    /// H outside \[0, 1\], a σ that is not positive, no subdivision or more than 28.
+    /// H outside \[0, 1\]; a σ that is not positive; no subdivision or more than 28.
     pub fn profile(&self, seed: u64) -> Result<Array2<f64>, SurfaceError> {
         self.check(MOST_ALONG_A_LINE)?;
         let intervals = 1_usize << self.subdivisions;
@@ -74,12 +74,12 @@ impl RealSpace {
         Array2::from_shape_vec((intervals + 1, 1), heights).map_err(|_| SurfaceError::Shape { found, expected: found })
     }
 
-    /// A surface, shape `[2^k + 1, 2^k + 1]`, length: corners drawn with variance σ²/2, then centres of squares from
-    /// four corners (diamond) and the centres of edges from four neighbours, three at the border (square). Each of the
-    /// two shortens lengths by √2, so that Δ_i² ∝ 2^{−Hi} in half-step i.
+    /// Generates a surface, shape `[2^k + 1, 2^k + 1]`, length. The corners are drawn with variance σ²/2. Each
+    /// subdivision adds centres of squares from four corners (diamond), then centres of edges from four neighbours,
+    /// three at the border (square). Each of the two half-steps shortens lengths by √2: Δ_i² ∝ 2^{−Hi} in half-step i.
     ///
     /// # Errors
-    /// H outside \[0, 1\], a σ that is not positive, no subdivision or more than 14.
+    /// H outside \[0, 1\]; a σ that is not positive; no subdivision or more than 14.
     pub fn surface(&self, seed: u64) -> Result<Array2<f64>, SurfaceError> {
         self.check(MOST_OVER_THE_PLANE)?;
         let side = 1_usize << self.subdivisions;
@@ -100,7 +100,7 @@ impl RealSpace {
         Ok(heights)
     }
 
-    /// The root-mean-square displacement after `half_steps` divisions of lengths by √2.
+    /// Returns the root-mean-square displacement after `half_steps` divisions of lengths by √2.
     fn displacement(&self, half_steps: f64) -> f64 {
         let new = (1.0 - 2.0_f64.powf(2.0 * self.hurst - 2.0)) * 2.0_f64.powf(-self.hurst * half_steps);
         let share = match self.displaced {
@@ -131,7 +131,7 @@ fn is_edge(at: [usize; 2]) -> bool {
     (at[0] + at[1]) % 2 == 1
 }
 
-/// Sets every `wanted` point of the lattice of this stride to the mean of its neighbours inside the surface.
+/// Sets every `wanted` point of the lattice with this stride to the mean of its neighbours inside the surface.
 fn interpolate(
     heights: &mut Array2<f64>,
     stride: usize,
@@ -164,7 +164,7 @@ fn displace(
     }
 }
 
-/// The indices of the lattice of this stride, row by row.
+/// Iterates over the indices of the lattice with this stride, row by row.
 fn lattice(heights: &Array2<f64>, stride: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
     let points = (heights.nrows() - 1) / stride + 1;
     (0..points).flat_map(move |i| (0..points).map(move |j| [i, j]))

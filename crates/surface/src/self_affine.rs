@@ -4,14 +4,14 @@ use crate::SurfaceError;
 use crate::error::positive;
 use crate::names::named;
 
-/// The relative slack in squared wavenumber within which a mode counts as inside the ring. It lies far above the
-/// rounding of |q|² and far below the distance between rings of integer wave numbers.
+/// Relative tolerance in squared wavenumber for a mode at the edge of the ring. It lies far above the rounding error of
+/// |q|² and far below the distance between rings of integer wave numbers.
 const ON_THE_RING: f64 = 1e-12;
 
-/// The spectrum of a self-affine surface or profile (theory.md, section 9): a power law in an isotropic ring.
+/// Spectrum of a self-affine surface or profile (theory.md, section 9): a power law in an isotropic ring.
 ///
-/// Modes with shortest ≤ 2π/|q| ≤ longest, both ends included, carry ⟨|h̃|²⟩ ∝ q^{−2(1+H)} on a surface and
-/// ∝ q^{−(1+2H)} on a profile, unless there is a roll-off; all other modes are zero. A profile is a line grid.
+/// Modes with shortest ≤ 2π/|q| ≤ longest, both ends included, carry ⟨|h̃|²⟩ ∝ q^{−2(1+H)} on a surface and ∝
+/// q^{−(1+2H)} on a profile, unless there is a roll-off; all other modes are zero. A line grid makes a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfAffine {
     /// Hurst exponent H, from 0 to 1.
@@ -20,26 +20,26 @@ pub struct SelfAffine {
     pub longest_wavelength: f64,
     /// Shortest wavelength λ_s, length: at least two grid spacings.
     pub shortest_wavelength: f64,
-    /// The roll-off of the power law at long wavelengths; `None` if the power law extends to the longest wavelength.
+    /// Roll-off of the power law at long wavelengths; `None` if the power law extends to the longest wavelength.
     pub roll_off: Option<RollOff>,
-    /// The size to which the heights are scaled.
+    /// Size of the scaled heights.
     pub normalisation: Normalisation,
-    /// The sum from which the factor of the scaling is computed.
+    /// Sum that determines the scaling factor.
     pub scaling: Scaling,
-    /// The distribution of the size of each mode.
+    /// Distribution of mode amplitudes.
     pub amplitudes: Amplitudes,
 }
 
-/// The spectrum at wavelengths beyond the roll-off wavelength λ_r = 2π/q_r, up to the longest wavelength.
+/// Roll-off: the spectrum from the roll-off wavelength λ_r = 2π/q_r up to the longest wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollOff {
     /// Roll-off wavelength λ_r, length: between the shortest and the longest wavelength.
     pub wavelength: f64,
-    /// The form of the crossover.
+    /// Form of the crossover.
     pub shape: RollOffShape,
 }
 
-/// The form of the crossover from the power law to the flat part of a spectrum.
+/// Form of the crossover from the power law to the flat part of a spectrum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RollOffShape {
     /// C(q) = C(q_r) for q < q_r: a plateau with a kink at q_r.
@@ -54,25 +54,25 @@ named! { RollOffShape, "roll-off shape":
     Smooth = "smooth", "(1 + (q/q_r)²)^-(1+H)";
 }
 
-/// The size to which a common factor scales all heights.
+/// Size to which a common factor scales all heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Normalisation {
-    /// The root-mean-square of the full gradient |∇h|, spectral: ḡ² = Σ q²|h̃|². Dimensionless.
+    /// Root-mean-square of the full gradient |∇h|, spectral: ḡ² = Σ q²|h̃|². Dimensionless.
     RmsGradient(f64),
-    /// The root-mean-square height: h_rms² = Σ |h̃|². Length.
+    /// Root-mean-square height: h_rms² = Σ |h̃|². Length.
     RmsHeight(f64),
 }
 
-/// The sum from which the scaling factor is computed.
+/// Sum that determines the scaling factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// The sum of the realisation: every surface has exactly the given size.
+    /// Sum of the realisation: every surface has exactly the given size.
     EachRealisation,
-    /// The expected sum: the mean square over many seeds has the given size, and each surface fluctuates about it.
+    /// Expected sum: the mean square over many seeds has the given size, and individual surfaces fluctuate about it.
     Ensemble,
 }
 
-/// The distribution of the size of a mode; its phase is uniform and does not depend on this choice.
+/// Distribution of mode amplitudes. Phases are uniform and do not depend on this choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Amplitudes {
     /// Normally distributed real and imaginary parts: a Gaussian random surface.
@@ -88,11 +88,11 @@ named! { Amplitudes, "kind of amplitudes":
 }
 
 impl SelfAffine {
-    /// A spectrum with Gaussian amplitudes and without roll-off, every realisation scaled to the spectral
+    /// Returns a spectrum with Gaussian amplitudes and without roll-off, every realisation scaled to the spectral
     /// `rms_gradient`.
     ///
-    /// The Hurst exponent and the two wavelengths have no defaults: they are NaN here, which every use of the spectrum
-    /// refuses, and are named in a struct literal:
+    /// The Hurst exponent and the two wavelengths have no defaults. They are NaN here, which every use of the spectrum
+    /// refuses, and must be set in a struct literal:
     ///
     /// ```
     /// use gfmd_field::Grid;
@@ -122,7 +122,7 @@ impl SelfAffine {
         }
     }
 
-    /// The spectrum on one grid, checked.
+    /// Checks the spectrum on one grid.
     pub(crate) fn on(&self, grid: &Grid) -> Result<Band, SurfaceError> {
         let Self { hurst, longest_wavelength: longest, shortest_wavelength: shortest, .. } = *self;
         if !(0.0..=1.0).contains(&hurst) {
@@ -159,7 +159,7 @@ impl SelfAffine {
         Ok(Band { ring: Ring::new(shortest, longest), lengths, exponent, floor, smooth })
     }
 
-    /// The square (λ_s/λ_r)² if the roll-off wavelength lies between the cut-offs.
+    /// Returns the square (λ_s/λ_r)² if the roll-off wavelength lies between the cut-offs.
     fn between(&self, found: f64) -> Result<f64, SurfaceError> {
         let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
         if found >= shortest * (1.0 - ON_THE_RING) && found <= longest * (1.0 + ON_THE_RING) {
@@ -170,7 +170,7 @@ impl SelfAffine {
     }
 }
 
-/// The modes with wavelengths from `shortest` to `longest`, both included.
+/// Modes with wavelengths from `shortest` to `longest`, both included.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ring {
     shortest: f64,
@@ -182,8 +182,8 @@ impl Ring {
         Self { shortest, least: (shortest / longest).powi(2) * (1.0 - ON_THE_RING) }
     }
 
-    /// The square (|q|/q_s)² if the mode is in the ring. It is computed from the wave numbers, so that it depends on
-    /// the cell and not on the grid.
+    /// Returns the square (|q|/q_s)² if the mode is in the ring. It is computed from the wave numbers, so that it
+    /// depends on the cell and not on the grid.
     pub(crate) fn position(&self, mode: &Mode, lengths: [f64; 2]) -> Option<f64> {
         let [x, y] = [0, 1].map(|axis| mode.number[axis] as f64 * self.shortest / lengths[axis]);
         let square = x * x + y * y;
@@ -191,24 +191,24 @@ impl Ring {
     }
 }
 
-/// A checked spectrum on a cell.
+/// Checked spectrum on a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Band {
     ring: Ring,
     lengths: [f64; 2],
-    /// The exponent in C(q) ∝ (q²)^{−exponent}.
+    /// Exponent in C(q) ∝ (q²)^{−exponent}.
     exponent: f64,
-    /// The square (q_r/q_s)² of a plateau, or zero.
+    /// Square (q_r/q_s)² of a plateau, or zero.
     floor: f64,
-    /// The square (q_r/q_s)² of a smooth roll-off.
+    /// Square (q_r/q_s)² of a smooth roll-off.
     smooth: Option<f64>,
 }
 
 impl Band {
-    /// The expected |h̃|² of `mode` up to a common factor, or `None` outside the ring.
+    /// Returns the expected |h̃|² of `mode` up to a common factor, or `None` outside the ring.
     ///
-    /// A Nyquist mode that is not its own conjugate has |q| > q_s. Only the slack of an extremely elongated cell could
-    /// include one, and its mirror image is not on the grid, so that it is excluded.
+    /// A Nyquist mode that is not its own conjugate has |q| > q_s. It is excluded, since its mirror image is not on the
+    /// grid; only the tolerance in an extremely elongated cell could include it.
     pub(crate) fn power(&self, mode: &Mode) -> Option<f64> {
         if mode.nyquist.contains(&true) && !mode.is_self_conjugate() {
             return None;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::{Moments, SurfaceError};
 
-/// The statistics of heights over one period of a surface `[nx, ny]` or of a profile `[n, 1]`.
+/// Statistics of heights over one period of a surface `[nx, ny]` or of a profile `[n, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Mean height, length.
@@ -18,53 +18,52 @@ pub struct Statistics {
     pub highest: f64,
     /// Spectral moments about the mean: rms height, rms gradient, rms curvature, Nayak's parameter.
     pub moments: Moments,
-    /// Root-mean-square gradient by central differences (h(x+a) − h(x−a))/2a, the seam included; dimensionless.
+    /// Root-mean-square gradient by central differences (h(x+a) − h(x−a))/2a, including the seam; dimensionless.
     pub rms_gradient_central: f64,
-    /// Root-mean-square gradient by forward differences (h(x+a) − h(x))/a, the seam included; dimensionless.
+    /// Root-mean-square gradient by forward differences (h(x+a) − h(x))/a, including the seam; dimensionless.
     pub rms_gradient_forward: f64,
-    /// Root-mean-square gradient by forward differences without those across the seam, for heights that are not
-    /// periodic.
+    /// Root-mean-square gradient by forward differences without the differences across the seam, for heights that are
+    /// not periodic.
     pub rms_gradient_inside: f64,
     /// Mean square of the Laplacian (h″ of a profile) by second differences between points inside, for heights that are
     /// not periodic, 1/length²; `None` with fewer than three points along an axis.
     pub mean_square_laplacian_inside: Option<f64>,
-    /// The largest slope by forward differences, without those across the seam.
+    /// Largest slope by forward differences, without the differences across the seam.
     pub max_slope: f64,
-    /// The jump across the seam.
+    /// Jump across the seam.
     pub seam: Seam,
 }
 
-/// The root-mean-square steps between neighbouring points across the periodic seam and inside. Their ratio measures how
+/// Root-mean-square steps between neighbouring points across the periodic seam and inside. Their ratio measures how
 /// well opposite edges fit together; it is about 1 for a periodic surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seam {
-    /// Step from the last to the first point along x and along y, root-mean-square, length. Zero along an axis with one
-    /// point.
+    /// Root-mean-square step from the last to the first point along x and y, length. Zero along an axis with one point.
     pub across: [f64; 2],
-    /// Step between neighbours inside along x and along y, root-mean-square, length. Zero along an axis with one point.
+    /// Root-mean-square step between neighbours inside along x and along y, length. Zero along an axis with one point.
     pub inside: [f64; 2],
 }
 
 impl Seam {
-    /// The ratio across/inside along x and along y; `None` if all steps inside are zero.
+    /// Returns the ratio across/inside along x and along y; `None` if all steps inside are zero.
     pub fn ratio(&self) -> [Option<f64>; 2] {
         [0, 1].map(|axis| (self.inside[axis] > 0.0).then(|| self.across[axis] / self.inside[axis]))
     }
 }
 
 impl Statistics {
-    /// The statistics of `heights`. Spectral statistics take the heights as one period, so that a step across the seam
-    /// is part of the surface.
+    /// Computes the statistics of `heights`. Spectral statistics take the heights as one period, so that a step across
+    /// the seam is part of the surface.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let [nx, ny] = grid.points();
         Self::over(heights, grid, &Share::whole(nx, ny))
     }
 
-    /// The statistics of heights of which each process has the rows of its `share`. All processes get the statistics of
-    /// the whole surface.
+    /// Computes the statistics of distributed heights: each process passes the rows of its `share`. All processes get
+    /// the statistics of the whole surface.
     ///
     /// # Errors
     /// The same errors as [`of`](Self::of), on all processes.
@@ -74,7 +73,7 @@ impl Statistics {
         let rows = rows(&heights, grid, share);
         let [nx, ny] = grid.points().map(|points| points as f64);
         let sum = |rows: &[Row], which: usize| rows.iter().map(|row| row.sums[which]).sum::<f64>();
-        // Steps along x end in the next row and in the one after it.
+        // Steps along x end in the next row or in the row after it.
         let along_x = |ahead: usize| {
             let (inside, across) = rows.split_at(rows.len().saturating_sub(ahead));
             [sum(inside, ahead), sum(across, ahead)]
@@ -104,8 +103,8 @@ impl Statistics {
         })
     }
 
-    /// The moments of heights that do not repeat, from differences between points inside: no waves, and NaN for the
-    /// Laplacian of fewer than three points along an axis.
+    /// Returns the moments of heights that do not repeat, from differences between points inside. `waves` and short
+    /// waves are NaN, as is the Laplacian with fewer than three points along an axis.
     pub fn moments_inside(&self) -> Moments {
         Moments {
             mean_square_gradient: self.rms_gradient_inside.powi(2),
@@ -116,28 +115,28 @@ impl Statistics {
         }
     }
 
-    /// The highest minus the lowest height, length.
+    /// Returns the highest minus the lowest height, length.
     pub fn peak_to_valley(&self) -> f64 {
         self.highest - self.lowest
     }
 }
 
-/// The mean squares of steps between points of a periodic axis.
+/// Mean square steps between points of a periodic axis.
 #[derive(Default)]
 struct Steps {
-    /// Between neighbours, except across the seam.
+    /// Steps between neighbours, except across the seam.
     inside: f64,
-    /// Between the last and the first point.
+    /// Step between the last and the first point.
     across: f64,
-    /// Between all neighbours.
+    /// Steps between all neighbours.
     all: f64,
-    /// Between next neighbours, over all points.
+    /// Steps between next-nearest neighbours, over all points.
     double: f64,
 }
 
 impl Steps {
-    /// Mean squares from the sums of squares of steps to neighbours and to next neighbours, inside and across the seam,
-    /// on an axis with these numbers of points and lanes.
+    /// Returns mean squares from the sums of squared steps to nearest and next-nearest neighbours, inside and across
+    /// the seam, on an axis with these numbers of points and lanes.
     fn of([points, lanes]: [f64; 2], [inside, across]: [f64; 2], double: [f64; 2]) -> Self {
         if points < 2.0 {
             return Self::default();
@@ -151,26 +150,26 @@ impl Steps {
     }
 }
 
-/// The contributions of a row to the numbers of the surface. Sums are formed row by row, so that they have the same
-/// bits for any number of threads and of processes.
+/// Contributions of a row to the statistics of the surface. Sums are formed row by row to be bitwise identical for any
+/// number of threads and processes.
 #[derive(Clone, Copy)]
 struct Row {
-    /// Sums of heights; of squares of steps to the next row, and to the one after it; of those along the row to
-    /// neighbours, inside and across the seam, and to next neighbours, inside and across the seam; of squares of the
-    /// Laplacian at the points inside of the next row.
+    /// Sums of heights; of squared steps to the next row and to the row after it; of squared steps along the row to
+    /// nearest neighbours, inside and across the seam, and to next-nearest neighbours, inside and across the seam; of
+    /// the squared Laplacian at the points inside of the next row.
     sums: [f64; 8],
     lowest: f64,
     highest: f64,
-    /// The largest square of a slope by forward differences inside.
+    /// Largest squared slope by forward differences inside.
     steepest: f64,
 }
 
-/// The contributions of all rows, from the heights of the rows of this process.
+/// Returns the contributions of all rows from the heights of the rows of this process.
 fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
     let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
     let (own, first) = (heights.len() / ny, share.own().start / ny);
     let row = |i: usize| &heights[i * ny..(i + 1) * ny];
-    // The first two rows of the process behind, around the cell.
+    // First two rows of the next process, around the cell.
     let [_, next] = share.beside(row(0), row(own - 1));
     let second = if own > 1 { row(1) } else { &next };
     let [_, after_next] = share.beside(second, row(own - 1));
@@ -220,7 +219,7 @@ fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
     all.map(|(sums, [lowest, highest, steepest])| Row { sums, lowest, highest, steepest }).collect()
 }
 
-/// The check by [`checked`] of the rows of a process; if one process refuses its rows, all do.
+/// Checks the rows of a process by [`checked`]. If one process refuses its rows, all do.
 fn checked_over<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid, share: &Share) -> Result<Cow<'a, [f64]>, SurfaceError> {
     if share.is_whole() {
         return checked(heights, grid);
@@ -239,7 +238,7 @@ fn checked_over<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid, share: &Share) -> 
     Ok(contiguous(heights))
 }
 
-/// Returns the heights in the storage order of the grid if they fit it and are finite.
+/// Returns the heights in the storage order of the grid if they have its shape and are finite.
 pub(crate) fn checked<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid) -> Result<Cow<'a, [f64]>, SurfaceError> {
     let (nx, ny) = heights.dim();
     if [nx, ny] != grid.points() {
@@ -249,7 +248,7 @@ pub(crate) fn checked<'a>(heights: &'a ArrayRef2<f64>, grid: &Grid) -> Result<Co
     Ok(contiguous(heights))
 }
 
-/// Refuses heights that are NaN or infinite, with their number and the first of them.
+/// Refuses heights that are NaN or infinite; the error has their number and the first of them.
 pub(crate) fn finite(heights: &ArrayRef2<f64>) -> Result<(), SurfaceError> {
     if heights.iter().all(|h| h.is_finite()) {
         return Ok(());

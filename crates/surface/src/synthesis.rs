@@ -10,21 +10,21 @@ use crate::random::{keyed, uniform_pair};
 use crate::{Amplitudes, Normalisation, Scaling, SelfAffine, SurfaceError};
 
 impl SelfAffine {
-    /// The heights (length) of the realisation `seed` of this spectrum on `grid`, shape `[nx, ny]`, mean zero.
+    /// Generates the heights (length) of realisation `seed` of this spectrum on `grid`, shape `[nx, ny]`, mean zero.
     ///
     /// The random numbers belong to the integer wave numbers (m, n) of the cell and not to the grid, so that a finer
-    /// grid of one cell samples one surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real and are
-    /// drawn differently from those of a finer grid.)
+    /// grid of the same cell samples the same surface. (At λ_s = 2a exactly, the modes at the Nyquist number are real
+    /// and are drawn differently from the same modes of a finer grid.)
     ///
     /// # Errors
-    /// A parameter out of its range, a cell or grid that cannot hold the wavelengths, or a ring without modes.
+    /// A parameter out of range; a cell or grid that cannot hold the wavelengths; a ring without modes.
     pub fn heights(&self, grid: &Grid, seed: u64) -> Result<Array2<f64>, SurfaceError> {
         let [nx, ny] = grid.points();
         self.heights_over(grid, seed, &Share::whole(nx, ny))
     }
 
-    /// The rows of [`heights`](Self::heights) that are the `share` of this process. Each process draws its own modes;
-    /// the heights have the bits of one process.
+    /// Generates the rows of [`heights`](Self::heights) in the `share` of this process. Each process draws its own
+    /// modes. The heights are bitwise identical for any number of processes.
     ///
     /// # Errors
     /// The same errors as [`heights`](Self::heights), on all processes.
@@ -38,7 +38,7 @@ impl SelfAffine {
         Array2::from_shape_vec(expected, heights).map_err(|_| SurfaceError::Shape { found, expected })
     }
 
-    /// The Fourier coefficients h̃(q) of the realisation `seed`, laid out as [`Grid::modes`] (theory.md, section 9).
+    /// Returns the coefficients h̃(q) of the realisation `seed`, laid out as [`Grid::modes`] (theory.md, section 9).
     ///
     /// One mode of each pair ±q is drawn, the one with n > 0, or n = 0 and m > 0. Each has its own generator: `pcg64`
     /// (XSL-RR 128/64), default stream 0x0a02bdbf7bb3c0a7ac28fa16a64abf96, initial state hi·2⁶⁴ + lo with
@@ -49,18 +49,18 @@ impl SelfAffine {
     ///         z = (z xor z >> 27) 0x94d049bb133111eb, z xor z >> 31   (SplitMix64, modulo 2⁶⁴)
     /// ```
     ///
-    /// The first two words, shifted right by 11 bits, are k₁ and k₂; U₁ = (k₁ + 1)/2⁵³ in (0, 1], U₂ = k₂/2⁵³. Then
-    /// h̃ = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) if q and −q are the same mode, and h̃(−q) = h̃(q)*.
-    /// NumPy's `PCG64` with this state makes the same heights (`data/reference/surface_heights.json`).
+    /// The first two words, shifted right by 11 bits, are k₁ and k₂; U₁ = (k₁ + 1)/2⁵³ in (0, 1], U₂ = k₂/2⁵³. Then h̃
+    /// = A √(−ln U₁) e^{2πi U₂}, or A √(−2 ln U₁) cos(2πU₂) if q and −q are the same mode, and h̃(−q) = h̃(q)*. NumPy's
+    /// `PCG64` with this state gives the same heights (`data/reference/surface_heights.json`).
     ///
     /// # Errors
-    /// As [`SelfAffine::heights`].
+    /// As for [`SelfAffine::heights`].
     pub fn spectrum(&self, grid: &Grid, seed: u64) -> Result<Vec<Complex64>, SurfaceError> {
         let [nx, ny] = grid.points();
         self.spectrum_over(grid, seed, &Transform::new(*grid), &Share::whole(nx, ny))
     }
 
-    /// The coefficients of the lanes of this process, for which `transform` has plans.
+    /// Returns the coefficients of the lanes of this process, given by the plans of `transform`.
     fn spectrum_over(
         &self,
         grid: &Grid,
@@ -69,7 +69,7 @@ impl SelfAffine {
         share: &Share,
     ) -> Result<Vec<Complex64>, SurfaceError> {
         let band = self.on(grid)?;
-        // The amplitude of a mode, and the square that enters the scaling; nothing outside of the ring.
+        // Amplitude of a mode and the square that enters the scaling; `None` outside the ring.
         let drawn = |mode: &Mode| {
             let power = band.power(mode)?;
             let value = self.draw(mode, power, seed);
@@ -92,7 +92,7 @@ impl SelfAffine {
                     sums.add(&mode, square, resolved);
                 }
             }
-            // The last task goes on in the modes of the next process, which anyone can draw.
+            // The last task extends into the modes of the next process, which any process can draw.
             for mode in modes_from(grid, start + chunk.len()).take(MODES_PER_TASK - chunk.len()) {
                 if let Some((_, square)) = drawn(&mode) {
                     sums.add(&mode, square, resolved);
@@ -106,11 +106,11 @@ impl SelfAffine {
         Ok(spectrum)
     }
 
-    /// The moments of the spectrum on average over all seeds, with `Scaling::Ensemble` or `Amplitudes::Fixed`. They are
-    /// discrete sums over the ring, not integrals.
+    /// Returns the moments of the spectrum averaged over all seeds, with `Scaling::Ensemble` or `Amplitudes::Fixed`.
+    /// They are discrete sums over the ring, not integrals.
     ///
     /// # Errors
-    /// As [`SelfAffine::heights`].
+    /// As for [`SelfAffine::heights`].
     pub fn expected_moments(&self, grid: &Grid) -> Result<Moments, SurfaceError> {
         let (band, resolved) = (self.on(grid)?, resolved(grid));
         let sums: Vec<Sums> = (0..grid.spectrum_len().div_ceil(MODES_PER_TASK))
@@ -129,7 +129,7 @@ impl SelfAffine {
         Ok(Sums::moments(&sums, grid, factor * factor))
     }
 
-    /// Draws the amplitude of the mode, with the expected square `power`.
+    /// Draws the amplitude of the mode with the expected square `power`.
     fn draw(&self, mode: &Mode, power: f64, seed: u64) -> Complex64 {
         let [m, n] = mode.number;
         let mirrored = n < 0 || n == 0 && m < 0;
@@ -148,7 +148,7 @@ impl SelfAffine {
         Complex64::new(size * cos, if mirrored { -size * sin } else { size * sin })
     }
 
-    /// The square that enters the scaling: the drawn or the expected one.
+    /// Returns the square that enters the scaling: the drawn or the expected one.
     fn weighed(&self, drawn: f64, expected: f64) -> f64 {
         match self.scaling {
             Scaling::EachRealisation => drawn,
@@ -156,7 +156,7 @@ impl SelfAffine {
         }
     }
 
-    /// The factor that scales the amplitudes to the given size.
+    /// Returns the factor that scales the amplitudes to the given size.
     fn factor(&self, unscaled: &Moments) -> Result<f64, SurfaceError> {
         if unscaled.mean_square_height <= 0.0 {
             let Self { shortest_wavelength: shortest, longest_wavelength: longest, .. } = *self;
@@ -169,7 +169,7 @@ impl SelfAffine {
     }
 }
 
-/// The modes of the half spectrum from storage index `first` on.
+/// Iterates over the modes of the half spectrum from storage index `first` on.
 fn modes_from(grid: &Grid, first: usize) -> impl Iterator<Item = Mode> + '_ {
     (first..grid.spectrum_len()).map(|index| grid.mode_at(index))
 }

@@ -1,4 +1,4 @@
-//! The texture of a surface: autocorrelation, distributions, roughness against distance, bearing curve.
+//! Surface texture: autocorrelation, distributions, roughness against distance, bearing curve.
 
 mod bearing;
 mod correlation;
@@ -18,22 +18,22 @@ use crate::SurfaceError;
 /// Functions that describe the texture of a surface, in addition to its spectrum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// The autocorrelation of the heights.
+    /// Autocorrelation of the heights.
     pub autocorrelation: Autocorrelation,
-    /// The distributions of height, slope and curvature.
+    /// Distributions of height, slope and curvature.
     pub distributions: Distributions,
-    /// Slope and curvature against the distance over which they are measured.
+    /// Slope and curvature against the distance of their measurement.
     pub scales: Scales,
-    /// The bearing curve.
+    /// Bearing curve.
     pub bearing: Bearing,
 }
 
 impl Texture {
-    /// The texture of heights `[nx, ny]`, or of a profile `[n, 1]`; differences cross the edges of the cell if it
-    /// `repeats`.
+    /// Computes the texture of heights `[nx, ny]`, or of a profile `[n, 1]`. Differences cross the edges of the cell if
+    /// it `repeats`.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         Ok(Self {
             autocorrelation: Autocorrelation::of(heights, grid, repeats)?,

@@ -8,18 +8,18 @@ use serde::Serialize;
 use crate::composition::{Closure, Composition};
 use crate::{Alpha, Config, Plan, Pressed, Protocol, SweepError};
 
-/// The way in which contact area is counted.
+/// Method to count the contact area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Area {
-    /// The number of points in contact over the number of all points.
+    /// Number of points in contact divided by the number of all points.
     Raw,
-    /// The raw area less the excess of the pixels along the perimeter.
+    /// Raw area less the excess of the pixels along the perimeter.
     Corrected,
 }
 
 impl Area {
-    /// The name in files.
+    /// Returns the name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Raw => "raw",
@@ -35,75 +35,75 @@ impl Area {
     }
 }
 
-/// The key of a datum: index of the point, index of the load, way of counting area.
+/// Key of a datum: index of the point, index of the load, method to count area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     /// Index of the point in [`Plan::points`].
     pub point: usize,
     /// Index of the load in the configuration.
     pub load: usize,
-    /// Way of counting area.
+    /// Method to count area.
     pub area: Area,
 }
 
-/// The extrapolation of one family of surfaces at one load.
+/// Extrapolation of one family of surfaces at one load.
 #[derive(Clone, Debug)]
 pub struct Extrapolation {
     /// Hurst exponent of the surfaces.
     pub hurst: f64,
     /// Reduced pressure.
     pub p_star: f64,
-    /// Way of counting area.
+    /// Method to count area.
     pub area: Area,
     /// True if the missing long waves are composed with the contacts, so that the data are kappa of infinitely large
     /// surfaces. False for kappa as computed, which falls with a power of eps_f.
     pub composed: bool,
-    /// The data, in the order of the fit.
+    /// Data, in the order of the fit.
     pub data: Vec<Datum>,
-    /// The fit.
+    /// Fit of the data.
     pub fit: Fit,
     /// Fits of other forms to the same contacts. Their distance from `fit` is the systematic error of its form.
     pub alternatives: Vec<Alternative>,
 }
 
-/// kappa_TFC of another form of the extrapolation.
+/// Value of kappa_TFC in another form of the extrapolation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Alternative {
-    /// The form.
+    /// Form of the extrapolation.
     pub form: Form,
     /// kappa in the thermodynamic, fractal and continuum limit.
     pub kappa_tfc: f64,
 }
 
-/// A form of the extrapolation other than that of the configuration.
+/// Form of the extrapolation other than the configured one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// alpha_f fitted between half and twice its value in the configuration.
+    /// alpha_f fitted between half and twice its configured value.
     AlphaFFree,
-    /// The long waves composed and the least alpha_f, from 1 - H, that chi^2 allows at 95 %.
+    /// Long waves composed, with the least alpha_f, from 1 - H, that chi^2 allows at 95 %.
     LeastAlphaF,
-    /// The long waves composed and the largest alpha_f, up to 2 - 2H or 1, that chi^2 allows at 95 %.
+    /// Long waves composed, with the largest alpha_f, up to 2 - 2H or 1, that chi^2 allows at 95 %.
     LargestAlphaF,
     /// Without the largest eps_f.
     WithoutCoarsestEpsF,
     /// Without the largest eps_t, if two others are left.
     WithoutCoarsestEpsT,
-    /// The long waves composed with the mean square pressure of the contacts, too.
+    /// Long waves composed with the mean square pressure of the contacts as well.
     SecondClosure,
-    /// The limit lowered by half of the difference of both closures at the smallest eps_f of the data, between which it
-    /// lies.
+    /// Limit lowered by half the difference of both closures at the smallest eps_f of the data; the true limit lies
+    /// between the closures.
     BetweenClosures,
 }
 
-/// The sources of the error of the form.
+/// Sources of the error of the form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The exponent of eps_f.
+    /// Exponent of eps_f.
     Exponent,
-    /// The levels in the fit.
+    /// Levels in the fit.
     Levels,
-    /// The distribution of the pressure of the long waves.
+    /// Pressure distribution of the long waves.
     Closure,
 }
 
@@ -113,7 +113,7 @@ impl Source {
 }
 
 impl Form {
-    /// The source of the error that this form estimates.
+    /// Returns the source of the error that this form estimates.
     pub fn source(self) -> Source {
         match self {
             Self::AlphaFFree | Self::LeastAlphaF | Self::LargestAlphaF => Source::Exponent,
@@ -122,7 +122,7 @@ impl Form {
         }
     }
 
-    /// The name in files.
+    /// Returns the name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::AlphaFFree => "alpha-f-free",
@@ -135,7 +135,7 @@ impl Form {
         }
     }
 
-    /// The form in words.
+    /// Returns the form in words.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::AlphaFFree => "alpha_f fitted",
@@ -150,19 +150,19 @@ impl Form {
 }
 
 impl Extrapolation {
-    /// The systematic error of the form: the distances of the alternatives from the fit, the largest one of each
-    /// [`Source`], in quadrature.
+    /// Returns the systematic error of the form: the largest distance from the fit among the alternatives of each
+    /// [`Source`], added in quadrature.
     pub fn systematic(&self) -> f64 {
         Source::ALL.iter().map(|source| self.distance(*source).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The largest distance of an alternative of one source from the fit.
+    /// Returns the largest distance from the fit among the alternatives of one source.
     pub fn distance(&self, source: Source) -> f64 {
         let own = self.alternatives.iter().filter(|other| other.form.source() == source);
         own.map(|other| (other.kappa_tfc - self.fit.kappa_tfc.value).abs()).fold(0.0, f64::max)
     }
 
-    /// The interval of statistical (95 %) and systematic error together, added in quadrature on each side.
+    /// Returns the interval of the statistical (95 %) and systematic errors, added in quadrature on each side.
     pub fn total_ci95(&self) -> Option<[f64; 2]> {
         let value = self.fit.kappa_tfc.value;
         let systematic = self.systematic();
@@ -173,13 +173,13 @@ impl Extrapolation {
     }
 }
 
-/// The results that are derived from all runs.
+/// Results derived from all runs.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// kappa by seed. There are data of the corrected area for surfaces only.
+    /// kappa by seed. Data of the corrected area exist for surfaces only.
     pub data: BTreeMap<Key, Datum>,
-    /// The extrapolations, one for each Hurst exponent, load and way of counting. The first one is the result: first
-    /// Hurst exponent, load `fit.p_star` of the configuration, raw area.
+    /// Extrapolations, one for each Hurst exponent, load and counting method. The first one is the result: first Hurst
+    /// exponent, load `fit.p_star` of the configuration, raw area.
     pub extrapolations: Vec<Extrapolation>,
     /// Extrapolations of one axis at a time about the reference cells, if the configuration has any.
     pub protocols: Vec<Protocol>,
@@ -189,10 +189,10 @@ impl Analysis {
     /// Groups the loads of all runs, as [`crate::run`] returns them, and fits every load of every family.
     ///
     /// # Errors
-    /// A model that the points cannot determine.
+    /// Returns an error if the points cannot determine a model.
     pub fn new(plan: &Plan, runs: &[Vec<Pressed>]) -> Result<Self, SweepError> {
         let config = &plan.config;
-        // The correction counts the perimeter of patches; none is known for the ends of line contacts.
+        // The correction counts the perimeter of patches; no correction is known for the ends of line contacts.
         let areas = if config.surface.dim == 2 { &[Area::Raw][..] } else { &[Area::Raw, Area::Corrected] };
         let loads = || config.fitted_loads().into_iter().map(|load| (load, config.loads.p_star[load]));
         let mut data = BTreeMap::new();
@@ -249,36 +249,36 @@ impl Analysis {
         Ok(Self { data, extrapolations, protocols })
     }
 
-    /// The result of the sweep.
+    /// Returns the result of the sweep.
     pub fn result(&self) -> &Extrapolation {
         &self.extrapolations[0]
     }
 }
 
-/// The settings of the fit of one family of surfaces.
+/// Returns the settings of the fit for one family of surfaces.
 pub(crate) fn settings(config: &Config, hurst: f64, area: Area) -> Settings {
     let mut model = config.model(hurst);
-    // The part of the perimeter term that the correction leaves is too small to fit its exponent.
+    // The perimeter term that remains after the correction is too small to fit its exponent.
     if area == Area::Corrected && (model.edge.is_some() || matches!(model.c, Some(Exponent::Free { .. }))) {
         (model.c, model.edge) = (Some(Exponent::Fixed(1.0)), None);
     }
     Settings { model, resamples: config.fit.resamples, ..Settings::default() }
 }
 
-/// The range of the exponent of composed data; `None` if the configuration gives the exponent.
+/// Returns the range of the exponent of composed data; `None` if the configuration gives the exponent.
 fn range(config: &Config, hurst: f64) -> Option<[f64; 2]> {
     let own = config.composes(hurst) && config.fit.alpha_f == Alpha::SelfAffine;
     own.then(|| config.exponents(hurst))
 }
 
-/// kappa by the first closure less kappa by the second.
+/// Returns kappa by the first closure less kappa by the second one.
 fn difference(one: &Datum, two: &Datum) -> f64 {
     one.mean() - one.mean_edge() - (two.mean() - two.mean_edge())
 }
 
-/// The exponent of eps_f with which the difference of both closures vanishes, within `range`: common to all cell sizes,
-/// with a coefficient for each, by least squares in the logarithms. The middle of the range if a difference is not
-/// positive or eps_f has one level.
+/// Returns the exponent of eps_f, within `range`, with which the difference of both closures vanishes. It is common to
+/// all cell sizes, with one coefficient for each, by least squares in the logarithms. Returns the middle of the range
+/// if a difference is not positive, or if eps_f has one level.
 fn exponent(data: &[Datum], other: &[Datum], [least, largest]: [f64; 2]) -> f64 {
     let coarsest = data.iter().map(|datum| datum.eps_c).fold(0.0, f64::max);
     let mut cells: BTreeMap<u64, Vec<[f64; 2]>> = BTreeMap::new();
@@ -296,7 +296,7 @@ fn exponent(data: &[Datum], other: &[Datum], [least, largest]: [f64; 2]) -> f64 
     if slope.is_finite() { slope.clamp(least, largest) } else { 0.5 * (least + largest) }
 }
 
-/// The limits at the least and at the largest exponent of eps_f that chi^2 allows at 95 %, from a fit of the exponent.
+/// Returns the limits at the least and the largest exponent of eps_f that chi^2 allows at 95 %, given a free fit.
 fn allowed(free: &Fit) -> Vec<Alternative> {
     const AT_95: f64 = 3.84;
     let unit = (free.chi_squared / free.degrees_of_freedom.max(1) as f64).max(1.0);
@@ -307,7 +307,7 @@ fn allowed(free: &Fit) -> Vec<Alternative> {
     ends.into_iter().filter_map(|(form, point)| Some(Alternative { form, kappa_tfc: point?.kappa_tfc })).collect()
 }
 
-/// The fit of the data, and those of the other forms that the data determine. `other`: the data by the second closure.
+/// Fits the data, and all other forms that the data determine. `other` has the data by the second closure.
 fn fitted(
     data: &[Datum],
     other: Option<&[Datum]>,
@@ -319,7 +319,7 @@ fn fitted(
         settings.model.f = Some(Exponent::Fixed(exponent(data, other, range)));
     }
     let found = fit(data, &settings)?;
-    // The edge is held: the levels that remain may not determine it.
+    // The edge is held, since the remaining levels may not determine it.
     let held = |datum: &Datum| {
         let less = |(seed, kappa): (&u64, &f64)| {
             let edge = datum.edge.get(seed).copied().unwrap_or(0.0);
@@ -348,7 +348,7 @@ fn fitted(
     }
     for (form, axis) in [(Form::WithoutCoarsestEpsF, Axis::Fractal), (Form::WithoutCoarsestEpsT, Axis::Thermodynamic)] {
         let rest = without(axis);
-        // A fit whose terms are lost with the level is another quantity.
+        // A fit that loses a term together with the level is another quantity.
         let is_held = |axis: Axis| axis == Axis::Continuum && settings.model.edge.is_some();
         let keeps = |other: Axis| is_held(other) || varies(&rest, other) || !varies(data, other);
         if varies(data, axis) && Axis::ALL.into_iter().all(keeps) {
@@ -383,8 +383,8 @@ mod tests {
         (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
     }
 
-    /// A truth that no fitted form has: two powers of eps_f, each with its own part of eps_t, for each closure, the
-    /// second one half as large; and a factor of the edge that depends on eps_c.
+    /// Truth that no fitted form has: two powers of eps_f, each with its own part of eps_t, for each closure, the
+    /// second one half as large; and an edge factor that depends on eps_c.
     struct Truth {
         limit: f64,
         hurst: f64,
@@ -394,7 +394,7 @@ mod tests {
 
     impl Truth {
         fn new(hurst: f64, rng: &mut Pcg64) -> Self {
-            // In a cell of one wave the composition lacks some hundredths, as in computed contacts.
+            // In a cell of one wave the composition misses some hundredths, as in computed contacts.
             let size = 0.06 * 16.0_f64.powf(1.0 - hurst);
             let sign = |positive: bool| if positive { 1.0 } else { -1.0 };
             let above = sign(hurst > 0.6 && rng.random::<bool>());
@@ -416,7 +416,7 @@ mod tests {
             self.limit + first * x * (1.0 + part * eps_t * eps_t) + second * x * x * (1.0 + other * eps_t.powi(3))
         }
 
-        /// The data by both closures: the surfaces of one eps_t in common, fewer on finer grids.
+        /// Returns the data by both closures. Points of one eps_t share surfaces; finer grids have fewer of them.
         fn data(&self, rng: &mut Pcg64) -> [Vec<Datum>; 2] {
             let cells = [1.0, 2.0]
                 .map(|t: f64| (0..512).map(|_| normal(rng)).collect::<Vec<f64>>().into_iter().map(move |z| z / t));
@@ -476,7 +476,7 @@ mod tests {
             let width = found.iter().map(|one| one.2).sum::<f64>() / TRIALS as f64;
             let (total, statistical) = (rate(&|one| one.0), rate(&|one| one.1));
             assert!(total >= 0.93, "H = {hurst}: {total}, without the error of the form {statistical}");
-            // The form is needed where it is far from the truth.
+            // The error of the form is needed where the form is far from the truth.
             assert!(hurst < 0.7 || statistical < 0.93, "H = {hurst}: {statistical}");
             assert!(width < 0.015, "H = {hurst}: {width}");
         }

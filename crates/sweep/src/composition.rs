@@ -7,22 +7,22 @@ use gfmd_measure::LongWaves;
 
 use crate::{Analysis, Area, Extrapolation, Key, Plan, Point, Pressed, SweepError};
 
-/// The ways to choose the distribution of the pressure of the long waves (theory.md, section 11).
+/// Choices of the pressure distribution of the long waves (theory.md, section 11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Closure {
     /// Persson's shape with the contact area of the infinite surface.
     Area,
-    /// Also its mean square pressure.
+    /// Persson's shape with the mean square pressure as well.
     Square,
 }
 
-/// The composition with the missing long waves, for the surfaces of each point.
+/// Composition with the missing long waves, for the surfaces of each point.
 pub(crate) struct Composition {
     points: Vec<Option<LongWaves>>,
 }
 
 impl Composition {
-    /// The composition from kappa of all points and loads, and the contacts.
+    /// Builds the composition from kappa of all points and loads, and from the contacts.
     pub(crate) fn new(
         plan: &Plan,
         data: &BTreeMap<Key, Datum>,
@@ -30,7 +30,7 @@ impl Composition {
         closure: Closure,
     ) -> Result<Self, SweepError> {
         let loads = &plan.config.loads.p_star;
-        // The edge decides on the width of the distribution of pressure alone; the fit has its own factor.
+        // Here the edge affects only the width of the pressure distribution; the fit has its own factor.
         let limit = |point: usize, load: usize| {
             let datum = data.get(&Key { point, load, area: Area::Raw });
             datum.map_or(f64::NAN, |datum| datum.mean() - datum.mean_edge())
@@ -58,7 +58,7 @@ impl Composition {
         Ok(Self { points: (0..plan.points.len()).map(of_point).collect::<Result<_, _>>()? })
     }
 
-    /// The datum with kappa and edge of each surface composed.
+    /// Returns the datum with composed kappa and edge of each surface.
     pub(crate) fn compose(&self, data: &BTreeMap<Key, Datum>, key: &Key) -> Option<Datum> {
         let (waves, datum) = (self.points[key.point].as_ref()?, data.get(key)?);
         let at = |load: usize| data.get(&Key { load, ..*key });
@@ -72,7 +72,7 @@ impl Composition {
 }
 
 impl Analysis {
-    /// kappa with the long waves composed, point by point: the data of the extrapolations that are `composed`.
+    /// Returns kappa of a point with the long waves composed, as in the extrapolations that are `composed`.
     pub fn composed(&self, point: usize, load: usize, plan: &Plan) -> Option<&Datum> {
         let (hurst, p_star) = (plan.points[point].hurst, plan.config.loads.p_star[load]);
         let eps = self.data.get(&Key { point, load, area: Area::Raw })?.all_eps();

@@ -1,4 +1,4 @@
-//! The configuration of a sweep.
+//! Configuration of a sweep.
 
 mod body;
 mod check;
@@ -15,7 +15,7 @@ use crate::words::{base, height, solver};
 
 pub(crate) use check::refusal;
 
-/// The configuration of a sweep. The default of every field is its value in the preset `default`.
+/// Configuration of a sweep. The default of every field is its value in the preset `default`.
 ///
 /// ```
 /// use gfmd_sweep::{Alpha, Config};
@@ -33,23 +33,23 @@ pub(crate) use check::refusal;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
-    /// The rough surfaces.
+    /// Rough surfaces.
     pub surface: SurfaceConfig,
-    /// The elastic body.
+    /// Elastic body.
     pub body: BodyConfig,
-    /// The discretisations.
+    /// Discretisations.
     pub points: PointsConfig,
-    /// The loads, ascending.
+    /// Loads, ascending.
     pub loads: LoadsConfig,
-    /// The realisations.
+    /// Realisations.
     pub statistics: StatisticsConfig,
-    /// The contact solver.
+    /// Contact solver.
     pub solver: SolverConfig,
-    /// The extrapolation.
+    /// Extrapolation.
     pub fit: FitConfig,
 }
 
-/// The rough surfaces: self-affine, Gaussian.
+/// Rough surfaces: self-affine, Gaussian.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SurfaceConfig {
@@ -59,13 +59,13 @@ pub struct SurfaceConfig {
     pub hurst: Vec<f64>,
     /// Spectral rms gradient of every realisation.
     pub rms_gradient: f64,
-    /// The way in which heights are made.
+    /// Method to generate heights.
     pub method: Method,
-    /// Wavelength of the roll-off over the longest one: waves between the two have equal power. 1 for none.
+    /// Wavelength of the roll-off divided by the longest one: waves between the two have equal power. 1 for none.
     pub roll_off: f64,
 }
 
-/// The ways to make heights (theory.md, section 9).
+/// Methods to generate heights (theory.md, section 9).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -73,16 +73,16 @@ pub enum Method {
     #[default]
     Psd,
     /// Successive random addition on a lattice, restricted to waves between the cut-offs. The cell is cut out of a
-    /// larger lattice, so that its opposite edges do not match.
+    /// larger lattice, so its opposite edges do not match.
     Sra,
     /// Random midpoint displacement, restricted in the same way.
     Rmd,
-    /// The exponent printed in the thesis, eq. 5.5, h ~ 1/q^(2(1+H)): a surface of the Hurst exponent 1 + 2H,
-    /// which is at most 1 for H = 0 only.
+    /// Exponent printed in the thesis, eq. 5.5, h ~ 1/q^(2(1+H)): a surface with the Hurst exponent 1 + 2H, which is at
+    /// most 1 for H = 0 only.
     Printed,
 }
 
-/// The elastic body under a cell of length 1.
+/// Elastic body under a cell of length 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BodyConfig {
@@ -90,10 +90,10 @@ pub struct BodyConfig {
     pub young: f64,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Height of the slab, or of the top layer, over the cell length, or `"inf"`.
+    /// Height of the slab, or of the top layer, divided by the cell length, or `"inf"`.
     #[serde(with = "height")]
     pub height: Height,
-    /// The support of the lowest layer: `"bonded"`, `"sliding"`, `"free"` or `"half-space"`.
+    /// Support of the lowest layer: `"bonded"`, `"sliding"`, `"free"` or `"half-space"`.
     #[serde(with = "base", skip_serializing_if = "is_bonded")]
     pub base: BaseKind,
     /// Young's modulus of the half-space below.
@@ -102,11 +102,11 @@ pub struct BodyConfig {
     /// Poisson's ratio of the half-space below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_poisson: Option<f64>,
-    /// Layers below the top one, from the top down: Young's modulus, Poisson's ratio, height over the cell length.
+    /// Layers below the top one, from the top down: Young's modulus, Poisson's ratio, height divided by cell length.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<[f64; 3]>,
-    /// The body to which the rough surface belongs: Young's modulus, Poisson's ratio, and the height over the cell
-    /// length of a slab. Empty if it is rigid.
+    /// Body of the rough surface: Young's modulus, Poisson's ratio and, for a slab, the height divided by the cell
+    /// length. Empty if the surface is rigid.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub second_body: Vec<f64>,
 }
@@ -116,103 +116,103 @@ fn is_bonded(base: &BaseKind) -> bool {
     *base == BaseKind::Bonded
 }
 
-/// The discretisations: inverses of eps_t, eps_f, eps_c.
+/// Discretisations: inverses of eps_t, eps_f, eps_c.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PointsConfig {
-    /// The way in which the lists are combined.
+    /// Combination of the lists.
     pub design: Design,
     /// Longest wavelengths per cell.
     pub eps_t_inv: Vec<f64>,
-    /// Longest over shortest wavelength.
+    /// Longest wavelength divided by shortest wavelength.
     pub eps_f_inv: Vec<f64>,
     /// Grid points per shortest wavelength.
     pub eps_c_inv: Vec<f64>,
-    /// The middle of a star or of ladders: eps_t_inv, eps_f_inv, eps_c_inv.
+    /// Centre of a star or of ladders: eps_t_inv, eps_f_inv, eps_c_inv.
     pub centre: [f64; 3],
-    /// The largest number of grid points along one axis; larger grids are left out. 0 means no limit.
+    /// Largest number of grid points along one axis; larger grids are left out. 0 means no limit.
     pub largest_n: usize,
 }
 
-/// The ways to combine the lists of the three axes.
+/// Combinations of the lists of the three axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Design {
     /// All combinations.
     Grid,
-    /// One axis at a time, the other two at the centre.
+    /// One axis at a time, with the other two at the centre.
     Star,
-    /// All combinations of eps_t_inv and eps_f_inv with the eps_c_inv of the centre, up to the largest grid at its
-    /// eps_t_inv, and all eps_c_inv at the centre: the term of a finite cell depends on eps_f (theory.md, section 11).
+    /// All combinations of eps_t_inv and eps_f_inv with the eps_c_inv of the centre, up to its largest grid, and all
+    /// eps_c_inv at the centre. The term of a finite cell depends on eps_f (theory.md, section 11).
     Ladders,
 }
 
-/// The loads.
+/// Loads of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LoadsConfig {
-    /// Reduced pressures p/(E* g), ascending: each starts from the one before.
+    /// Reduced pressures p/(E* g), ascending; each load starts from the one before.
     pub p_star: Vec<f64>,
-    /// The quantity that is prescribed at the loads between the first and the last.
+    /// Quantity that is prescribed at the loads between the first and the last.
     pub control: Control,
 }
 
-/// The quantity that is prescribed.
+/// Prescribed quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Control {
-    /// The reduced pressure of every load.
+    /// Reduced pressure of every load.
     #[default]
     Load,
-    /// The approach: it rises in equal steps from that of the first to that of the last reduced pressure. Since the
+    /// Approach, in equal steps from its value at the first reduced pressure to its value at the last one. Since the
     /// equilibrium of a contact is unique, this only changes which loads of the same curve are sampled.
     Approach,
 }
 
-/// The way in which kappa follows from the contact areas at the loads.
+/// Estimators of kappa from the contact areas at the loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
-    /// a_r/p* at each load.
+    /// Ratio a_r/p* at each load.
     #[default]
     Ratio,
-    /// The slope of the straight line through all loads (least squares, with intercept), for each surface.
+    /// Slope of the straight line through all loads (least squares, with intercept), for each surface.
     Slope,
 }
 
-/// The realisations.
+/// Realisations of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StatisticsConfig {
-    /// Number of surfaces at points with the eps_t_inv of the centre (for the design `grid`: the first eps_t_inv); if
+    /// Number of surfaces at points with the eps_t_inv of the centre (first eps_t_inv for the design `grid`); if
     /// `nested`, at the largest grid.
     pub realisations: u64,
-    /// If true, smaller grids get more surfaces, in inverse proportion to their number of points and at most 64 times
-    /// `realisations`, so that about equal time goes into each point: points of one eps_t have their surfaces in
-    /// common, and the many surfaces of coarse points improve the finer points ([`gfmd_fit`]).
+    /// True if smaller grids get more surfaces, in inverse proportion to their number of points and at most 64 times
+    /// `realisations`, so that each point takes about equal time. Points of one eps_t share their surfaces, and the
+    /// many surfaces of coarse points improve the finer points ([`gfmd_fit`]).
     pub nested: bool,
-    /// Without `nested`: if true, points of larger cells get fewer surfaces and points of smaller cells more, so that
-    /// each point samples about equal area and has about equal statistical error; between 4 and 4 times `realisations`.
+    /// Without `nested`: true if points of larger cells get fewer surfaces and points of smaller cells more, between 4
+    /// and 4 times `realisations`. Each point then samples about equal area and has about equal statistical error.
     pub equal_area: bool,
-    /// Statistical error of kappa_TFC at the load of the result (half of the 95 % interval over kappa_TFC, for each
-    /// Hurst exponent) down to which surfaces are added, where they lower it most for their work; 0: none are added.
+    /// Target of the relative statistical error of kappa_TFC at the load of the result (half of the 95 % interval, for
+    /// each Hurst exponent). Surfaces are added where they lower it most for their work; 0: none are added.
     #[serde(skip_serializing_if = "is_zero")]
     pub target: f64,
-    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in their
-    /// order; 0 leaves a point out; empty: the numbers follow from the rules above. The result of a sweep with a target
-    /// has its final numbers.
+    /// Number of surfaces at each point, small grids first and the Hurst exponents of each discretisation in order. 0
+    /// leaves a point out; if empty, the numbers follow from the rules above. The result of a sweep with a target has
+    /// its final numbers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<u64>,
-    /// First seed. Points of one eps_t have their seeds, and thus their random modes, in common; points of another
-    /// eps_t have independent surfaces.
+    /// First seed. Points of one eps_t share their seeds, and thus their random modes; points of another eps_t have
+    /// independent surfaces.
     pub seed: u64,
 }
 
-/// The contact solver.
+/// Contact solver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverConfig {
-    /// The method.
+    /// Solution method.
     #[serde(with = "solver")]
     pub method: Solver,
     /// Largest residual of a converged state.
@@ -221,60 +221,60 @@ pub struct SolverConfig {
     pub max_iter: u64,
 }
 
-/// The extrapolation.
+/// Extrapolation of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FitConfig {
-    /// The load of the main result; all loads are fitted.
+    /// Load of the main result; all loads are fitted.
     pub p_star: f64,
-    /// Exponent of the term in eps_t, which multiplies that in eps_f: C_t eps_t^alpha_t eps_f^alpha_f. A finite cell
-    /// differs by the sum over its discrete longest waves: 2 for surfaces, 1 for profiles.
+    /// Exponent of the term in eps_t, which multiplies the term in eps_f: C_t eps_t^alpha_t eps_f^alpha_f. A finite
+    /// cell differs by the sum over its discrete longest waves: 2 for surfaces, 1 for profiles.
     pub alpha_t: Alpha,
-    /// The waves longer than the longest ones of the surfaces, which the fractal limit needs.
+    /// Waves longer than the longest waves of the surfaces, which the fractal limit needs.
     pub long_waves: LongWavesConfig,
     /// Exponent of the term in eps_f: a number, `"free"`, `"none"` or `"self-affine"`. With the long waves composed,
-    /// the latter is the exponent with which the difference of two closures vanishes, between 1 - H and 2 - 2H and at
-    /// most 1; otherwise it is 1 - H (theory.md, section 11).
+    /// the latter is the exponent of the difference of two closures, between 1 - H and 2 - 2H and at most 1; otherwise
+    /// it is 1 - H (theory.md, section 11).
     pub alpha_f: Alpha,
     /// Exponent of the term in eps_c: a number, `"free"`, `"none"` or `"edge"`. The latter subtracts a multiple near
-    /// one of the excess estimated from each contact, in place of a power of eps_c. It applies to the raw area; the
+    /// one of the excess estimated from each contact, instead of a power of eps_c. It applies to the raw area; the
     /// remaining error of the corrected area is fitted with the exponent 1.
     pub alpha_c: Alpha,
-    /// kappa of one surface.
+    /// Estimator of kappa for one surface.
     pub estimator: Estimator,
-    /// Cells (eps_t_inv, eps_f_inv, eps_c_inv) about which one axis at a time is extrapolated ([`crate::Protocol`]), as
-    /// in earlier studies. A star has its points about these cells, if there are any.
+    /// Reference cells (eps_t_inv, eps_f_inv, eps_c_inv) for extrapolations of one axis at a time
+    /// ([`crate::Protocol`]), as in earlier studies. A star has its points about these cells, if there are any.
     pub references: Vec<[f64; 3]>,
     /// Number of bootstrap resamples.
     pub resamples: usize,
 }
 
-/// The waves beyond the longest ones of the surfaces.
+/// Waves longer than the longest waves of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LongWavesConfig {
-    /// Composed with the contacts of the sweep by Persson's theory (`LongWaves` of `gfmd-measure`), where this is
-    /// possible: on surfaces from the power spectrum without roll-off with H up to 0.99, on a half-space, or a slab at
-    /// least as high as the cell, with the estimator `ratio` and four or more prescribed loads up to p* = 1 or more,
-    /// neighbours within a factor of 3.
+    /// Composed with the contacts of the sweep by Persson's theory (`LongWaves` of `gfmd-measure`), where possible: on
+    /// surfaces from the power spectrum without roll-off with H up to 0.99, on a half-space, or a slab at least as high
+    /// as the cell, with the estimator `ratio` and four or more prescribed loads up to p* = 1 or more, neighbours
+    /// within a factor of 3.
     Composed,
     /// Left out: kappa falls with a power of eps_f, which is extrapolated.
     None,
 }
 
-/// The exponent of one term: a number or a word.
+/// Exponent of one term: a number or a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
-    /// A fixed exponent.
+    /// Fixed exponent.
     Fixed(f64),
-    /// A fitted exponent.
+    /// Fitted exponent.
     Free,
     /// No term along this axis.
     Without,
-    /// For eps_f: 1 - H, since the ratio of the gradient of the longest waves to that of all waves is eps_f^(1 - H). If
-    /// the long waves are composed, an exponent between 1 - H and 2 - 2H, at most 1.
+    /// For eps_f: 1 - H, since the gradient of the longest waves divided by the gradient of all waves is eps_f^(1 - H).
+    /// If the long waves are composed, an exponent between 1 - H and 2 - 2H, at most 1.
     SelfAffine,
-    /// A multiple of the estimated edge of each contact in place of a power, for eps_c.
+    /// For eps_c: a multiple of the estimated edge of each contact instead of a power.
     Edge,
 }
 
@@ -350,16 +350,16 @@ impl Default for FitConfig {
     }
 }
 
-/// The factor of the discretisation error of kappa that is estimated from each contact (`Summary::kappa_limit` of
-/// `gfmd-measure`): the strip along the edge is 0.86 ± 0.03 (95 %) of that of Yastrebov et al. (theory.md, section
-/// 9.2). On four points a wave pairs of grids deviate by another 0.03 (section 11).
+/// Factor of the discretisation error of kappa that is estimated from each contact (`Summary::kappa_limit` of
+/// `gfmd-measure`): the strip along the edge is 0.86 ± 0.03 (95 %) of the strip of Yastrebov et al. (theory.md, section
+/// 9.2). With four points a wave, pairs of grids deviate by another 0.03 (section 11).
 const EDGE: Edge = Edge { factor: 1.0, standard_error: 0.0175, coarse: 0.03 };
 
-/// The largest number of discretisations of a sweep: a configuration may come from an untrusted file.
+/// Largest number of discretisations of a sweep, since a configuration may come from an untrusted file.
 const MOST_POINTS: usize = 10_000;
 
 impl Config {
-    /// Number of realisations at a point of n points along one axis, if the largest grid has `largest`.
+    /// Returns the number of realisations at a point with n points along one axis; the largest grid has `largest`.
     pub(crate) fn realisations(&self, at: &Discretisation, n: usize, largest: usize) -> u64 {
         let StatisticsConfig { realisations, nested, equal_area, .. } = self.statistics;
         let reference = match self.points.design {
@@ -378,15 +378,15 @@ impl Config {
         (wanted.round() as u64).clamp(realisations.min(4), 4 * realisations)
     }
 
-    /// The elastic body.
+    /// Builds the elastic body.
     ///
     /// # Errors
-    /// A modulus, Poisson's ratio or height out of range; properties that cannot be combined.
+    /// Returns an error if a modulus, Poisson's ratio or height is out of range, or if properties cannot be combined.
     pub fn body(&self) -> Result<Body, SweepError> {
         self.body.build()
     }
 
-    /// True if the missing long waves of surfaces with this Hurst exponent are composed.
+    /// Returns true if the missing long waves of surfaces with this Hurst exponent are composed.
     pub fn composes(&self, hurst: f64) -> bool {
         let high = self.body.is_high();
         let wanted = self.fit.long_waves == LongWavesConfig::Composed && self.fit.estimator == Estimator::Ratio;
@@ -400,7 +400,7 @@ impl Config {
             && LongWaves::suits(&self.loads.p_star)
     }
 
-    /// The model of the extrapolation for surfaces of a Hurst exponent.
+    /// Returns the extrapolation model for surfaces with this Hurst exponent.
     pub fn model(&self, hurst: f64) -> Model {
         let FitConfig { alpha_t, alpha_f, alpha_c, .. } = self.fit;
         let [min, max] = self.exponents(hurst);
@@ -415,16 +415,16 @@ impl Config {
         Model { t: exponent(alpha_t), f: exponent(alpha_f), c: exponent(alpha_c), crossed: true, edge }
     }
 
-    /// The smallest and the largest exponent of eps_f in kappa of surfaces with this Hurst exponent (theory.md, section
-    /// 11).
+    /// Returns the smallest and the largest exponent of eps_f in kappa of surfaces with this Hurst exponent (theory.md,
+    /// section 11).
     pub(crate) fn exponents(&self, hurst: f64) -> [f64; 2] {
         [1.0 - hurst, (2.0 - 2.0 * hurst).min(1.0)]
     }
 
-    /// The discretisations with their number of points along one axis, without repetition, small grids first.
+    /// Returns the discretisations and their points along one axis, without repetition, small grids first.
     ///
     /// # Errors
-    /// A combination that gives no grid; no combination at all.
+    /// Returns an error if a combination gives no grid, or if there is no combination at all.
     pub(crate) fn discretisations(&self) -> Result<Vec<(Discretisation, usize)>, SweepError> {
         let PointsConfig { design, eps_t_inv, eps_f_inv, eps_c_inv, centre, largest_n } = &self.points;
         let [t, f, c] = [eps_t_inv, eps_f_inv, eps_c_inv].map(Vec::len);
@@ -485,14 +485,14 @@ impl Config {
 }
 
 impl SolverConfig {
-    /// Tolerance and iterations.
+    /// Returns the tolerance and the iteration limit.
     pub fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }
 }
 
 impl Alpha {
-    /// The word of an exponent that is not a number.
+    /// Returns the word for an exponent.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Fixed(_) => "a number",

@@ -10,48 +10,48 @@ use gfmd_surface::{Discretisation, SurfaceError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// A field of the configuration that is out of its range.
+    /// Field of the configuration out of its range.
     #[error("{field} is {found}; it must be {allowed}")]
     Field {
-        /// Its name: `surface.hurst`, `loads.p_star`, ...
+        /// Name of the field: `surface.hurst`, `loads.p_star`, ...
         field: &'static str,
-        /// Its value.
+        /// Value found.
         found: String,
-        /// The values that are allowed.
+        /// Allowed values.
         allowed: String,
     },
-    /// A property that no elastic body can have.
+    /// Property that no elastic body can have.
     #[error("{0}")]
     Body(String),
     /// Discretisation numbers without a whole number of points.
     #[error("points: {0}")]
     Points(#[source] SurfaceError),
-    /// A number of points that no grid can have.
+    /// Number of points that no grid can have.
     #[error("points: {0}")]
     Grid(#[source] GridError),
-    /// A surface that cannot be generated.
+    /// Surface that cannot be generated.
     #[error("{place}: {source}")]
     Surface {
-        /// The realisation.
+        /// Realisation.
         place: Place,
-        /// The reason.
+        /// Reason.
         source: SurfaceError,
     },
-    /// A contact that did not converge.
+    /// Contact that did not converge.
     #[error("{place}: {source}")]
     Contact {
-        /// The realisation and its load.
+        /// Realisation and load.
         place: Place,
-        /// The reason.
+        /// Reason.
         source: Box<SolveError<Solution>>,
     },
-    /// A request of the caller to stop. Runs finished before are stored.
+    /// Request of the caller to stop. Runs finished before are stored.
     #[error("interrupted at {0}")]
     Interrupted(Place),
-    /// A finished run that could not be stored.
+    /// Finished run that could not be stored.
     #[error("{0}")]
     Keep(#[source] Box<dyn Error + Send + Sync>),
-    /// kappa without its edge at the loads of one point that does not allow composition with long waves.
+    /// Values of kappa without its edge, at the loads of one point, that do not allow composition with long waves.
     #[error(
         "H = {hurst}, 1/eps = ({}, {}, {}): kappa without its edge is {kappa:?}; it must be positive at all loads, or \
          fit.long_waves \"none\"",
@@ -60,17 +60,17 @@ pub enum SweepError {
     Composition {
         /// Hurst exponent.
         hurst: f64,
-        /// The discretisation.
+        /// Discretisation.
         discretisation: Discretisation,
         /// kappa at each load.
         kappa: Vec<f64>,
     },
-    /// Points that do not determine the model of the extrapolation.
+    /// Points that do not determine the extrapolation model.
     #[error("fit: {0}")]
     Fit(#[source] FitError),
 }
 
-/// The contact of a sweep to which a message refers.
+/// Contact of a sweep that a message refers to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Hurst exponent of the surface.
@@ -79,7 +79,7 @@ pub struct Place {
     pub discretisation: Discretisation,
     /// Seed of the surface.
     pub seed: u64,
-    /// Reduced pressure, once there is one.
+    /// Reduced pressure, if there is one yet.
     pub p_star: Option<f64>,
 }
 

@@ -4,7 +4,7 @@ use crate::config::Estimator;
 use crate::{Config, Pressed};
 
 impl Estimator {
-    /// kappa at load `load`, or over all loads, from `kappa` at each load.
+    /// Returns kappa at load `load`, or over all loads, from `kappa` at each load.
     pub(crate) fn kappa(self, loads: &[Pressed], load: usize, kappa: &dyn Fn(&Pressed) -> f64) -> f64 {
         match self {
             Self::Ratio => kappa(&loads[load]),
@@ -18,7 +18,7 @@ impl Estimator {
 }
 
 impl Config {
-    /// The loads that are fitted; the slope over all loads is fitted once, under the load of the result.
+    /// Returns the fitted loads; the slope over all loads is fitted once, under the load of the result.
     pub(crate) fn fitted_loads(&self) -> Vec<usize> {
         let all = 0..self.loads.p_star.len();
         match self.fit.estimator {
@@ -28,7 +28,7 @@ impl Config {
     }
 }
 
-/// The slope of the straight line of least squares through pairs (x, y); NaN for fewer than two different x.
+/// Returns the slope of the least-squares line through pairs (x, y); NaN for fewer than two different x.
 fn slope(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let count = pairs.clone().count() as f64;
     let mean = |of: fn((f64, f64)) -> f64| pairs.clone().map(of).sum::<f64>() / count;
@@ -49,7 +49,7 @@ mod tests {
     fn the_slope_is_that_of_a_line_and_of_the_normal_equations() {
         let line = (0..5).map(|i| (0.001 * f64::from(i), 0.3 + 2.5 * 0.001 * f64::from(i)));
         approx::assert_relative_eq!(slope(line), 2.5, max_relative = 1e-12);
-        // y = x²on 0, 1, 2, 3: slope 3 (normal equations by hand).
+        // y = x² at 0, 1, 2, 3: slope 3 (normal equations by hand).
         approx::assert_relative_eq!(slope((0..4).map(|i| (f64::from(i), f64::from(i * i)))), 3.0, max_relative = 1e-14);
         assert!(slope([(1.0, 2.0), (1.0, 3.0)].into_iter()).is_nan());
     }

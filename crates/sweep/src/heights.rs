@@ -1,4 +1,4 @@
-//! The surfaces of a sweep, by the method of the configuration.
+//! Surfaces of a sweep, by the configured method.
 
 use gfmd_field::Transform;
 use gfmd_surface::{Displaced, PowerSpectrum, RealSpace, RollOff, RollOffShape, SelfAffine, SurfaceError};
@@ -8,7 +8,7 @@ use crate::config::{Method, SurfaceConfig};
 use crate::plan::Point;
 
 impl SurfaceConfig {
-    /// The heights of realisation `seed` of a point, on a cell of length 1, scaled to the rms gradient.
+    /// Generates the heights of realisation `seed` of a point, on a cell of length 1, scaled to the rms gradient.
     pub(crate) fn heights(&self, point: &Point, seed: u64) -> Result<Array2<f64>, SurfaceError> {
         let displaced = match self.method {
             Method::Psd => return self.spectrum(point, point.hurst).heights(&point.grid, seed),
@@ -28,7 +28,7 @@ impl SurfaceConfig {
         point.discretisation.self_affine(1.0, family)
     }
 
-    /// A surface by subdivision, cut to the grid and restricted to waves between the cut-offs.
+    /// Generates a surface by subdivision, cropped to the grid and restricted to waves between the cut-offs.
     fn subdivided(&self, point: &Point, displaced: Displaced, seed: u64) -> Result<Array2<f64>, SurfaceError> {
         let (grid, [nx, ny]) = (point.grid, point.grid.points());
         let subdivisions = nx.next_power_of_two().ilog2().max(1);
@@ -37,7 +37,7 @@ impl SurfaceConfig {
         let made: Vec<f64> = made.slice(s![..nx, ..ny]).iter().copied().collect();
         let [longest, shortest] =
             [point.discretisation.longest_wavelength(1.0), point.discretisation.shortest_wavelength(1.0)];
-        // On the rings of the cut-offs rounding must not decide.
+        // Rounding must not decide about waves on the cut-off rings.
         let ring = (1.0 - 1e-9) / longest..=(1.0 + 1e-9) / shortest;
         let number = |mode: &gfmd_field::Mode| (mode.number[0] as f64).hypot(mode.number[1] as f64);
         let kernel: Vec<f64> = grid.modes().map(|mode| f64::from(u8::from(ring.contains(&number(&mode))))).collect();
@@ -72,7 +72,7 @@ mod tests {
             let (point, heights) = made(&format!("[surface]\nhurst = [{hurst}]\nmethod = \"{method}\"{POINT}"));
             let spectrum = PowerSpectrum::of(&heights, &point.grid).unwrap();
             assert_relative_eq!(spectrum.moments().rms_gradient(), 0.1, max_relative = 1e-10);
-            // Power outside the ring, by a transform of its own.
+            // Power outside the ring, from a separate transform.
             let transform = Transform::new(point.grid);
             let mut found = vec![num_complex::Complex64::ZERO; point.grid.spectrum_len()];
             let field: Vec<f64> = heights.iter().copied().collect();
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_printed_exponent_is_another_hurst_exponent() {
-        // h ~ Delta/q^(2(1+H)) in place of q^(1+H): at H = 0 the surface of H = 1.
+        // h ~ Delta/q^(2(1+H)) instead of q^(1+H): at H = 0 the surface with H = 1.
         let (_, printed) = made(&format!("[surface]\nhurst = [0.0]\nmethod = \"printed\"{POINT}"));
         let (_, one) = made(&format!("[surface]\nhurst = [1.0]{POINT}"));
         assert_eq!(printed, one);

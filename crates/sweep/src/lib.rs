@@ -1,5 +1,4 @@
-//! A study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to
-//! 11).
+//! Study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to 11).
 //!
 //! | step | contents |
 //! |---|---|
@@ -31,9 +30,9 @@
 //! # }
 //! ```
 //!
-//! Start at [`Study`]. The bits of a result depend on the configuration alone: not on the number of threads, nor on
-//! whether the study was computed in one piece or continued from runs that were kept ([`Keep`]). Not here: files,
-//! clocks and the terminal (`gfmd-cli`), and the fit itself (`gfmd-fit`).
+//! Start at [`Study`]. The bits of a result depend on the configuration alone: not on the number of threads, nor on a
+//! continuation from kept runs ([`Keep`]). Files, clocks and the terminal are in `gfmd-cli`, and the fit itself is in
+//! `gfmd-fit`.
 
 mod analysis;
 mod composition;

@@ -1,4 +1,4 @@
-//! The contacts of a sweep, their order, and their expected work.
+//! Contacts of a sweep, their order, and their expected work.
 
 use std::ops::Range;
 
@@ -8,39 +8,39 @@ use gfmd_surface::Discretisation;
 use crate::config::{Config, refusal};
 use crate::{Place, SweepError};
 
-/// One discretisation of one family of surfaces.
+/// Discretisation of one family of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Hurst exponent.
     pub hurst: f64,
-    /// The discretisation.
+    /// Discretisation.
     pub discretisation: Discretisation,
-    /// The grid, on a cell of length 1.
+    /// Grid on a cell of length 1.
     pub grid: Grid,
-    /// Seed of its first realisation; the seeds of a point are consecutive.
+    /// Seed of the first realisation; the seeds of a point are consecutive.
     pub first_seed: u64,
 }
 
 impl Point {
-    /// Grid points along one axis.
+    /// Returns the number of grid points along one axis.
     pub fn n(&self) -> usize {
         self.grid.points()[0]
     }
 
-    /// True if realisations are computed side by side, one on each thread. On larger grids all threads work on one
-    /// realisation.
+    /// Returns true if realisations are computed side by side, one on each thread. On larger grids all threads work on
+    /// one realisation.
     pub fn is_small(&self) -> bool {
         self.grid.is_line() || self.n() <= SIDE_BY_SIDE
     }
 }
 
-/// The largest number of points along one axis of a square for which realisations are computed side by side.
+/// Largest number of points along one axis of a square with realisations computed side by side.
 const SIDE_BY_SIDE: usize = 512;
 
-/// One realisation of the surface of one point, pressed with all loads of the sweep.
+/// Realisation of the surface of one point, pressed with all loads of the sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Index of its point.
+    /// Index of the point.
     pub point: usize,
     /// Number of the realisation.
     pub realisation: u64,
@@ -48,10 +48,10 @@ pub struct Run {
     pub seed: u64,
 }
 
-/// The points of a configuration and the runs of each point. A run is identified by its index in [`Plan::runs`].
+/// Points of a configuration and the runs of each point. A run is identified by its index in [`Plan::runs`].
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The configuration.
+    /// Configuration.
     pub config: Config,
     /// Points, small grids first.
     pub points: Vec<Point>,
@@ -62,22 +62,22 @@ pub struct Plan {
 /// Difference between the first seeds of two groups of realisations.
 const SEEDS_PER_GROUP: u64 = 1_000_000;
 
-/// The largest number of runs of a sweep, so that a plan does not fill the memory.
+/// Largest number of runs of a sweep, so that a plan does not fill the memory.
 const MOST_RUNS: u64 = 10_000_000;
 
-/// The work of one load in transform pairs. Between 22 and 34 pairs were measured, for any size; the passes over memory
+/// Work of one load in transform pairs. Between 22 and 34 pairs were measured, for any size. The passes over memory
 /// between them take about as long as the transforms, hence the factor 2.
 const PAIRS: f64 = 2.0 * 30.0;
 
 impl Plan {
-    /// Makes the plan of a configuration.
+    /// Builds the plan of a configuration.
     ///
     /// # Errors
-    /// A configuration that cannot be computed.
+    /// Returns an error if the configuration cannot be computed.
     pub fn new(config: Config) -> Result<Self, SweepError> {
         config.check()?;
         let cells = config.discretisations()?;
-        // The points of a group have their random modes in common.
+        // The points of a group share their random modes.
         let mut groups: Vec<f64> = cells.iter().map(|(at, _)| at.eps_t_inv).collect();
         groups.sort_by(f64::total_cmp);
         groups.dedup();
@@ -99,7 +99,7 @@ impl Plan {
         for (discretisation, n) in cells {
             let grid = if config.surface.dim == 2 { Grid::line(n, 1.0) } else { Grid::square(n, 1.0) };
             let grid = grid.map_err(SweepError::Grid)?;
-            // The groups are those of the cells.
+            // Every cell has a group, since the groups come from the cells.
             let group = groups.iter().position(|group| *group == discretisation.eps_t_inv).unwrap_or(0);
             let by_rule = config.realisations(&discretisation, n, largest);
             for (family, &hurst) in config.surface.hurst.iter().enumerate() {
@@ -129,24 +129,24 @@ impl Plan {
         Ok(Self { config, points, runs })
     }
 
-    /// The plan with other numbers of surfaces at its points.
+    /// Returns the plan with other numbers of surfaces at its points.
     ///
     /// # Errors
-    /// More surfaces than a point has seeds.
+    /// Returns an error if a point has fewer seeds than surfaces.
     pub fn with_surfaces(&self, surfaces: Vec<u64>) -> Result<Self, SweepError> {
         let mut config = self.config.clone();
         config.statistics.surfaces = surfaces;
         Self::new(config)
     }
 
-    /// The indices of the runs of a point.
+    /// Returns the indices of the runs of a point.
     pub fn runs_of(&self, point: usize) -> Range<usize> {
         let start = self.runs.partition_point(|run| run.point < point);
         start..self.runs.partition_point(|run| run.point <= point)
     }
 
-    /// The expected work of one run at a point, in transform pairs of a million points. The time of the run is this
-    /// number times the seconds that such a pair takes.
+    /// Returns the expected work of one run at a point, in transform pairs of a million points. The run time is this
+    /// number times the time of one pair.
     pub fn work(&self, point: &Point) -> f64 {
         const MILLION: f64 = 1_048_576.0;
         let size = point.grid.len() as f64;
@@ -156,7 +156,7 @@ impl Plan {
         PAIRS * sides * self.config.loads.p_star.len() as f64 * pair
     }
 
-    /// The name of a run in messages.
+    /// Returns the name of a run in messages.
     pub(crate) fn place(&self, run: &Run, p_star: Option<f64>) -> Place {
         let Point { hurst, discretisation, .. } = self.points[run.point];
         Place { hurst, discretisation, seed: run.seed, p_star }

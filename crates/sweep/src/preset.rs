@@ -1,4 +1,4 @@
-//! Sweeps by name.
+//! Named sweeps.
 
 use std::str::FromStr;
 
@@ -10,16 +10,16 @@ use crate::{
     SweepError,
 };
 
-/// The sweeps that have a name.
+/// Sweeps that have a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
-    /// A test of a few seconds.
+    /// Test of a few seconds.
     Smoke,
-    /// The default of every field; takes less than a minute.
+    /// Default of every field; takes less than a minute.
     Default,
-    /// The study of the thesis; takes hours.
+    /// Study of the thesis; takes hours.
     Thesis,
-    /// A study after Prodanov, Dapp and Müser; takes hours.
+    /// Study after Prodanov, Dapp and Müser; takes hours.
     Prodanov,
     /// Profiles in plane strain.
     Line,
@@ -43,7 +43,7 @@ impl Preset {
     /// All presets.
     pub const ALL: [Self; 5] = [Self::Smoke, Self::Default, Self::Thesis, Self::Prodanov, Self::Line];
 
-    /// The name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Smoke => "smoke",
@@ -54,7 +54,7 @@ impl Preset {
         }
     }
 
-    /// The purpose of the sweep in one line.
+    /// Returns the purpose of the sweep in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Smoke => "Seconds: a test that everything works; its kappa is no result",
@@ -65,7 +65,7 @@ impl Preset {
         }
     }
 
-    /// The configuration.
+    /// Returns the configuration.
     pub fn config(self) -> Config {
         let base = Config::default();
         match self {

@@ -1,8 +1,7 @@
 use gfmd_contact::{Effort, Fields, Residual, Solution};
 use gfmd_measure::{Scales, Summary};
 
-/// The numbers of one converged load of a run. The unit of length is the cell, the unit of stress that of Young's
-/// modulus.
+/// Numbers of one converged load of a run. The unit of length is the cell; stresses have the unit of Young's modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pressed {
     /// Area, pressure, gap, energy.

@@ -2,9 +2,9 @@
 //! thesis, section 5.1; theory.md, section 11.1).
 //!
 //! kappa along an axis is fitted by limit + C eps^alpha; the corrections C eps^alpha of all axes are subtracted from
-//! kappa of the reference cell. Intervals: the surfaces are left out one by one (jackknife), with Student's t, which
-//! takes the common scatter of cells with common surfaces into account. They do not contain the misfit of the form:
-//! with three points and a free exponent every curve fits.
+//! kappa of the reference cell. Intervals come from a jackknife over the surfaces with Student's t, which accounts for
+//! the common scatter of cells with common surfaces. They do not contain the misfit of the form: with three points and
+//! a free exponent every curve fits.
 
 use std::collections::BTreeMap;
 
@@ -12,51 +12,51 @@ use gfmd_fit::{Axis, Datum, Exponent, Model, Settings, Weighting, fit, student_9
 
 use crate::{Analysis, Area, Key, Plan, SweepError};
 
-/// A number and its interval.
+/// Number with its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimated {
-    /// The value.
+    /// Value.
     pub value: f64,
-    /// The interval of 95 %; `None` if there are too few surfaces, or a fit without one of them fails.
+    /// Interval of 95 %; `None` if there are too few surfaces, or if a fit without one of them fails.
     pub ci95: Option<[f64; 2]>,
 }
 
-/// A power law along an axis.
+/// Power law along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curve {
     /// kappa at eps = 0.
     pub limit: Estimated,
-    /// The coefficient C.
+    /// Coefficient C.
     pub coefficient: Estimated,
-    /// The exponent alpha.
+    /// Exponent alpha.
     pub exponent: Estimated,
 }
 
 /// kappa along one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arm {
-    /// The axis that varies.
+    /// Axis that varies.
     pub axis: Axis,
-    /// The cell 1/eps (t, f, c); its entry of the axis has no meaning.
+    /// Cell 1/eps (t, f, c); the entry of the axis itself has no meaning.
     pub cell: [f64; 3],
     /// 1/eps along the axis, ascending.
     pub inverse: Vec<f64>,
     /// kappa at these levels.
     pub kappa: Vec<Estimated>,
-    /// The power law through all levels; `None` if there is none.
+    /// Power law through all levels; `None` if there is none.
     pub curve: Option<Curve>,
     /// kappa of the finest level predicted from the others, if they determine a power law.
     pub predicted: Option<Estimated>,
 }
 
-/// The extrapolation about one reference cell.
+/// Extrapolation about one reference cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Protocol {
     /// Hurst exponent.
     pub hurst: f64,
     /// Reduced pressure of the result; a slope belongs to all loads.
     pub p_star: f64,
-    /// The reference cell 1/eps (t, f, c).
+    /// Reference cell 1/eps (t, f, c).
     pub reference: [f64; 3],
     /// kappa of the reference cell.
     pub kappa_sim: Estimated,
@@ -66,14 +66,14 @@ pub struct Protocol {
     pub kappa_tfc: Estimated,
 }
 
-/// kappa of cells by surface: the k-th of every cell is the k-th realisation.
+/// kappa of cells by surface; entry k of every cell is the k-th realisation.
 struct Cells<'a> {
     cells: Vec<([f64; 3], &'a Datum)>,
     model: Model,
     surfaces: usize,
 }
 
-/// The protocols of a plan: one for each Hurst exponent, load and reference; raw areas.
+/// Returns the protocols of a plan: one for each Hurst exponent, load and reference, with raw areas.
 pub(crate) fn protocols(plan: &Plan, data: &BTreeMap<Key, Datum>) -> Result<Vec<Protocol>, SweepError> {
     let config = &plan.config;
     let mut all = Vec::new();
@@ -92,7 +92,7 @@ pub(crate) fn protocols(plan: &Plan, data: &BTreeMap<Key, Datum>) -> Result<Vec<
 }
 
 impl Analysis {
-    /// kappa along every line of cells with three or more levels on an axis, at one load, raw area; for figures.
+    /// Returns kappa along all lines of three or more cells on an axis, at one load, raw area; for figures.
     pub fn arms(&self, plan: &Plan, hurst: f64, load: usize) -> Vec<Arm> {
         let cells = Cells::new(plan, &self.data, hurst, load);
         let mut arms: Vec<Arm> = Vec::new();
@@ -108,7 +108,7 @@ impl Analysis {
     }
 }
 
-/// True if two cells differ along `axis` at most.
+/// Returns true if two cells differ along `axis` at most.
 fn on_line(a: [f64; 3], b: [f64; 3], axis: Axis) -> bool {
     (0..3).all(|k| k == axis as usize || a[k] == b[k])
 }
@@ -125,14 +125,14 @@ impl<'a> Cells<'a> {
         Self { cells, model: plan.config.model(hurst), surfaces }
     }
 
-    /// The mean of a cell over its surfaces, without one of them.
+    /// Returns the mean of a cell over its surfaces, without one of them.
     fn mean(&self, datum: &Datum, without: Option<usize>) -> f64 {
         let kept = datum.kappa.values().take(self.surfaces).enumerate().filter(|(k, _)| Some(*k) != without);
         let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (_, kappa)| (sum + kappa, count + 1.0));
         sum / count
     }
 
-    /// A number that follows from the means, and its interval by the jackknife.
+    /// Returns a number that follows from the means, with its jackknife interval.
     fn estimate(&self, number: impl Fn(Option<usize>) -> Option<f64>) -> Option<Estimated> {
         let value = number(None)?;
         let count = self.surfaces as f64;
@@ -146,21 +146,21 @@ impl<'a> Cells<'a> {
         Some(Estimated { value, ci95 })
     }
 
-    /// The cells of the line through `cell` along `axis`, coarse first.
+    /// Returns the cells of the line through `cell` along `axis`, coarse first.
     fn line(&self, axis: Axis, cell: [f64; 3]) -> Vec<([f64; 3], &'a Datum)> {
         let mut line: Vec<_> = self.cells.iter().copied().filter(|(other, _)| on_line(*other, cell, axis)).collect();
         line.sort_by(|a, b| a.0[axis as usize].total_cmp(&b.0[axis as usize]));
         line
     }
 
-    /// Limit, coefficient and exponent of the power law through cells; `None` if they determine none.
+    /// Returns limit, coefficient and exponent of the power law through cells; `None` if they do not determine it.
     fn law(&self, axis: Axis, line: &[([f64; 3], &Datum)], without: Option<usize>) -> Option<[f64; 3]> {
         let exponent = [self.model.t, self.model.f, self.model.c][axis as usize]?;
         let least = if matches!(exponent, Exponent::Free { .. }) { 3 } else { 2 };
         if line.len() < least {
             return None;
         }
-        // Each mean is a datum of its own: the surfaces are treated by the jackknife.
+        // Each mean is a datum of its own, since the jackknife treats the surfaces.
         let data: Vec<Datum> = (line.iter().enumerate())
             .map(|(k, (cell, datum))| {
                 Datum::new(cell.map(f64::recip), BTreeMap::from([(k as u64, self.mean(datum, without))]))
@@ -204,7 +204,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// The protocol about `reference`; `None` if the sweep has no such cell.
+    /// Returns the protocol about `reference`; `None` if the sweep does not have this cell.
     fn protocol(&self, hurst: f64, p_star: f64, reference: [f64; 3]) -> Option<Protocol> {
         let (_, datum) = self.cells.iter().find(|(cell, _)| *cell == reference)?;
         let kappa_sim = self.estimate(|without| Some(self.mean(datum, without)))?;
@@ -233,7 +233,7 @@ mod tests {
 
     const FREE: Model = Model { t: None, f: Some(Exponent::FREE), c: Some(Exponent::FREE), crossed: false, edge: None };
 
-    /// Data of a star about (2, 256, 4) and (2, 256, 8), of `kappa` at eps for each of the surfaces.
+    /// Returns data of a star about (2, 256, 4) and (2, 256, 8), with `kappa` at eps for each surface.
     fn data(surfaces: u64, kappa: impl Fn([f64; 3], u64) -> f64) -> Vec<([f64; 3], Datum)> {
         let mut cells = vec![];
         for f in [128.0, 256.0, 512.0] {
@@ -265,7 +265,7 @@ mod tests {
             assert_relative_eq!(c.coefficient.value, 2.640_09, max_relative = 1e-4);
             assert_relative_eq!(c.exponent.value, 0.991_761, max_relative = 1e-4);
             assert_relative_eq!(protocol.kappa_tfc.value, 2.0, max_relative = 1e-4);
-            // The surfaces differ by a constant, which is all of the scatter of kappa_TFC and none of that of C.
+            // The surfaces differ by a constant, which is all scatter of kappa_TFC and no scatter of C.
             let half = |e: Estimated| e.ci95.map(|[low, high]| 0.5 * (high - low)).unwrap();
             let expected = student_975(2.0) * 0.01 / 3.0_f64.sqrt();
             assert_relative_eq!(half(protocol.kappa_sim), expected, max_relative = 1e-9);

@@ -1,4 +1,4 @@
-//! The computation of the runs of a sweep. Runs on small grids are computed in parallel.
+//! Computation of the runs of a sweep. Runs on small grids are computed in parallel.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -13,11 +13,11 @@ use rayon::prelude::*;
 use crate::config::{Control, refusal};
 use crate::{Plan, Point, Pressed, Run, Shard, SweepError};
 
-/// A store of finished runs, from which a sweep can be continued; it may also ask to stop. Every method is called from
-/// several threads. `()` stores nothing and never stops.
+/// Store of finished runs, to continue a sweep; it may also ask to stop. Every method is called from several threads.
+/// `()` stores nothing and never stops.
 pub trait Keep: Sync {
-    /// The loads of a run that was finished earlier; `None` if the run must be computed. Called once for each run. A
-    /// run is the same in every plan if its point and realisation are.
+    /// Returns the loads of a run that finished earlier; `None` if the run must be computed. Called once for each run.
+    /// Runs with equal point and realisation are the same in every plan.
     fn recall(&self, _run: &Run) -> Option<Vec<Pressed>> {
         None
     }
@@ -25,12 +25,12 @@ pub trait Keep: Sync {
     /// Stores a finished run.
     ///
     /// # Errors
-    /// A run that cannot be stored; the sweep then ends.
+    /// Returns an error if the run cannot be stored; the sweep then ends.
     fn keep(&self, _run: &Run, _loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
         Ok(())
     }
 
-    /// Called before a round of further surfaces, with the plan that contains them and the error so far
+    /// Announces a round of further surfaces, with the plan that contains them and the error so far
     /// ([`Reached::relative`]).
     ///
     /// [`Reached::relative`]: crate::Reached::relative
@@ -48,7 +48,7 @@ impl Keep for () {}
 /// [`Plan::runs`].
 ///
 /// # Errors
-/// A contact that did not converge, a run that could not be kept, an interruption.
+/// Returns an error if a contact does not converge, if a run cannot be kept, or after an interruption.
 pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
     run_all(plan, &(0..plan.runs.len()).collect::<Vec<_>>(), keep)
 }
@@ -57,12 +57,12 @@ pub fn run(plan: &Plan, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError
 /// Returns the loads of each run, in the order of [`Plan::runs_of_shard`].
 ///
 /// # Errors
-/// A contact that did not converge, a run that could not be kept, an interruption.
+/// Returns an error if a contact does not converge, if a run cannot be kept, or after an interruption.
 pub fn run_shard(plan: &Plan, shard: Shard, keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
     run_all(plan, &plan.runs_of_shard(shard), keep)
 }
 
-/// Computes the runs of these indices, which ascend.
+/// Computes the runs of these ascending indices.
 fn run_all(plan: &Plan, runs: &[usize], keep: &dyn Keep) -> Result<Vec<Vec<Pressed>>, SweepError> {
     let mut all = Vec::with_capacity(runs.len());
     for runs in runs.chunk_by(|a, b| plan.runs[*a].point == plan.runs[*b].point) {
@@ -93,31 +93,31 @@ fn run_all(plan: &Plan, runs: &[usize], keep: &dyn Keep) -> Result<Vec<Vec<Press
 /// Computes one run without recalling it.
 ///
 /// # Errors
-/// A run number that is not in the plan, a contact that did not converge, an interruption.
+/// Returns an error if the run is not in the plan, if a contact does not converge, or after an interruption.
 pub fn run_one(plan: &Plan, run: usize, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
     let allowed = || refusal("run", &run, format!("below {}", plan.runs.len()));
     let run = plan.runs.get(run).ok_or_else(allowed)?;
     Bench::new(plan, &plan.points[run.point])?.press(run, keep)
 }
 
-/// One contact with its fields: the first realisation at the load of the result, on the largest grid of moderate size.
+/// Contact with its fields: the first realisation at the load of the result, on the largest grid of moderate size.
 #[derive(Clone, Debug)]
 pub struct Example {
-    /// The point of the example.
+    /// Point of the example.
     pub point: Point,
-    /// The seed of the example.
+    /// Seed of the example.
     pub seed: u64,
-    /// The pressure.
+    /// Pressure.
     pub pressure: Array2<f64>,
-    /// The heights of the surface.
+    /// Heights of the surface.
     pub heights: Array2<f64>,
 }
 
-/// The largest number of points along one axis of a square on which the example is computed.
+/// Largest number of points along one axis of a square for the example.
 const EXAMPLE_POINTS: usize = 1024;
 
 impl Example {
-    /// The index of the point of the example of a plan.
+    /// Returns the index of the point of a plan's example.
     pub fn point(plan: &Plan) -> usize {
         let moderate = |point: &Point| point.grid.is_line() || point.n() <= EXAMPLE_POINTS;
         let candidates = (0..plan.points.len()).filter(|index| moderate(&plan.points[*index]));
@@ -127,7 +127,7 @@ impl Example {
     /// Computes the example of a plan.
     ///
     /// # Errors
-    /// A contact that did not converge, an interruption.
+    /// Returns an error if the contact does not converge, or after an interruption.
     pub fn new(plan: &Plan, keep: &dyn Keep) -> Result<Self, SweepError> {
         let index = Self::point(plan);
         let (point, run) = (plan.points[index], plan.runs[plan.runs_of(index).start]);
@@ -139,7 +139,7 @@ impl Example {
     }
 }
 
-/// The response on the grid of one point, which its realisations share, and the scales of their results.
+/// Response on the grid of one point, shared by its realisations, and the scales of their results.
 struct Bench<'a> {
     plan: &'a Plan,
     response: Arc<NormalResponse>,
@@ -176,8 +176,8 @@ impl<'a> Bench<'a> {
         Ok(loads)
     }
 
-    /// Presses one realisation with `count` approaches in equal steps, from that of the first reduced pressure to that
-    /// of the last.
+    /// Presses one realisation with `count` approaches in equal steps, between the approaches of the first and the last
+    /// reduced pressure.
     fn press_in_steps(
         &self,
         run: &Run,

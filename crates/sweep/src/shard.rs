@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use crate::Plan;
 
-/// One of `count` shards, into which the runs of a sweep are divided. As text K/M, such as 0/4 for the first of four.
+/// One of `count` shards of the runs of a sweep. Its text is K/M, such as 0/4 for the first of four.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     count: usize,
@@ -20,17 +20,17 @@ pub struct Shard {
 pub struct ShardError;
 
 impl Shard {
-    /// Shard `index`, from 0, of `count`; `None` if there is no such shard.
+    /// Returns shard `index`, from 0, of `count`; `None` if it does not exist.
     pub fn new(index: usize, count: usize) -> Option<Self> {
         (index < count).then_some(Self { count, index })
     }
 
-    /// The number of the shard, from 0.
+    /// Returns the number of the shard, from 0.
     pub fn index(self) -> usize {
         self.index
     }
 
-    /// The number of shards.
+    /// Returns the number of shards.
     pub fn count(self) -> usize {
         self.count
     }
@@ -53,16 +53,16 @@ impl fmt::Display for Shard {
 }
 
 impl Plan {
-    /// The number, from 0, of the shard of each run, if there are `count` shards. Each run belongs to one shard. The
-    /// expected work of the shards is about equal: runs are assigned in order of decreasing work, each to the shard
-    /// with the least work so far. If there are fewer runs than shards, some shards have none.
+    /// Returns the shard number, from 0, of each run for `count` shards. Each run belongs to one shard. The expected
+    /// work of the shards is about equal: runs are assigned in order of decreasing work, each to the shard with the
+    /// least work so far. With fewer runs than shards, some shards have none.
     pub fn shards(&self, count: usize) -> Vec<usize> {
-        // Whole numbers: the last bits of a logarithm, which differ between machines, must not decide.
+        // Whole numbers, since the last bits of a logarithm differ between machines.
         let work: Vec<u64> = self.points.iter().map(|point| (self.work(point) * 1e6).round() as u64).collect();
         let work_of = |run: usize| work[self.runs[run].point];
         let mut dearest: Vec<usize> = (0..self.runs.len()).collect();
         dearest.sort_by_key(|run| (Reverse(work_of(*run)), *run));
-        // The first runs go to one shard each, so that no shard beyond the number of runs gets one.
+        // The first runs go to one shard each, so only as many shards as there are runs take part.
         let some = count.min(dearest.len());
         let mut least: BinaryHeap<Reverse<(u64, usize)>> = (0..some).map(|index| Reverse((0, index))).collect();
         let mut shards = vec![0; dearest.len()];
@@ -74,7 +74,7 @@ impl Plan {
         shards
     }
 
-    /// The indices of the runs of a shard, ascending.
+    /// Returns the indices of the runs of a shard, ascending.
     pub fn runs_of_shard(&self, shard: Shard) -> Vec<usize> {
         let shards = self.shards(shard.count).into_iter().enumerate();
         shards.filter(|(_, index)| *index == shard.index).map(|(run, _)| run).collect()

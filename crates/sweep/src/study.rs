@@ -4,26 +4,26 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::{Analysis, Example, Keep, Plan, Pressed, Reached, Run, SweepError, run};
 
-/// The results of a sweep.
+/// Results of a sweep.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// The plan that was carried out; with a target, the final plan.
+    /// Plan that was carried out; with a target, the final plan.
     pub plan: Plan,
-    /// The loads of every run, in the order of the plan.
+    /// Loads of every run, in the order of the plan.
     pub runs: Vec<Vec<Pressed>>,
     /// kappa of every point, and the extrapolations.
     pub analysis: Analysis,
-    /// One contact with its fields, as an example.
+    /// Contact with its fields, as an example.
     pub example: Example,
 }
 
 impl Study {
     /// Carries out a plan. If its configuration has a target, surfaces are added in rounds until the target is met, or
-    /// no number of surfaces can meet it.
+    /// until no number of surfaces can meet it.
     ///
     /// # Errors
-    /// A contact that did not converge, a run that could not be kept, a model that the points cannot determine, an
-    /// interruption.
+    /// Returns an error if a contact does not converge, if a run cannot be kept, if the points cannot determine a
+    /// model, or after an interruption.
     pub fn new(mut plan: Plan, keep: &dyn Keep) -> Result<Self, SweepError> {
         let mut runs = run(&plan, keep)?;
         let mut analysis = Analysis::new(&plan, &runs)?;
@@ -38,7 +38,7 @@ impl Study {
     }
 }
 
-/// The plan of the next round, if there must be one.
+/// Returns the plan of the next round, if there must be one.
 fn next_round(plan: &Plan, analysis: &Analysis, keep: &dyn Keep) -> Result<Option<Plan>, SweepError> {
     let target = plan.config.statistics.target;
     let Some(reached) = (target > 0.0).then(|| Reached::new(plan, analysis, target)).flatten() else { return Ok(None) };
@@ -50,7 +50,7 @@ fn next_round(plan: &Plan, analysis: &Analysis, keep: &dyn Keep) -> Result<Optio
     Ok(Some(next))
 }
 
-/// The runs of earlier rounds, then those stored by `keep`.
+/// Runs of earlier rounds, then runs stored by `keep`.
 struct Later<'a> {
     known: Mutex<BTreeMap<(usize, u64), Vec<Pressed>>>,
     keep: &'a dyn Keep,

@@ -1,4 +1,4 @@
-//! The number of surfaces at each point needed for a target error of the result.
+//! Number of surfaces at each point for a target error of the result.
 
 use std::collections::BTreeMap;
 
@@ -7,31 +7,30 @@ use gfmd_fit::{Axis, Datum, Exponent, Settings, fit};
 use crate::analysis::settings;
 use crate::{Analysis, Area, Extrapolation, Plan};
 
-/// The largest factor by which a round increases the surfaces of a point, since the scatter is estimated from the
-/// existing ones.
+/// Largest growth of a point's number of surfaces in one round, since the scatter is estimated from the existing
+/// surfaces.
 const LARGEST_GROWTH: u64 = 4;
 
 /// Rounds aim at this fraction of the target, so that the scatter of the estimates does not cause many more rounds.
 const AIM: f64 = 0.95;
 
-/// The statistical error of the result of a sweep, relative to kappa_TFC, and the surfaces that lower it.
+/// Statistical error of the result of a sweep, relative to kappa_TFC, and the surfaces that lower it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
-    /// Half of the 95 % interval over kappa_TFC at the load of the result, the largest of all Hurst exponents.
+    /// Half of the 95 % interval divided by kappa_TFC at the load of the result, the largest of all Hurst exponents.
     pub relative: f64,
-    /// The number of surfaces of each point for the next round, none smaller than the current one. They equal the
-    /// current numbers if the target is met, or if no number of surfaces can meet it.
+    /// Number of surfaces of each point for the next round, none smaller than the current one. They equal the current
+    /// numbers if the target is met, or if no number of surfaces can meet it.
     pub surfaces: Vec<u64>,
 }
 
 impl Reached {
-    /// The error of an analysis of a plan, and the surfaces that reduce it to `target` with the least work.
+    /// Returns the error of an analysis of a plan, and the surfaces that reduce it to `target` with the least work;
+    /// `None` if a fit has no interval.
     ///
     /// The contribution of a point to the variance of kappa_TFC is its increase with half of the surfaces; it is
     /// inversely proportional to their number m. The least work for a sum of contributions W/m is at m ∝ √(W/work of a
     /// surface).
-    ///
-    /// `None` if a fit has no interval.
     pub fn new(plan: &Plan, analysis: &Analysis, target: f64) -> Option<Self> {
         let mut relative = 0.0_f64;
         let mut surfaces: Vec<u64> = (0..plan.points.len()).map(|point| plan.runs_of(point).len() as u64).collect();
@@ -77,7 +76,7 @@ fn grow(plan: &Plan, result: &Extrapolation, wanted: f64, surfaces: &mut [u64]) 
     }
     let now = |point: usize, surfaces: &[u64]| surfaces[point] as f64;
     let of_shares: f64 = shares.iter().map(|(point, share, _)| share / now(*point, surfaces)).sum();
-    // The part that no point alone contributes is taken to stay.
+    // The part that no single point contributes is assumed constant.
     let rest = (whole - of_shares).max(0.0);
     let number = |scale: f64, (point, share, work): &(usize, f64, f64)| {
         let least = now(*point, surfaces);
@@ -96,7 +95,7 @@ fn grow(plan: &Plan, result: &Extrapolation, wanted: f64, surfaces: &mut [u64]) 
     Some(())
 }
 
-/// The datum with the first half of its surfaces.
+/// Returns the datum with the first half of its surfaces.
 fn half(datum: &Datum) -> Datum {
     let first = |values: &BTreeMap<u64, f64>| -> BTreeMap<u64, f64> {
         values.iter().take(datum.kappa.len() / 2).map(|(seed, value)| (*seed, *value)).collect()

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Alpha;
 
-/// A visitor that accepts a number or one of `words`.
+/// Visitor that accepts a number or one of `words`.
 struct NumberOr<T: 'static> {
     words: &'static [(&'static str, T)],
     number: fn(f64) -> T,
@@ -54,7 +54,7 @@ impl Serialize for Alpha {
     }
 }
 
-/// The format of the height of a body: a number or `"inf"`.
+/// Format of a body height: a number or `"inf"`.
 pub(crate) mod height {
     use super::*;
 
@@ -70,7 +70,7 @@ pub(crate) mod height {
     }
 }
 
-/// The format of a base: its name.
+/// Format of a base: its name.
 pub(crate) mod base {
     use super::*;
 
@@ -84,7 +84,7 @@ pub(crate) mod base {
     }
 }
 
-/// The format of a solver: its name.
+/// Format of a solver: its name.
 pub(crate) mod solver {
     use super::*;
 

@@ -1,5 +1,5 @@
-//! Writes what the readers find in a file, for comparison with other programs: one JSON line for each height map, and
-//! its heights as `FOLDER/NUMBER.npy`.
+//! Writes the height maps that the readers find in a file, for comparison with other programs: one JSON line per height
+//! map, and its heights as `FOLDER/NUMBER.npy`.
 //!
 //! ```text
 //! cargo run --release -p gfmd-topography --example heights -- FILE FOLDER
@@ -58,7 +58,7 @@ fn write(file: &str, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A text as JSON writes it.
+/// Quotes a text as JSON.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for character in text.chars() {

@@ -1,12 +1,12 @@
-//! Reads damaged files of every format and tells their number.
+//! Reads damaged files of every format and prints their number.
 //!
 //! ```text
 //! cargo run -p gfmd-topography --example hostile -- --inputs 1000000 [--format NAME] [--first NUMBER] [--files FOLDER]
 //! ```
 //!
-//! Without `--release` overflows panic, too. `--files` adds the files of a folder to those that are damaged, those of
-//! up to 64 KiB; each counts for the format that reads it. Exit status 1 at the first file that makes a reader panic,
-//! that takes more memory than 4 times its size and its grid, or more than 20 seconds; the file is kept.
+//! Without `--release`, overflows panic as well. `--files` adds the files of a folder of up to 64 KiB to the valid
+//! files to damage; each counts for the format that reads it. The exit status is 1 at the first file that makes a
+//! reader panic, take more memory than 4 times its size and its grid, or more than 20 seconds; the file is kept.
 #![allow(clippy::print_stdout, reason = "the counts are the output")]
 
 #[path = "../tests/harness/mod.rs"]

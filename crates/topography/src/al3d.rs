@@ -1,8 +1,8 @@
 //! Alicona AL3D (`.al3d`): focus variation microscopes.
 //!
-//! Tags of 52 bytes: 20 of key, 30 of value, an end of line; then floats of 32 bits at the offset that a tag names,
-//! line by line, each line padded to a multiple of 8 bytes. Heights and pixels are in metres. Undefined points are NaN
-//! or a value that a tag names.
+//! Tags of 52 bytes (20 for the key, 30 for the value, and an end of line), then 32-bit floats at an offset given by a
+//! tag, line by line, with each line padded to a multiple of 8 bytes. Heights and pixel sizes are in metres. Undefined
+//! points are NaN or a value given by a tag.
 
 use std::io::Read;
 
@@ -14,10 +14,10 @@ pub(crate) const FORMAT: Format = Format { name: "Alicona AL3D", sniff, open, fi
 
 const MAGIC: &[u8] = b"AliconaImaging\0\r\n";
 
-/// Relative deviation from the value of undefined points that counts as rounding of that value's text.
+/// Relative deviation from the value of undefined points that counts as rounding of its text.
 const ROUNDING: f32 = 1.5e-7;
 
-/// Tags listed in the details, with their names there.
+/// Tags listed in the details, and their names there.
 const DETAILS: [(&str, &str); 4] = [
     ("CreatingApplication", "software"),
     ("ObjectiveName", "objective"),
@@ -86,11 +86,11 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Channel { name: "depth".into(), unit: Some("m".into()), points, read: Box::new(read) }.into())
 }
 
-/// The tags that are read, as key and value.
+/// Tags as keys and values.
 struct Tags(Vec<(String, String)>);
 
 impl Tags {
-    /// Adds a tag, in place of an earlier one with its key.
+    /// Adds a tag, replacing an earlier one with the same key.
     fn set(&mut self, tag: (String, String)) {
         self.0.retain(|(key, _)| *key != tag.0);
         self.0.push(tag);
@@ -106,10 +106,10 @@ impl Tags {
     }
 }
 
-/// The used bytes of padded lines.
+/// Reader of the used bytes of padded lines.
 struct Lines<'a> {
     data: &'a [u8],
-    /// Number of bytes of a line, and of those that are used.
+    /// Number of bytes of a line, and number of used bytes.
     line: usize,
     used: usize,
     at: usize,

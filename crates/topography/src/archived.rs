@@ -2,17 +2,17 @@
 //!
 //! Every dataset of numbers with one or two dimensions is a channel under its path, except coordinates (dimension
 //! scales). Without a name, the only dataset of two dimensions is read, else `/surface`, `/surface/height`, `/heights`,
-//! the signal that NeXus names, or the first one in a unit of length.
+//! the signal named by NeXus, or the first dataset in a unit of length.
 //!
-//! The first dimension is x, unless the dimensions are named `y` and `x` (dimension scales, labels, `axes` of NeXus) or
-//! only so agree with the numbers of coordinates. Sizes come from evenly spaced coordinates, in either direction, in
-//! the group of the dataset, units from the attributes `units` of each. Values follow from the numbers by the
-//! attributes of the CF conventions (`scale_factor`, `_FillValue`, `valid_range`, ...), or by the encoder in the group
-//! of a channel of JPK; integers in a unit of length without a scale are refused.
+//! The first dimension is x, unless the dimensions are named `y` and `x` (dimension scales, labels, NeXus `axes`), or
+//! only that order agrees with the numbers of coordinates. Sizes come from evenly spaced coordinates, in either
+//! direction, in the group of the dataset, units from the attribute `units` of each. Values follow from the numbers by
+//! the attributes of the CF conventions (`scale_factor`, `_FillValue`, `valid_range`, ...), or by the encoder in the
+//! group of a JPK channel. Integers in a unit of length without a scale are refused.
 //!
 //! In NetCDF-4, which is HDF5, SurfaceTopography writes the size as the attribute `length` of `x` and `y`, the unit as
-//! `unit`, and marks undefined points of `heights` in `mask`. Points in rows, one after the other, have their places in
-//! a dataset `Position_Values` or in the grid pattern of JPK.
+//! `unit`, and marks undefined points of `heights` in `mask`. Points stored in rows, one after the other, have their
+//! places in a dataset `Position_Values` or in the grid pattern of JPK.
 
 use ndarray::Array2;
 
@@ -26,17 +26,17 @@ use crate::stored::Hdf5;
 
 pub(crate) const FORMAT: Format = Format { name: "HDF5", sniff: File::is_hdf5, open, first_line: FirstLine::Bottom };
 
-/// The datasets that are read by default, if there are several.
+/// Datasets read by default if there are several.
 const USUAL: [&str; 3] = ["/surface", "/surface/height", "/heights"];
 
-/// Datasets with the places of points, which are no heights.
+/// Datasets with the places of points, which are not heights.
 const PLACES: &str = "Position_Values";
 const OF_PLACES: [&str; 4] = [PLACES, "Position_Indices", "Spectroscopic_Values", "Spectroscopic_Indices"];
 
-/// The largest number of frames of points in rows.
+/// Largest number of frames of points stored in rows.
 const MOST_FRAMES: usize = 100;
 
-/// The attributes of the grid of points of JPK.
+/// Prefix of the attributes of the JPK grid of points.
 const GRID: &str = "position-pattern.grid.";
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
@@ -84,17 +84,17 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Contents { default, ..channels.into() })
 }
 
-/// The group and the own name of a dataset.
+/// Splits the path of a dataset into its group and name.
 fn split(path: &str) -> (&str, &str) {
     path.rsplit_once('/').unwrap_or(("", path))
 }
 
-/// The groups around the members of `group`, from itself to the root.
+/// Returns `group` and the groups around it, up to the root.
 fn around(group: &str) -> impl Iterator<Item = &str> {
     std::iter::successors(Some(group), |group| group.rsplit_once('/').map(|(outer, _)| outer))
 }
 
-/// The dataset that the attributes `default` and `signal` of NeXus lead to, from the root.
+/// Follows the NeXus attributes `default` and `signal` from the root to a dataset.
 fn signal(reader: &Hdf5) -> Option<String> {
     let mut group = String::new();
     for _ in 0..8 {
@@ -108,16 +108,16 @@ fn signal(reader: &Hdf5) -> Option<String> {
     None
 }
 
-/// The dimensions of a dataset.
+/// Dimensions of a dataset.
 struct Axes {
     /// True if the first dimension is y.
     transposed: bool,
-    /// The paths of the coordinates x and y, if there are any.
+    /// Paths of the coordinates x and y, if any.
     coordinates: [Option<String>; 2],
 }
 
 impl Axes {
-    /// The dimensions of a dataset of numbers with this shape, `[n, 1]` of a profile.
+    /// Finds the dimensions of a dataset of numbers with this shape, `[n, 1]` for a profile.
     fn of(reader: &Hdf5, group: &str, name: &str, shape: [usize; 2]) -> Self {
         let mut names = reader.dimensions(group, name);
         if names.iter().all(Option::is_none) {
@@ -145,7 +145,7 @@ impl Axes {
         }
         let coordinate = |axis: usize| {
             let named = names[axis].clone().filter(|path| reader.contains(path));
-            // Numbers of points, angles and times along an axis are no size.
+            // Numbers of points, angles and times along an axis do not give a size.
             let is_size = |path: &String| unit_of(reader, path).is_some_and(|unit| is_length(&unit));
             let usual = usual[axis].clone();
             if named == usual { usual } else { named.filter(is_size).or(usual) }
@@ -153,7 +153,7 @@ impl Axes {
         Self { transposed, coordinates: [coordinate(0), coordinate(1)] }
     }
 
-    /// The size from the coordinates, with a negative length along an axis whose coordinates fall.
+    /// Returns the size from the coordinates, with a negative length along an axis of falling coordinates.
     fn sides(&self, reader: &Hdf5, points: [usize; 2]) -> Result<Option<Sides>, String> {
         let length = |axis: usize| -> Result<Option<f64>, String> {
             let Some(path) = &self.coordinates[axis] else { return Ok(None) };
@@ -180,7 +180,7 @@ impl Axes {
     }
 }
 
-/// The names of the dimensions in the attribute `axes` of a group of NeXus: several texts, or one with colons.
+/// Returns the names of the dimensions in the NeXus attribute `axes` of a group: several texts, or one with colons.
 fn nexus_axes(reader: &Hdf5, group: &str) -> Vec<Option<String>> {
     let group_path = if group.is_empty() { "/" } else { group };
     let axes = reader.attribute(group_path, "axes").ok().and_then(|axes| axes.read_strings().ok()).unwrap_or_default();
@@ -221,13 +221,13 @@ fn read(reader: &Hdf5, dataset: &str, stored: [usize; 2], axes: &Axes) -> Result
     Ok(Map { heights, lengths: Some(lengths), length_unit: unit, height_unit, notes, ..Map::default() })
 }
 
-/// A remark on the attributes that are not applied to floats.
+/// Returns a note on attributes that are not applied to floats.
 fn unapplied(packing: &Packing) -> Vec<String> {
     let names = packing.unknown.join(", ");
     if names.is_empty() { Vec::new() } else { vec![format!("the heights are taken as stored, not changed by {names}")] }
 }
 
-/// The conversion of the numbers of a dataset to heights, and their unit.
+/// Returns the conversion of the numbers of a dataset to heights, and their unit.
 ///
 /// # Errors
 /// Integers without a scale; two scales.
@@ -262,7 +262,7 @@ fn scale(reader: &Hdf5, dataset: &str) -> Result<(Packing, Option<String>), Stri
     Ok((packing, unit))
 }
 
-/// The scale of a channel of JPK, in attributes of its group: height = multiplier times number + offset.
+/// Scale of a JPK channel, in attributes of its group: height = multiplier times number + offset.
 struct Encoder {
     multiplier: f64,
     offset: f64,
@@ -270,7 +270,7 @@ struct Encoder {
 }
 
 impl Encoder {
-    /// The scale of physical values, else that of the signal.
+    /// Reads the scale of physical values, or else the scale of the signal.
     fn of(reader: &Hdf5, group: &str) -> Result<Option<Self>, String> {
         for encoder in ["net-encoder.scaling", "encoder.scaling"] {
             let number = |name: &str| reader.number_if_any(group, &format!("{encoder}.{name}"));
@@ -290,14 +290,14 @@ impl Encoder {
 #[derive(Clone)]
 struct Places {
     points: [usize; 2],
-    /// The dataset with the place of each row; without one, x runs fastest.
+    /// Dataset with the place of each row; without one, x runs fastest.
     values: Option<String>,
     lengths: Option<[f64; 2]>,
     unit: Option<String>,
 }
 
 impl Places {
-    /// The number of frames and the places of the points of a dataset in `group`, if they are stored in rows.
+    /// Finds the number of frames and the places of the points of a dataset in `group`, if they are stored in rows.
     fn of(reader: &Hdf5, group: &str, shape: &[usize], places: &[String]) -> Result<Option<(usize, Self)>, String> {
         let (rows, frames) = match *shape {
             [rows] => (rows, 1),
@@ -337,7 +337,7 @@ impl Places {
         Ok(None)
     }
 
-    /// The lattices of x and y.
+    /// Returns the lattices of x and y.
     fn axes(reader: &Hdf5, values: &str) -> Result<[Lattice; 2], String> {
         let places: Vec<f64> = reader.physical(values)?;
         let axis = |axis: usize| Lattice::of(places.iter().skip(axis).step_by(2).copied());
@@ -377,13 +377,13 @@ impl Places {
     }
 }
 
-/// A number as a count, if it is whole.
+/// Converts a number to a count if it is a whole number.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number that is not negative")]
 fn whole(number: f64) -> Option<usize> {
     (number >= 0.0 && number.fract() == 0.0 && number < 1e9).then_some(number as usize)
 }
 
-/// The unit of a dataset, of its encoder if it has one; "length" and "1" denote any consistent unit.
+/// Returns the unit of a dataset, or of its encoder if it has one; "length" and "1" denote any consistent unit.
 fn unit_of(reader: &Hdf5, dataset: &str) -> Option<String> {
     let (group, _) = split(dataset);
     let of_encoder = || Encoder::of(reader, group).ok().flatten().and_then(|encoder| encoder.unit);

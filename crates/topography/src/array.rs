@@ -1,4 +1,4 @@
-//! Arrays of NumPy, `.npy`: `[x, y]` or `[x]`, without sizes and units.
+//! NumPy arrays, `.npy`: `[x, y]` or `[x]`, without sizes and units.
 
 use crate::npy::{self, Header};
 
@@ -21,7 +21,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Channel { name: String::new(), unit: None, points: grid.points, read: Box::new(read) }.into())
 }
 
-/// The grid of an array `[x, y]`, which NumPy stores with y running fastest unless the header says otherwise.
+/// Returns the grid of an array `[x, y]`, stored with y running fastest unless the header says otherwise.
 pub(crate) fn grid(header: &Header) -> Result<Grid, String> {
     let number = &header.number;
     let sample = match (number.kind, number.size) {

@@ -1,4 +1,4 @@
-//! Archives of NumPy, `.npz`: several arrays under names.
+//! NumPy archives, `.npz`: several named arrays.
 
 use std::io::Read;
 
@@ -12,7 +12,7 @@ use crate::npy::Header;
 pub(crate) const FORMAT: Format =
     Format { name: "NumPy archive", sniff: is_archive, open: open_archive, first_line: FirstLine::Bottom };
 
-/// The largest number of bytes of a header; NumPy writes at most 64 KiB.
+/// Largest number of bytes of a header; NumPy writes at most 64 KiB.
 const HEADER: u64 = 1 << 16;
 
 fn is_archive(file: &File) -> bool {

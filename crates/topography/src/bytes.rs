@@ -1,4 +1,4 @@
-//! Reading of numbers and texts from the bytes of a file, each read checked against its end.
+//! Reading of numbers and texts from the bytes of a file; each read is checked against the end.
 
 use std::io::Read;
 
@@ -7,13 +7,13 @@ use ndarray::Array2;
 /// Order of the bytes of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
-    /// The lowest byte comes first.
+    /// Lowest byte first.
     Little,
-    /// The highest byte comes first.
+    /// Highest byte first.
     Big,
 }
 
-/// A position in the bytes of a file.
+/// Position in the bytes of a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bytes<'a> {
     all: &'a [u8],
@@ -35,17 +35,17 @@ macro_rules! number {
 }
 
 impl<'a> Bytes<'a> {
-    /// A position at the start of `all`, whose numbers have the given order.
+    /// Creates a position at the start of `all`, which has numbers of the given byte order.
     pub(crate) fn new(all: &'a [u8], order: Order) -> Self {
         Self { all, at: 0, order }
     }
 
-    /// Number of bytes before the position.
+    /// Returns the number of bytes before the position.
     pub(crate) fn at(&self) -> usize {
         self.at
     }
 
-    /// Number of bytes from the position to the end.
+    /// Returns the number of bytes from the position to the end.
     pub(crate) fn left(&self) -> usize {
         self.all.len() - self.at
     }
@@ -77,7 +77,7 @@ impl<'a> Bytes<'a> {
         self.take(count).map(|_| ())
     }
 
-    /// Returns the text in the next `count` bytes, up to the first byte that is zero and without blanks around it.
+    /// Returns the text in the next `count` bytes, up to the first zero byte and without surrounding blanks.
     pub(crate) fn text(&mut self, count: usize) -> Result<String, String> {
         self.take(count).map(text)
     }
@@ -85,10 +85,10 @@ impl<'a> Bytes<'a> {
     number!(u8, u16, i16, u32, i32, u64, i64, f32, f64);
 }
 
-/// The largest number of height maps of a file, since each needs more memory than its entry has bytes.
+/// Largest number of height maps of a file, since each needs more memory than its entry in the file.
 pub(crate) const MOST_CHANNELS: usize = 1000;
 
-/// Decodes bytes as UTF-8 if they are valid, otherwise as Latin-1; ends at the first byte that is zero.
+/// Decodes bytes up to the first zero byte, as UTF-8 if they are valid, otherwise as Latin-1.
 pub(crate) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     match std::str::from_utf8(&bytes[..end]) {
@@ -113,7 +113,7 @@ pub(crate) enum Sample {
 }
 
 impl Sample {
-    /// Number of bytes of one number.
+    /// Returns the number of bytes of one number.
     pub(crate) fn size(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -123,7 +123,7 @@ impl Sample {
         }
     }
 
-    /// Decodes the number in `bytes`, which must be as many as `size`.
+    /// Decodes the number in `bytes`, which must have the length `size`.
     #[expect(clippy::cast_possible_truncation, reason = "the lowest bits of a word are the number")]
     pub(crate) fn decode(self, bytes: &[u8], order: Order) -> f64 {
         let mut word = [0; 8];
@@ -154,7 +154,7 @@ pub(crate) enum Layout {
     Columns,
 }
 
-/// A grid of numbers as a file stores it.
+/// Grid of numbers as stored in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Grid {
     /// Number of points along x and y.
@@ -167,7 +167,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Number of bytes of all numbers.
+    /// Returns the number of bytes of all numbers.
     pub(crate) fn bytes(&self) -> Result<usize, String> {
         let [nx, ny] = self.points;
         if nx == 0 || ny == 0 {
@@ -201,7 +201,7 @@ impl Grid {
         mut stream: impl Read,
         height: impl Fn(f64) -> f64,
     ) -> Result<Array2<f64>, String> {
-        // Deflate makes at most 1032 bytes from one.
+        // Deflate expands a byte to at most 1032 bytes.
         const LARGEST_RATIO: usize = 1032;
         let needed = self.bytes()?;
         let most = compressed.saturating_mul(LARGEST_RATIO);
@@ -220,7 +220,7 @@ impl Grid {
         }
     }
 
-    /// Reads the grid from a stream that has all its bytes as heights `[x, y]`, each converted by `height`.
+    /// Reads the grid from a stream with all its bytes as heights `[x, y]`, each converted by `height`.
     pub(crate) fn decode(&self, mut stream: impl Read, height: impl Fn(f64) -> f64) -> Result<Array2<f64>, String> {
         let ([nx, ny], size) = (self.points, self.sample.size());
         let mut heights = Vec::new();
@@ -265,7 +265,7 @@ pub(crate) fn clip(text: &str) -> String {
     text.chars().take(40).collect()
 }
 
-/// Returns `value` if it is a positive finite number, otherwise an error that names it.
+/// Returns `value` if it is a positive finite number, otherwise an error with its name.
 pub(crate) fn positive(name: &str, value: f64) -> Result<f64, String> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
@@ -274,12 +274,12 @@ pub(crate) fn positive(name: &str, value: f64) -> Result<f64, String> {
     }
 }
 
-/// Returns `value` as the number of points of one side of a grid if it is positive, otherwise an error that names it.
+/// Returns `value` as the number of points along a side of a grid if it is positive, otherwise an error with its name.
 pub(crate) fn count(name: &str, value: impl TryInto<usize> + Copy + std::fmt::Display) -> Result<usize, String> {
     value.try_into().ok().filter(|&count| count > 0).ok_or_else(|| format!("{name} is {value}; it must be at least 1"))
 }
 
-/// The lines of a text, which end with LF, CR LF, or CR.
+/// Splits a text into lines, which end with LF, CR LF, or CR.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {

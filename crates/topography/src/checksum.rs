@@ -1,4 +1,4 @@
-//! Checksums of files and arrays: SHA-256, as `sha256sum` prints it.
+//! Checksums of files and arrays: SHA-256, as printed by `sha256sum`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -7,12 +7,12 @@ use sha2::{Digest, Sha256};
 
 use crate::Input;
 
-/// An incremental checksum of bytes.
+/// Incremental checksum of bytes.
 #[derive(Clone, Default)]
 pub struct Checksum(Sha256);
 
 impl Checksum {
-    /// The SHA-256 of a file.
+    /// Computes the SHA-256 of a file.
     ///
     /// # Errors
     /// A file that cannot be read, is not regular, or changes while it is read.
@@ -20,14 +20,14 @@ impl Checksum {
         Input::settled(path)?.checksum()
     }
 
-    /// The SHA-256 of bytes.
+    /// Computes the SHA-256 of bytes.
     pub fn of_bytes(bytes: &[u8]) -> String {
         let mut sum = Self::default();
         sum.bytes(bytes);
         sum.text()
     }
 
-    /// The SHA-256 of numbers, of eight bytes each, the least significant first.
+    /// Computes the SHA-256 of numbers, as eight bytes each, least significant first.
     pub fn of_numbers(numbers: impl IntoIterator<Item = f64>) -> String {
         let mut sum = Self::default();
         numbers.into_iter().for_each(|number| sum.bytes(&number.to_le_bytes()));
@@ -39,10 +39,10 @@ impl Checksum {
         self.0.update(bytes);
     }
 
-    /// The checksum as 64 hexadecimal digits.
+    /// Returns the checksum as 64 hexadecimal digits.
     pub fn text(self) -> String {
         self.0.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
-            let _ = write!(text, "{byte:02x}"); // A string takes any text.
+            let _ = write!(text, "{byte:02x}"); // Writing to a string cannot fail.
             text
         })
     }

@@ -1,8 +1,8 @@
 //! Containers of contact.engineering: zip archives with `meta.yml` and the data files of several measurements.
 //!
-//! Every topography is a channel under its name. Its data file, the original before one in NetCDF, is read by its own
-//! format; sizes, unit and the factor of the heights are taken from `meta.yml` where the data file has none. Filters
-//! named there (detrending, filling) are not applied.
+//! Every topography is a channel under its name. Its data file, preferably the original and else the NetCDF file, is
+//! read in its own format. Sizes, unit and height factor are taken from `meta.yml` where the data file has none.
+//! Filters named there (detrending, filling) are not applied.
 
 use std::collections::BTreeMap;
 
@@ -81,7 +81,7 @@ fn open_inner(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
 }
 
 impl Measurement {
-    /// The channel of a measurement: its data file is read to list its points, and again to decode them.
+    /// Lists a measurement as a channel. Its data file is read to list the points, and again to decode them.
     fn channel<'a>(&self, file: &'a File, zip: &mut Zip) -> Result<Channel<'a>, String> {
         let preferred = ["original", "squeezed-netcdf"].iter().find_map(|key| self.datafile.get(*key));
         let entry = preferred.ok_or_else(|| {
@@ -101,8 +101,7 @@ impl Measurement {
                 let unit = unit.or_else(|| self.unit.clone());
                 Channel { name, unit, points, read: Box::new(move || whole.read(file, &entry)) }
             }
-            // A measurement in a format that is not read stands in the list, so that the numbers of the others are
-            // those of the container.
+            // A measurement in an unknown format is listed too, so that the other measurements keep their numbers.
             Err(error) => Channel {
                 name,
                 unit: self.unit.clone(),
@@ -112,7 +111,7 @@ impl Measurement {
         })
     }
 
-    /// The number of the channel in the data file.
+    /// Returns the number of the channel in the data file.
     fn choose(&self, contents: &Contents, entry: &str) -> Result<usize, String> {
         let number = self.data_source.or(contents.default).unwrap_or(0);
         match number < contents.channels.len() {
@@ -143,7 +142,7 @@ impl Measurement {
                 [x, y, ..] => Some([x, y]),
                 [] => None,
             };
-            // The size of meta.yml is in its unit, whatever that of the heights in the data file.
+            // The size in meta.yml has its own unit, independent of the unit of the heights in the data file.
             map.length_unit = map.lengths.and(self.unit.clone());
         }
         if !has_unit && !scaled {

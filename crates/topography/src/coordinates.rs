@@ -5,14 +5,14 @@ use ndarray::{Array2, Axis};
 /// Relative deviation of a coordinate from even spacing that counts as rounding.
 const EVEN: f64 = 1e-6;
 
-/// The largest error of a step, in spacings, that rounded coordinates may have.
+/// Largest error of a step of rounded coordinates, in spacings.
 const MOST_ROUNDING: f64 = 0.1;
 
-/// The largest distance of a coordinate from its point of a lattice, in spacings.
+/// Largest distance of a coordinate from its lattice point, in spacings.
 const OFF: f64 = 1e-3;
 
-/// Splits `FILE.h5:/dataset` into path and dataset; the dataset is empty for the name of an HDF5 file. `None` for any
-/// other name.
+/// Splits `FILE.h5:/dataset` into path and dataset; the dataset is empty for the name of an HDF5 file. Returns `None`
+/// for any other name.
 pub fn split(name: &str) -> Option<(&str, &str)> {
     let is_archive = |path: &str| {
         let path = path.to_ascii_lowercase();
@@ -25,11 +25,11 @@ pub fn split(name: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// Units of lengths that denote any consistent unit.
+/// Units of length that denote any consistent unit.
 pub const CONSISTENT: [&str; 3] = ["", "1", "length"];
 
-/// Cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. `values` returns those of
-/// a dataset, or `None` if there is no such dataset. The second length of a profile is 1 and has no meaning.
+/// Computes cell lengths from evenly spaced coordinates `x` and `y` in the group of a dataset, if any. `values` returns
+/// the values of a dataset, or `None` if it does not exist. The second length of a profile is 1 and has no meaning.
 ///
 /// # Errors
 /// Coordinates that are unevenly spaced.
@@ -48,8 +48,8 @@ pub fn lengths(
     Ok(length("x", nx)?.zip(along_y).map(|(x, y)| [x, y]))
 }
 
-/// The period of n evenly spaced coordinates, n times the spacing, negative if they fall; `None` if the number of
-/// coordinates is not n. Each coordinate has an error of `rounding`.
+/// Returns the period of n evenly spaced coordinates, n times the spacing, negative if they fall. Returns `None` if the
+/// number of coordinates is not n. Each coordinate has an error of `rounding`.
 pub(crate) fn evenly_spaced(
     coordinates: &[f64],
     points: usize,
@@ -71,8 +71,8 @@ pub(crate) fn evenly_spaced(
     }
 }
 
-/// Sizes along x and y from their periods, of which a negative one belongs to falling coordinates: the heights are
-/// turned so that these rise. Returns a remark on it for each such axis.
+/// Makes negative lengths, which belong to falling coordinates, positive, and reverses the heights so that coordinates
+/// rise. Returns a note for each such axis.
 pub(crate) fn rising(heights: &mut Array2<f64>, lengths: &mut [f64; 2]) -> Vec<String> {
     let falling = [("x", 0), ("y", 1)].into_iter().filter(|(_, axis)| lengths[*axis] < 0.0);
     let notes = falling.map(|(name, axis)| {
@@ -84,7 +84,7 @@ pub(crate) fn rising(heights: &mut Array2<f64>, lengths: &mut [f64; 2]) -> Vec<S
     notes
 }
 
-/// A lattice of evenly spaced coordinates along one axis.
+/// Lattice of evenly spaced coordinates along one axis.
 pub(crate) struct Lattice {
     first: f64,
     pub(crate) step: f64,
@@ -92,7 +92,7 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// The lattice of coordinates in any order, each of which occurs any number of times; `None` if there is none.
+    /// Finds the lattice of coordinates in any order, each with any number of occurrences; `None` if there is none.
     pub(crate) fn of(coordinates: impl Iterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = coordinates.collect();
         sorted.sort_by(f64::total_cmp);
@@ -105,7 +105,7 @@ impl Lattice {
         (step > 0.0 && sorted.iter().enumerate().all(on_lattice)).then_some(Self { first, step, count })
     }
 
-    /// The number of a coordinate of the lattice.
+    /// Returns the index of a coordinate on the lattice.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a coordinate begins at the first")]
     pub(crate) fn index(&self, coordinate: f64) -> usize {
         (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1)

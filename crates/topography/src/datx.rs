@@ -1,8 +1,8 @@
 //! Zygo Mx (`.datx`): interferometers of Zygo. The container is HDF5.
 //!
-//! `/MetaData` is a list of (source, link, destination); the links `Root`, `Measurement`, `Surface`, `Path` lead to the
-//! name of the dataset of heights, whose rows run along x. Its attribute `Unit` is the unit of the heights, `No Data`
-//! the value of undefined points, and the second parameter of `X Converter` and `Y Converter` the spacing in metres.
+//! `/MetaData` is a list of (source, link, destination). The links `Root`, `Measurement`, `Surface`, `Path` lead to the
+//! name of the dataset of heights, with rows along x. Its attribute `Unit` is the unit of the heights, `No Data` the
+//! value of undefined points, and the second parameter of `X Converter` and `Y Converter` the spacing in metres.
 
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map};
@@ -38,7 +38,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Channel { name, unit: Some(unit), points, read: Box::new(read) }.into())
 }
 
-/// The destination of a link.
+/// Returns the destination of a link.
 fn follow(links: &[Vec<Field>], from: &str, name: &str) -> Result<String, String> {
     let text = |field: &Field, wanted: &str| matches!(field, Field::Text(text) if text == wanted);
     let found = links.iter().rev().find_map(|link| match &link[..] {
@@ -77,7 +77,7 @@ fn read(reader: &Hdf5, path: &str, points: [usize; 2], unit: String) -> Result<M
     })
 }
 
-/// The category, the unit and the parameters of a converter.
+/// Reads the category, unit and parameters of a converter.
 fn converter(reader: &Hdf5, path: &str, name: &str) -> Result<(String, String, Vec<f64>), String> {
     let records = records(reader, path, Some(name))?;
     match records.into_iter().next().as_deref() {
@@ -88,7 +88,7 @@ fn converter(reader: &Hdf5, path: &str, name: &str) -> Result<(String, String, V
     }
 }
 
-/// The spacing of the points in metres.
+/// Returns the spacing of the points in metres.
 fn spacing(reader: &Hdf5, path: &str, name: &str) -> Result<f64, String> {
     match converter(reader, path, name)? {
         (category, unit, parameters) if category == "LateralCat" && unit == "Pixels" && parameters.len() > 1 => {

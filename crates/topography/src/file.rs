@@ -1,4 +1,4 @@
-//! The bytes of an input file, on disk or in memory.
+//! Bytes of an input file, on disk or in memory.
 
 use std::sync::OnceLock;
 
@@ -7,10 +7,10 @@ use crate::input::MOST_BYTES;
 use crate::stored::Hdf5;
 use crate::{Checksum, Input};
 
-/// The number of bytes from which the format is recognised.
+/// Number of bytes used to recognise the format.
 const HEAD: usize = 1 << 16;
 
-/// A file or an entry of one. A file on disk is read when its bytes are needed, at most once.
+/// File or entry of a file. A file on disk is read when its bytes are needed, at most once.
 pub(crate) struct File {
     input: Option<Input>,
     head: Vec<u8>,
@@ -28,14 +28,14 @@ impl File {
         Ok(Self { input: Some(input), head, whole: OnceLock::new() })
     }
 
-    /// A file whose bytes are in memory.
+    /// Creates a file from bytes in memory.
     pub(crate) fn from_bytes(bytes: Vec<u8>) -> Self {
         let file = Self { input: None, head: Vec::new(), whole: OnceLock::new() };
         file.whole.get_or_init(|| bytes);
         file
     }
 
-    /// The first 64 KiB, or all bytes of a shorter file.
+    /// Returns the first 64 KiB, or all bytes of a shorter file.
     pub(crate) fn head(&self) -> &[u8] {
         match self.whole.get() {
             Some(whole) => &whole[..whole.len().min(HEAD)],
@@ -43,7 +43,7 @@ impl File {
         }
     }
 
-    /// The number of bytes.
+    /// Returns the number of bytes.
     pub(crate) fn length(&self) -> u64 {
         self.input.as_ref().map_or(self.head().len() as u64, Input::length)
     }
@@ -52,7 +52,7 @@ impl File {
         self.head().starts_with(magic)
     }
 
-    /// All bytes.
+    /// Returns all bytes.
     pub(crate) fn bytes(&self) -> Result<&[u8], String> {
         if let (None, Some(input)) = (self.whole.get(), &self.input) {
             let whole = input.bytes(MOST_BYTES).map_err(text)?;
@@ -70,7 +70,7 @@ impl File {
         }
     }
 
-    /// The SHA-256 of the bytes that were read.
+    /// Computes the SHA-256 of the bytes that were read.
     ///
     /// # Errors
     /// A file on disk that was changed in place since it was opened.
@@ -81,14 +81,14 @@ impl File {
         self.bytes().map(Checksum::of_bytes)
     }
 
-    /// The reason why the file could not be decoded: its change while it was read, or `found`.
+    /// Returns the reason for a decoding error: a change of the file while it was read, or else `found`.
     pub(crate) fn cause(&self, found: String) -> String {
         let parts_are_read = self.whole.get().is_none();
         let changed = self.input.as_ref().filter(|_| parts_are_read).and_then(|input| input.check_unchanged().err());
         changed.map_or(found, text)
     }
 
-    /// True if the file begins like an HDF5 file without a user block.
+    /// Returns true if the file begins like an HDF5 file without a user block.
     pub(crate) fn is_hdf5(&self) -> bool {
         self.starts_with(b"\x89HDF\r\n\x1a\n")
     }

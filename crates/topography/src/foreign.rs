@@ -1,15 +1,15 @@
-//! Formats that are known and not read, by their contents, each with the way out.
+//! Formats that are recognised but not read, each with advice on conversion.
 
 use crate::file::File;
 #[cfg(feature = "zip")]
 use crate::zipped::Zip;
 
-/// The ways out.
+/// Advice on conversion.
 const AS_SURFACE: &str = "export the heights from the program that wrote it as X3P, text or .sur";
 const AS_ARRAY: &str = "write the heights with numpy.save as .npy, or as text";
 const UNPACK: &str = "unpack it and give the file inside";
 
-/// Names of formats by their first bytes, and the way out.
+/// First bytes of a file, name of the format, and advice.
 const FIRST_BYTES: [(&[u8], &str, &str); 49] = [
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
     (b"VK3_", "Keyence VK3", "export the heights as CSV from its program"),
@@ -62,7 +62,7 @@ const FIRST_BYTES: [(&[u8], &str, &str); 49] = [
     (b"\x7fELF", "program", AS_ARRAY),
 ];
 
-/// The same of members of zip archives, by the beginning or the end of a name.
+/// Beginning or end of a member's name in a zip archive, name of the format, and advice.
 #[cfg(feature = "zip")]
 const MEMBERS: [(&str, &str, &str); 9] = [
     ("xl/", "Excel workbook (.xlsx)", "save the sheet of the heights as CSV"),
@@ -76,7 +76,7 @@ const MEMBERS: [(&str, &str, &str); 9] = [
     (".lext", "Olympus LEXT", AS_SURFACE),
 ];
 
-/// The refusal of a file in a format that is known and not read; `None` of any other file.
+/// Returns the error message for a file in a format that is recognised but not read, or `None` for any other file.
 pub(crate) fn refusal(file: &File) -> Option<String> {
     let head = file.head();
     let (name, way) = first_bytes(head)
@@ -91,7 +91,7 @@ fn first_bytes(head: &[u8]) -> Option<(&'static str, &'static str)> {
     FIRST_BYTES.iter().find(|(magic, ..)| bare.starts_with(magic)).map(|(_, name, way)| (*name, *way))
 }
 
-/// Formats whose mark is not at the beginning.
+/// Recognises formats with a mark that is not at the beginning.
 fn deeper(head: &[u8], length: u64) -> Option<(&'static str, &'static str)> {
     let at = |from: usize, mark: &[u8]| head.get(from..from + mark.len()) == Some(mark);
     let number = |from: usize| Some(u32::from_le_bytes(head.get(from..from + 4)?.try_into().ok()?));
@@ -110,7 +110,7 @@ fn deeper(head: &[u8], length: u64) -> Option<(&'static str, &'static str)> {
     if is_binary || text {
         return Some(mesh);
     }
-    // RHK has its mark in 16 bits behind a size.
+    // RHK has its mark in 16-bit characters after a size.
     at(2, b"S\0T\0i\0M\0a\0g\0e\0").then_some(("RHK SM4", "export the heights from Gwyddion as .gsf or text"))
 }
 
@@ -128,7 +128,7 @@ fn archive(_file: &File) -> Option<(&'static str, &'static str)> {
     None
 }
 
-/// Texts that hold numbers in the notation of a language.
+/// Recognises texts with numbers in the notation of a language.
 fn written(head: &[u8]) -> Option<&'static str> {
     let text = String::from_utf8_lossy(head);
     let text = text.trim_start_matches('\u{feff}').trim_start();

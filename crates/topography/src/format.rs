@@ -1,23 +1,23 @@
-//! The interface of the reader of a format: recognition of its files, their channels, and the heights of a channel.
+//! Interface of format readers: recognition of files, their channels, and the heights of a channel.
 
 use ndarray::{Array2, Axis};
 
 use super::file::File;
 use super::unit;
 
-/// A format of height maps.
+/// Format of height maps.
 pub(crate) struct Format {
-    /// The name in messages and output.
+    /// Name in messages and output.
     pub name: &'static str,
-    /// Returns true if the contents of a file have this format. Text formats come last and accept all other files.
+    /// Returns true if the content of a file has this format. Text formats come last and accept all other files.
     pub sniff: fn(&File) -> bool,
     /// Lists the channels that are height maps, without decoding them.
     pub open: for<'a> fn(&'a File) -> Result<Contents<'a>, String>,
-    /// The side of the picture with the line j = 0 of a decoded map.
+    /// Side of the picture with the line j = 0 of a decoded map.
     pub first_line: FirstLine,
 }
 
-/// A side of the picture that the instrument shows.
+/// Side of the picture shown by the instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FirstLine {
     Top,
@@ -25,7 +25,7 @@ pub(crate) enum FirstLine {
 }
 
 impl Format {
-    /// Turns a decoded map so that its y points up in the picture.
+    /// Flips a decoded map so that y points up in the picture.
     pub(crate) fn upright(&self, map: &mut Map) {
         if self.first_line == FirstLine::Top {
             map.heights.invert_axis(Axis(1));
@@ -33,19 +33,19 @@ impl Format {
     }
 }
 
-/// The channels of a file that are height maps, in the order of the file; at least one.
+/// Channels of a file that are height maps, in file order; at least one.
 pub(crate) struct Contents<'a> {
     pub channels: Vec<Channel<'a>>,
-    /// The channel that is read if none is named; `None` if one must be named.
+    /// Channel read if none is named; `None` if one must be named.
     pub default: Option<usize>,
-    /// Other names of channels, by their numbers.
+    /// Other names of channels, with the channel numbers.
     pub aliases: Vec<(usize, String)>,
-    /// Doubts about the file.
+    /// Warnings about the file.
     pub warnings: Vec<String>,
 }
 
 impl<'a> From<Vec<Channel<'a>>> for Contents<'a> {
-    /// The first channel is the default.
+    /// Makes the first channel the default.
     fn from(channels: Vec<Channel<'a>>) -> Self {
         Self { channels, default: Some(0), aliases: Vec::new(), warnings: Vec::new() }
     }
@@ -57,37 +57,36 @@ impl<'a> From<Channel<'a>> for Contents<'a> {
     }
 }
 
-/// A height map in a file, not yet decoded.
+/// Height map in a file, not yet decoded.
 pub(crate) struct Channel<'a> {
-    /// The name in the file; empty if it has none.
+    /// Name in the file; empty if it has none.
     pub name: String,
-    /// The unit of the heights.
+    /// Unit of the heights.
     pub unit: Option<String>,
-    /// The number of points along x and y; a profile has 1 along y.
+    /// Number of points along x and y, 1 along y for a profile.
     pub points: [usize; 2],
-    /// Decodes the heights. The reader has checked that the file has the bytes for them before it allocates.
+    /// Decodes the heights. The reader has checked that the file holds their bytes before memory is allocated.
     pub read: Box<dyn FnOnce() -> Result<Map, String> + 'a>,
 }
 
-/// The first of the channels with these numbers in a unit of length, else the first one without a unit, else the first.
+/// Returns the first of the channels `among` in a unit of length, else the first without a unit, else the first.
 pub(crate) fn first_height(channels: &[Channel], among: &[usize]) -> Option<usize> {
     let first = |has: &dyn Fn(Option<&str>) -> bool| among.iter().find(|k| has(channels[**k].unit.as_deref())).copied();
     let length = first(&|unit| unit.is_some_and(unit::is_length));
     length.or_else(|| first(&|unit| unit.is_none())).or_else(|| among.first().copied())
 }
 
-/// A decoded channel, in the units of the file.
+/// Decoded channel, in the units of the file.
 #[derive(Debug, Default)]
 pub(crate) struct Map {
     /// Heights `[x, y]` in `height_unit`; not finite where undefined.
     pub heights: Array2<f64>,
-    /// Size of the scanned field along x and y in `length_unit`, n times the spacing. The second size of a profile
-    /// is 1.
+    /// Size of the scanned field along x and y in `length_unit`, n times the spacing; 1 along y for a profile.
     pub lengths: Option<[f64; 2]>,
     pub length_unit: Option<String>,
     pub height_unit: Option<String>,
-    /// Entries of the file about instrument and measurement: key and value.
+    /// Details of the instrument and measurement: key and value.
     pub details: Vec<(String, String)>,
-    /// Remarks of the reader.
+    /// Notes of the reader.
     pub notes: Vec<String>,
 }

@@ -1,7 +1,7 @@
-//! Files of Gwyddion: `.gwy`, a tree of typed components, and `.gsf`, a header of text before single-precision numbers.
+//! Files of Gwyddion: `.gwy`, a tree of typed components, and `.gsf`, a text header before single-precision numbers.
 //!
-//! Sizes are those of the whole field, n times the spacing. The first row of the file, the top of Gwyddion's image, is
-//! at j = 0. Points under the mask of a channel are undefined.
+//! Sizes are of the whole field, n times the spacing. The first row of the file, the top of Gwyddion's image, is at j =
+//! 0. Points under the mask of a channel are undefined.
 
 use super::bytes::{Bytes, Grid, Layout, MOST_CHANNELS, Order, Sample, clip, positive, text};
 use super::file::File;
@@ -18,27 +18,27 @@ pub(crate) const GSF: Format = Format {
     first_line: FirstLine::Top,
 };
 
-/// The first line of a simple field.
+/// First line of a simple field.
 const SIMPLE: &[u8] = b"Gwyddion Simple Field 1.0";
 
-/// The largest depth of nested objects that is searched; a channel has three.
+/// Maximum depth of nested objects; a channel needs three.
 const DEPTH: usize = 8;
 
-/// The largest number of components of all objects.
+/// Maximum number of components of all objects.
 const MOST_COMPONENTS: usize = 20_000;
 
-/// The value of a component, as far as height maps need it.
+/// Value of a component, as far as height maps need it.
 enum Value<'a> {
     Whole(i64),
     Real(f64),
     Text(&'a [u8]),
-    /// The bytes of real numbers.
+    /// Bytes of real numbers.
     Reals(&'a [u8]),
     Object(Object<'a>),
     Other,
 }
 
-/// Components by name, in the order of the file.
+/// Components by name, in file order.
 struct Object<'a>(Vec<(&'a [u8], Value<'a>)>);
 
 impl<'a> Object<'a> {
@@ -60,7 +60,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// The unit of an axis, if there is one.
+    /// Returns the unit of an axis, if any.
     fn unit(&self, axis: &str) -> Option<String> {
         self.object(axis)?.text("unitstr").filter(|unit| !unit.is_empty())
     }
@@ -100,7 +100,7 @@ fn listed(names: &[String]) -> String {
     if names.is_empty() { "no channels".into() } else { names.join(", ") }
 }
 
-/// The texts of the metadata of a channel.
+/// Returns the texts of the metadata of a channel.
 fn metadata(object: &Object) -> Vec<(String, String)> {
     let texts = object.0.iter().filter_map(|(key, value)| match value {
         Value::Text(value) => Some((text(key), text(value))),
@@ -145,7 +145,7 @@ fn channel<'a>(
     Ok(Channel { name, unit, points: grid.points, read: Box::new(read) })
 }
 
-/// The grid of a data field and the bytes of its numbers, of which there are enough.
+/// Returns the grid of a data field and the bytes of its numbers, checked to be enough.
 fn numbers<'a>(field: &Object<'a>, name: &str) -> Result<(Grid, &'a [u8]), String> {
     let points = |key: &str| match field.get(key) {
         Some(Value::Whole(points)) => super::bytes::count(key, *points),
@@ -179,7 +179,7 @@ fn object<'a>(bytes: &mut Bytes<'a>, depth: usize, left: &mut usize) -> Result<O
     Ok(Object(components))
 }
 
-/// A text that ends with a zero byte.
+/// Reads a text that ends with a zero byte.
 fn name<'a>(bytes: &mut Bytes<'a>) -> Result<&'a [u8], String> {
     let mut ahead = *bytes;
     let rest = ahead.take(ahead.left())?;
@@ -274,7 +274,7 @@ fn open_gsf(file: &File) -> Result<Contents<'_>, String> {
         return Err(format!("the numbers are in {}; they must be heights in a unit of length", clip(unit)));
     }
     let name = take("Title").unwrap_or_default();
-    // One to four zero bytes fill the header up to a multiple of four.
+    // The header is padded to a multiple of four with one to four zero bytes.
     let start = (end / 4 + 1) * 4;
     let data = bytes.get(start..).unwrap_or_default();
     let grid = Grid { points, sample: Sample::F32, order: Order::Little, layout: Layout::Lines, backwards: [false; 2] };

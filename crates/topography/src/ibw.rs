@@ -1,8 +1,8 @@
 //! Igor binary waves (`.ibw`): images of Asylum Research, and arrays of Igor Pro, versions 1, 2, 3 and 5, either
 //! endian.
 //!
-//! Version 5 has up to four dimensions, stored with the first running fastest: x, y (from the bottom), and the channel,
-//! whose names are the labels of that dimension. A wave of two dimensions is one image if it is square or both its
+//! Version 5 has up to four dimensions, stored with the first running fastest: x, y (from the bottom), and the channel;
+//! channel names are the labels of the last. A wave of two dimensions is one image if it is square or both its
 //! dimensions are lengths, otherwise a set of curves; older versions have curves only. Asylum Research writes the unit
 //! of the first channel for all of them; the unit of a channel then follows from its name.
 
@@ -15,14 +15,14 @@ use super::unit::{self, Sides};
 
 pub(crate) const FORMAT: Format = Format { name: "Igor binary wave", sniff, open, first_line: FirstLine::Top };
 
-/// Number of bytes of the header of the wave, in version 5 and before.
+/// Number of bytes of the wave header, in version 5 and before.
 const WAVE_5: usize = 320;
 const WAVE_2: usize = 110;
 
-/// Prefixes of the names of Asylum's height channels.
+/// Prefixes of Asylum's names of height channels.
 const HEIGHTS: [&str; 4] = ["Height", "ZSensor", "Deflection", "Amplitude"];
 
-/// Lines of the note listed in the details, with their names there.
+/// Lines of the note listed in the details, and their names there.
 const DETAILS: [(&str, &str); 6] = [
     ("MicroscopeModel", "instrument"),
     ("Date", "date"),
@@ -42,12 +42,12 @@ fn sniff(file: &File) -> bool {
     };
     let mut bytes = Bytes::new(file.head(), order);
     let known = bytes.seek(at).and_then(|()| bytes.i16()).is_ok_and(|kind| sample(kind).is_some());
-    // Waves of texts and of complex numbers are recognised only if the sum of their headers is right.
+    // Waves of texts and of complex numbers are recognised only if the checksum of their headers is correct.
     let headers = if version == 5 { 64 + WAVE_5 } else { at + WAVE_2 };
     known || checksum(bytes, headers).unwrap_or(false)
 }
 
-/// The order of the bytes and the version, in the first two bytes.
+/// Reads byte order and version from the first two bytes.
 fn version(head: &[u8]) -> Option<(Order, u8)> {
     match *head.get(..2)? {
         [version @ (1 | 2 | 3 | 5), 0] => Some((Order::Little, version)),
@@ -56,7 +56,7 @@ fn version(head: &[u8]) -> Option<(Order, u8)> {
     }
 }
 
-/// The kind of numbers of a wave; without text and complex numbers.
+/// Returns the type of the numbers of a wave; `None` for text and complex numbers.
 fn sample(kind: i16) -> Option<Sample> {
     Some(match kind {
         0x02 => Sample::F32,
@@ -81,23 +81,23 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     wave.channels(order)
 }
 
-/// A wave: the entries of its headers, and its numbers, not decoded.
+/// Wave: entries of its headers, and its numbers before decoding.
 struct Wave<'a> {
     sample: Sample,
-    /// Number of elements of each dimension, 0 after the last.
+    /// Number of elements along each dimension, 0 after the last.
     points: [usize; 4],
     spacing: [f64; 2],
     data_unit: String,
     units: [String; 2],
     data: &'a [u8],
     note: String,
-    /// Labels of the elements of the dimension of the channels.
+    /// Labels of the channels.
     labels: Vec<String>,
-    /// True if the checksum of the headers is right.
+    /// True if the checksum of the headers is correct.
     sound: bool,
 }
 
-/// The sum of the first `count` bytes as numbers of 16 bits, 0 in a file whose headers are undamaged.
+/// Returns true if the sum of the first `count` bytes as 16-bit numbers is 0, as in undamaged headers.
 fn checksum(mut bytes: Bytes, count: usize) -> Result<bool, String> {
     bytes.seek(0)?;
     let mut sum = 0_i16;
@@ -156,7 +156,7 @@ impl<'a> Wave<'a> {
         for (index, length) in label_sizes.into_iter().enumerate() {
             let block = bytes.take(length)?;
             if index == dimension {
-                // The first label is that of the dimension itself.
+                // The first label names the dimension itself.
                 labels = block.chunks_exact(32).skip(1).take(MOST_CHANNELS).map(text).collect();
             }
         }
@@ -260,7 +260,7 @@ impl<'a> Wave<'a> {
             let Sides { lengths, unit: length_unit, notes: converted } = sides?;
             notes.extend(converted);
             let heights = grid.read(data, |height| height)?;
-            // Igor gives every wave a spacing of 1 without a unit, which stands for none.
+            // Igor gives every wave a spacing of 1 without a unit, which means an unknown size.
             let is_set = length_unit.is_some() || [dx, if ny == 1 { 1.0 } else { dy }] != [1.0; 2];
             let lengths = is_set.then_some(lengths);
             Ok(Map { heights, lengths, length_unit, height_unit, details: details.to_vec(), notes })
@@ -269,7 +269,7 @@ impl<'a> Wave<'a> {
     }
 }
 
-/// The value of a line `key: value` of a note.
+/// Returns the value of a line `key: value` of a note.
 fn line<'a>(note: &'a str, key: &str) -> Option<&'a str> {
     note.split(['\r', '\n'])
         .find_map(|line| line.split_once(':').filter(|(name, _)| name.trim() == key))
@@ -281,8 +281,8 @@ fn details(note: &str) -> Vec<(String, String)> {
     found.filter(|(_, value)| !value.is_empty()).collect()
 }
 
-/// The unit of a channel of Asylum Research, if it is a length: that of a line `<name>Unit` of the note, otherwise
-/// metres for a name of a height. The name has a suffix for the modulation and the direction, and can have a prefix.
+/// Returns the unit of an Asylum Research channel: the value of a line `<name>Unit` of the note, or metres if the name
+/// denotes a height. The name has a suffix for modulation and direction, and can have a prefix.
 fn asylum_unit(name: &str, note: &str) -> Option<String> {
     let base = match name.rfind("Mod") {
         Some(at) if name[at + 3..].bytes().all(|byte| byte.is_ascii_digit()) => &name[..at],

@@ -1,10 +1,10 @@
 //! Input files: regular files only, opened without waiting, with detection of changes while they are read.
 //!
-//! Every file that a flag, a caller or another file names is opened here. A pipe, a terminal or a device is refused,
-//! since reading it may never end. It is not opened, since that may block or change its state.
+//! Every file named by a flag, a caller or another file is opened here. A pipe, a terminal or a device is refused,
+//! since reading it may never end. It is not opened, since opening may block or change its state.
 //!
 //! A file that is replaced by a rename is read completely, as the old or the new one. A file that is rewritten in place
-//! is detected by its length and its time of modification, and refused.
+//! is detected by its length and modification time, and refused.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -13,26 +13,26 @@ use std::time::{Duration, SystemTime};
 
 use crate::Checksum;
 
-/// The largest file that describes a run (a configuration), in bytes.
+/// Largest size of a file that describes a run (a configuration), in bytes.
 pub const MOST_TEXT: u64 = 1 << 20;
 
-/// The largest file that is read into memory, in bytes: four times the heights of the largest map, for maps in text.
+/// Largest size of a file read into memory, in bytes: four times the heights of the largest map, for maps in text.
 pub const MOST_BYTES: u64 = 1 << 35;
 
-/// The largest file for a checksum, in bytes: some system files declare more and are endless.
+/// Largest size of a file for a checksum, in bytes: some system files declare more and are endless.
 const MOST_HASHED: u64 = 1 << 40;
 
-/// The interval in which two changes of a file may have the same time of modification: one and a half ticks of the
-/// slowest usual clock.
+/// Interval in which two changes of a file may have the same modification time: one and a half ticks of the slowest
+/// usual clock.
 const TICK: Duration = Duration::from_millis(15);
 
-/// The number of ticks for which the reader waits for a file that is being written.
+/// Maximum number of ticks to wait for a file that is being written.
 const TICKS: usize = 4;
 
-/// The bytes that are read at a time for a checksum.
+/// Number of bytes read at a time for a checksum.
 const PIECE: usize = 1 << 16;
 
-/// An open regular file. Errors are those of the system, or state the value found and the values allowed.
+/// Open regular file. Errors come from the operating system, or state the value found and the allowed values.
 #[derive(Debug)]
 pub struct Input {
     file: File,
@@ -49,14 +49,14 @@ impl Input {
         let path = path.as_ref();
         check_regular(&fs::metadata(path)?)?;
         let file = open(path)?;
-        // It may be another one by now.
+        // The path may lead to another file by now.
         let metadata = file.metadata()?;
         check_regular(&metadata)?;
         Ok(Self { file, length: metadata.len(), modified: metadata.modified().ok() })
     }
 
     /// Opens a file like [`open`](Self::open). If it was written a moment ago, waits at most a few hundredths of a
-    /// second, so that each later change is detected by its time.
+    /// second, so that every later change is detected by its modification time.
     ///
     /// # Errors
     /// The errors of `open`.
@@ -72,12 +72,12 @@ impl Input {
         Ok(input)
     }
 
-    /// The number of bytes.
+    /// Returns the number of bytes.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// The first `most` bytes, or all of a shorter file.
+    /// Reads the first `most` bytes, or all of a shorter file.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -87,10 +87,10 @@ impl Input {
         Ok(bytes)
     }
 
-    /// All bytes.
+    /// Reads all bytes.
     ///
     /// # Errors
-    /// A file of more than `most` bytes, of which none is read; one that cannot be read, or changes meanwhile.
+    /// A file of more than `most` bytes, before it is read; a file that cannot be read, or changes meanwhile.
     pub fn bytes(&self, most: u64) -> io::Result<Vec<u8>> {
         self.check_length(most)?;
         let length = self.length;
@@ -104,10 +104,10 @@ impl Input {
         self.check_unchanged().map(|()| bytes)
     }
 
-    /// The SHA-256 of all bytes, as `sha256sum` prints it. Little memory is used.
+    /// Computes the SHA-256 of all bytes, as printed by `sha256sum`. Little memory is used.
     ///
     /// # Errors
-    /// A file of more than a tebibyte; one that cannot be read, or changes meanwhile.
+    /// A file of more than a tebibyte; a file that cannot be read, or changes meanwhile.
     pub fn checksum(&self) -> io::Result<String> {
         self.check_length(MOST_HASHED)?;
         let (mut file, mut sum, mut piece) = (self.stream().take(self.length), Checksum::default(), vec![0; PIECE]);
@@ -119,7 +119,7 @@ impl Input {
         }
     }
 
-    /// Checks that the file has the length and the time of modification that it had when it was opened.
+    /// Checks that the file still has the length and modification time that it had when it was opened.
     ///
     /// # Errors
     /// A file that was changed in place.
@@ -138,18 +138,18 @@ impl Input {
         Err(io::Error::new(io::ErrorKind::InvalidInput, text))
     }
 
-    /// The same open file, for a reader that takes parts of it.
+    /// Returns the same open file, for a reader of parts of it.
     pub fn handle(&self) -> io::Result<File> {
         self.file.try_clone()
     }
 
-    /// A stream of the bytes from the beginning, independent of other readers of the file.
+    /// Returns a stream of the bytes from the beginning, independent of other readers of the file.
     fn stream(&self) -> Stream<'_> {
         Stream { file: &self.file, next: 0 }
     }
 }
 
-/// The bytes of a file at positions of its own.
+/// Bytes of a file, read at its own position.
 struct Stream<'a> {
     file: &'a File,
     next: u64,
@@ -166,7 +166,7 @@ impl Read for Stream<'_> {
     }
 }
 
-/// All bytes of the file at `path`, of at most `most`.
+/// Reads all bytes of the file at `path`, at most `most`.
 ///
 /// # Errors
 /// The errors of [`Input::open`] and [`Input::bytes`].
@@ -174,10 +174,10 @@ pub fn bytes(path: impl AsRef<Path>, most: u64) -> io::Result<Vec<u8>> {
     Input::open(path)?.bytes(most)
 }
 
-/// The text in the file at `path`, of at most [`MOST_TEXT`] bytes.
+/// Reads the text in the file at `path`, at most [`MOST_TEXT`] bytes.
 ///
 /// # Errors
-/// The errors of [`bytes`]; a file that is not text in UTF-8.
+/// The errors of [`bytes`]; a file that is not UTF-8 text.
 pub fn text(path: impl AsRef<Path>) -> io::Result<String> {
     let words = |_| io::Error::new(io::ErrorKind::InvalidData, "it is not text in UTF-8; it must be");
     String::from_utf8(bytes(path, MOST_TEXT)?).map_err(words)
@@ -207,7 +207,7 @@ fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// The kind of an object that is not a regular file, in words.
+/// Returns the kind of an object that is not a regular file, in words.
 #[doc(hidden)]
 pub fn kind(metadata: &std::fs::Metadata) -> &'static str {
     #[cfg(unix)]
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(input.checksum().unwrap(), abc);
         fs::write(&path, [0xff]).unwrap();
         assert_eq!(text(&path).unwrap_err().to_string(), "it is not text in UTF-8; it must be");
-        // A configuration of a gigabyte and a half, of which no byte is on the disk or read.
+        // A configuration of 1.5 GiB, without any byte on the disk or read.
         File::create(&path).unwrap().set_len(3 << 29).unwrap();
         assert!(text(&path).unwrap_err().to_string().ends_with("it must have at most 1048576"));
         assert_eq!(Input::open(folder.path().join("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
@@ -289,7 +289,7 @@ mod tests {
             assert_eq!(Input::open(path).unwrap_err().to_string(), text);
             assert_eq!(bytes(path, 9).unwrap_err().to_string(), text);
         }
-        // An open that does not look first returns, too: another process may put a pipe in the place of a file.
+        // An open without a check returns as well: another process may replace a file by a pipe.
         assert!(check_regular(&open(&pipe).unwrap().metadata().unwrap()).is_err());
     }
 }

@@ -1,7 +1,7 @@
-//! Sanitising of texts of files, instruments and systems for a terminal or a page.
+//! Sanitising of texts from files, instruments and systems for a terminal or a page.
 
-/// True for a character that controls the display: control characters, changes of the writing direction, and invisible
-/// characters.
+/// Returns true for a character that controls the display: control characters, changes of writing direction, and
+/// invisible characters.
 fn steers(c: char) -> bool {
     c.is_control()
         || matches!(c,
@@ -9,7 +9,7 @@ fn steers(c: char) -> bool {
             | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// The text on one line: line breaks and tabs become blanks, other characters that control the display U+FFFD.
+/// Returns the text on one line: line breaks and tabs become blanks, other characters that control the display U+FFFD.
 pub fn line(text: &str) -> String {
     let shown = |c: char| match c {
         '\n' | '\r' | '\t' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}' => ' ',
@@ -19,7 +19,7 @@ pub fn line(text: &str) -> String {
     text.chars().map(shown).collect()
 }
 
-/// The text with its lines and tabs; other characters that control the display become U+FFFD.
+/// Returns the text with its line breaks and tabs; other characters that control the display become U+FFFD.
 pub fn lines(text: &str) -> String {
     let shown = |c: char| if steers(c) && c != '\n' && c != '\t' { char::REPLACEMENT_CHARACTER } else { c };
     text.chars().map(shown).collect()

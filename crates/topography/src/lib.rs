@@ -1,8 +1,8 @@
-//! Height maps from files of instruments and programs. The format is recognised from the contents of a file, not from
+//! Height maps from files of instruments and programs. The format is recognised from the content of a file, not from
 //! its name.
 //!
 //! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`: x to the right, y up, heights up, in the unit of the
-//! lengths. `docs/formats.md` has the table of formats, with sizes, units and the order of rows of each.
+//! lengths. `docs/formats.md` has the table of formats, with the sizes, units and row order of each.
 //!
 //! ```
 //! # let folder = tempfile::tempdir().unwrap();
@@ -13,11 +13,11 @@
 //! # Ok::<(), gfmd_topography::TopographyError>(())
 //! ```
 //!
-//! Formats that need other crates are features, all of them on by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
-//! Rust), `zip` for X3P, plux, containers and archives of NumPy, `zlib` for MATLAB and Digital Surf. A file of a format
-//! that is left out is not recognised.
+//! Formats that need other crates are features, all enabled by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
+//! Rust), `zip` for X3P, plux, containers and NumPy archives, `zlib` for MATLAB and Digital Surf. Files of disabled
+//! formats are not recognised.
 //!
-//! A format is a file of this folder with a constant `FORMAT` and a line in `FORMATS`.
+//! A format is a file in this folder with a constant `FORMAT`, and a line in `FORMATS`.
 
 #![cfg_attr(not(test), warn(clippy::cast_possible_truncation, clippy::cast_sign_loss))]
 #![cfg_attr(
@@ -91,7 +91,7 @@ pub use input::Input;
 #[cfg(feature = "hdf5")]
 pub use stored::Number;
 
-/// The formats in the order in which they are tried. Text comes last, since any text may be a matrix.
+/// Formats in the order in which they are tried. Text comes last, since any text may be a matrix.
 static FORMATS: &[Format] = &[
     array::FORMAT,
     #[cfg(feature = "zip")]
@@ -126,73 +126,73 @@ static FORMATS: &[Format] = &[
     matrix::FORMAT,
 ];
 
-/// The largest number of points of a height map, 8 GiB of heights. A header with more is damaged.
+/// Largest number of points of a height map, 8 GiB of heights. A header with more is damaged.
 const MOST_POINTS: usize = 1 << 30;
 
-/// The number of channels that a message lists.
+/// Number of channels listed in a message.
 const LISTED: usize = 20;
 
-/// A height map with the information in its file.
+/// Height map with the information in its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topography {
     /// Heights `[x, y]` in `unit`, row-major; NaN at undefined points.
     pub heights: Array2<f64>,
-    /// The number of points without a height.
+    /// Number of points without a height.
     pub undefined: usize,
-    /// Size of the scanned field along x and y in `unit`, n times the spacing, if the file has it. The second size of a
-    /// profile is 1 and has no meaning.
+    /// Size of the scanned field along x and y in `unit`, n times the spacing, if given in the file. The second size of
+    /// a profile is 1 and has no meaning.
     pub lengths: Option<[f64; 2]>,
-    /// Unit of heights and lengths, if the file has it.
+    /// Unit of heights and lengths, if given in the file.
     pub unit: Option<String>,
-    /// The name of the format.
+    /// Name of the format.
     pub format: &'static str,
-    /// The name of the channel, if the file has it; names, units and notes are sanitised to one legible line.
+    /// Name of the channel, if given in the file. Names, units and notes are sanitised to one legible line.
     pub channel: Option<String>,
-    /// The names of all height maps in the file; their numbers where they have no names.
+    /// Names of all height maps in the file, or their numbers where they have no names.
     pub channels: Vec<String>,
-    /// The conversion of the heights to the unit of the lengths, with its factor, if the file has different units.
+    /// Conversion of the heights to the unit of the lengths, with its factor, if the units in the file differ.
     pub conversion: Option<String>,
-    /// Entries of the file about instrument and measurement: key and value.
+    /// Details of the instrument and measurement: key and value.
     pub details: Vec<(String, String)>,
-    /// Remarks on this file.
+    /// Notes on this file.
     pub notes: Vec<String>,
-    /// Doubts about the file: lines of its head that are not used, heights that may denote missing points.
+    /// Warnings about the file: header lines that are not used, heights that may denote missing points.
     pub warnings: Vec<String>,
     /// Description of file and channel.
     pub source: String,
-    /// The SHA-256 of the bytes of the file from which the heights were read.
+    /// SHA-256 of the bytes that were read for the heights.
     pub sha256: String,
 }
 
-/// The height maps in a file.
+/// Height maps in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Listing {
-    /// The name of the format.
+    /// Name of the format.
     pub format: &'static str,
-    /// The height maps in the order of the file.
+    /// Height maps in file order.
     pub channels: Vec<ListedChannel>,
-    /// The channel that is read if none is named, if there is one.
+    /// Channel read if none is named, if any.
     pub default: Option<usize>,
 }
 
-/// A height map in a file.
+/// Height map in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ListedChannel {
-    /// The name; the number of the channel if it has none.
+    /// Name, or the number of the channel if it has none.
     pub name: String,
-    /// The unit of the heights.
+    /// Unit of the heights.
     pub unit: Option<String>,
-    /// The number of points along x and y.
+    /// Number of points along x and y.
     pub points: [usize; 2],
 }
 
-/// Error of reading a topography: one line that starts with the file.
+/// Error of reading a topography: one line that starts with the file name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", line(&format!("{file}: {reason}")))]
 pub struct TopographyError {
     /// Name of the file as given by the caller.
     pub file: String,
-    /// Description of the error, with the value found and the values allowed.
+    /// Description of the error, with the value found and the allowed values.
     pub reason: String,
 }
 
@@ -203,7 +203,7 @@ impl Topography {
     /// `FILE.h5:/dataset` names file and channel.
     ///
     /// # Errors
-    /// A file that cannot be read or has another format; a channel that it does not have.
+    /// A file that cannot be read or has another format; a channel that does not exist.
     pub fn read(name: &str, channel: Option<&str>) -> Result<Self, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         let (path, dataset) = coordinates::split(name).unwrap_or((name, ""));
@@ -218,7 +218,7 @@ impl Topography {
         File::open(path).and_then(decode).map_err(fail)
     }
 
-    /// Reads a channel of a file whose bytes are in memory; `name` is used in messages.
+    /// Reads a channel of a file from its bytes in memory; `name` is used in messages.
     ///
     /// # Errors
     /// The errors of [`Topography::read`].
@@ -227,8 +227,8 @@ impl Topography {
         Self::decode(&File::from_bytes(bytes), name, channel).map_err(fail)
     }
 
-    /// The heights of an array in memory, `[x, y]`, or `[x]` for a profile, undefined where they are not finite; `name`
-    /// is used in messages. The SHA-256 is that of the numbers.
+    /// Creates a topography from an array in memory, `[x, y]`, or `[x]` for a profile, undefined where heights are not
+    /// finite. `name` is used in messages; the SHA-256 is computed from the numbers.
     ///
     /// # Errors
     /// An array of another shape.
@@ -264,7 +264,7 @@ impl Topography {
         File::open(path).and_then(|file| Listing::of(&file)).map_err(fail)
     }
 
-    /// Returns an error with the number of undefined points and the first of them, if there are any.
+    /// Returns an error with the number of undefined points and the first of them, if any.
     ///
     /// # Errors
     /// Undefined points.
@@ -325,7 +325,7 @@ impl Topography {
 }
 
 impl Listing {
-    /// Lists the height maps of a file whose bytes are in memory; `name` is used in messages.
+    /// Lists the height maps of a file from its bytes in memory; `name` is used in messages.
     ///
     /// # Errors
     /// An unknown format.
@@ -347,7 +347,7 @@ impl Listing {
 }
 
 impl Map {
-    /// Converts the heights to the unit of the lengths. Returns the conversion in words, if there is one.
+    /// Converts the heights to the unit of the lengths. Returns the conversion in words, if any.
     fn convert(&mut self) -> Result<Option<String>, String> {
         let canonical = |unit: &mut Option<String>| {
             *unit = unit.take().map(|unit| line(unit::canonical(&unit))).filter(|unit| !unit.is_empty());
@@ -408,7 +408,7 @@ fn open(file: &File) -> Result<(&'static Format, Contents<'_>), String> {
     }
 }
 
-/// The names of channels; their numbers where they have none.
+/// Returns the names of channels, or their numbers where they have none.
 fn names(channels: &[Channel]) -> Vec<String> {
     let name = |(number, channel): (usize, &Channel)| match channel.name.as_str() {
         "" => number.to_string(),
@@ -417,7 +417,7 @@ fn names(channels: &[Channel]) -> Vec<String> {
     channels.iter().enumerate().map(name).collect()
 }
 
-/// The number of the channel with the name or the number `asked`. A name takes precedence over a number.
+/// Returns the number of the channel with the name or number `asked`. A name takes precedence over a number.
 fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<usize, String> {
     let listed = || {
         let numbered = |(number, name): (usize, &String)| {
@@ -461,7 +461,7 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
         .ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
 }
 
-/// The points along x and y of an array of one or two dimensions.
+/// Returns the number of points along x and y of an array of one or two dimensions.
 fn two_dimensional(shape: &[usize]) -> Result<[usize; 2], String> {
     match *shape {
         [n] => Ok([n, 1]),
@@ -473,7 +473,7 @@ fn two_dimensional(shape: &[usize]) -> Result<[usize; 2], String> {
     }
 }
 
-/// The heights of an array `[x, y]`.
+/// Returns the heights of an array `[x, y]`.
 fn shaped([nx, ny]: [usize; 2], values: Vec<f64>) -> Result<Array2<f64>, String> {
     let count = values.len();
     Array2::from_shape_vec((nx, ny), values)

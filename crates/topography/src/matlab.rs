@@ -1,7 +1,7 @@
-//! Workspaces of MATLAB 5 (`save -v6`, `-v7`), compressed or not, in either byte order.
+//! MATLAB 5 workspaces (`save -v6`, `-v7`), compressed or not, in either byte order.
 //!
 //! Every real matrix with more than one number is a channel; its rows run along x and its columns along y, a vector is
-//! a profile. They have no sizes and units.
+//! a profile. Channels have no sizes and units.
 
 use std::io::Read;
 
@@ -14,17 +14,17 @@ use super::format::{Channel, Contents, FirstLine, Format, Map};
 pub(crate) const FORMAT: Format =
     Format { name: "MATLAB 5", sniff: |file| order(file.head()).is_some(), open, first_line: FirstLine::Bottom };
 
-/// The types of elements.
+/// Types of elements.
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
-/// The number of bytes before the first element.
+/// Number of bytes before the first element.
 const HEADER: usize = 128;
 
-/// The largest number of bytes of the name of a variable, and of its dimensions.
+/// Largest number of bytes of the name of a variable, and of its dimensions.
 const MOST_NAME: usize = 4096;
 
-/// The byte order given by version and mark at the end of the header.
+/// Returns the byte order given by version and mark at the end of the header.
 fn order(head: &[u8]) -> Option<Order> {
     if !head.starts_with(b"MATLAB") {
         return None;
@@ -44,7 +44,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let mut bytes = Bytes::new(file.bytes()?, order);
     bytes.skip(HEADER)?;
     let (mut channels, mut others) = (Vec::new(), Vec::new());
-    // The last element may lack what fills it up.
+    // The last element may lack its padding.
     while bytes.left() >= 8 {
         let (kind, length) = (bytes.u32()?, bytes.u32()? as usize);
         let element = bytes.take(length)?;
@@ -71,17 +71,17 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     }
 }
 
-/// A real matrix, read up to its numbers.
+/// Real matrix, read up to its numbers.
 struct Matrix {
     name: String,
     grid: Grid,
-    /// The number of bytes of the numbers.
+    /// Number of bytes of the numbers.
     bytes: usize,
 }
 
 impl Matrix {
-    /// Reads the head of a variable, whose own tag comes first if it is compressed. The inner error is the name of a
-    /// variable that is not a real matrix.
+    /// Reads the head of a variable; if compressed, its own tag comes first. The inner error is the name of a variable
+    /// that is not a real matrix.
     fn head(stream: &mut impl Read, order: Order, tagged: bool) -> Result<Result<Self, String>, String> {
         let mut stream = Stream { stream, order };
         if tagged && stream.tag()?.0 != MATRIX {
@@ -101,7 +101,7 @@ impl Matrix {
             [rows, columns] => [rows, columns],
             _ => return Ok(Err(name)),
         };
-        // Classes 6 to 15 are numbers; bit 11 marks complex ones.
+        // Classes 6 to 15 are numbers; bit 11 marks complex numbers.
         if !(6..=15).contains(&(class & 0xff)) || class & 0x800 != 0 || points == [1, 1] || points.contains(&0) {
             return Ok(Err(name));
         }
@@ -130,7 +130,7 @@ impl Matrix {
         Ok(Ok(Self { name, grid, bytes }))
     }
 
-    /// The channel of a matrix in the bytes of its element.
+    /// Returns the channel of a matrix in the bytes of its element.
     fn channel(self, element: &[u8], kind: u32, order: Order) -> Channel<'_> {
         let Self { name, grid, bytes } = self;
         let read = move || {
@@ -161,7 +161,7 @@ fn numbers(stream: &mut impl Read, order: Order, tagged: bool) -> Result<(), Str
     stream.tag().map(|_| ())
 }
 
-/// The elements inside a variable.
+/// Reader of the elements inside a variable.
 struct Stream<'a, R> {
     stream: &'a mut R,
     order: Order,
@@ -174,7 +174,7 @@ impl<R: Read> Stream<'_, R> {
         Ok(bytes)
     }
 
-    /// Type and number of bytes of the next element; a short one has its bytes in the tag.
+    /// Reads type and number of bytes of the next element; a short element has its bytes in the tag.
     fn tag(&mut self) -> Result<(u32, usize, Option<[u8; 4]>), String> {
         let first = self.exactly::<4>()?;
         let word = Bytes::new(&first, self.order).u32()?;
@@ -186,7 +186,7 @@ impl<R: Read> Stream<'_, R> {
         }
     }
 
-    /// The bytes of the next element.
+    /// Reads the bytes of the next element.
     fn element(&mut self) -> Result<Vec<u8>, String> {
         let (_, length, inline) = self.tag()?;
         if let Some(bytes) = inline {

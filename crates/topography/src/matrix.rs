@@ -1,4 +1,4 @@
-//! Text: a matrix of numbers or a list of points, with or without the header of instruments and programs.
+//! Text: a matrix of numbers or a list of points, with or without a header of an instrument or program.
 //!
 //! ```text
 //! # Channel: ZSensor
@@ -9,11 +9,11 @@
 //! ```
 //!
 //! The numbers of a line of a matrix run along x at constant y: heights\[x, y\] is the number in column x of line y.
-//! The encoding is UTF-8, UTF-16 or Latin-1; numbers are separated by blanks, tabs, commas or semicolons and have a
-//! decimal point, or a decimal comma where commas do not separate; they may stand in quotes; the exponent may be
-//! written as Fortran does (`1.0D+00`, `1.0-105`), and the sign as the minus of typography. Lines end with LF, CR LF,
-//! or CR. Lines before the first number are a header; one that looks like numbers and has as many words as the lines of
-//! numbers is refused. The contents decide between a matrix, with or without labels, and a list of points.
+//! The encoding is UTF-8, UTF-16 or Latin-1. Numbers are separated by blanks, tabs, commas or semicolons; they have a
+//! decimal point, or a decimal comma where commas do not separate, and may be quoted. The exponent may be in the style
+//! of Fortran (`1.0D+00`, `1.0-105`), and the sign a typographic minus. Lines end with LF, CR LF, or CR. Lines before
+//! the first number are a header; a header line that looks like numbers and has as many words as the lines of numbers
+//! is refused. The content decides between a matrix, with or without labels, and a list of points.
 
 mod axis;
 mod grids;
@@ -36,16 +36,16 @@ use points::MOST_COLUMNS;
 
 pub(crate) const FORMAT: Format = Format { name: "text", sniff, open, first_line: FirstLine::Bottom };
 
-/// The first bytes of UTF-16 with the lower byte first.
+/// Byte order mark of little-endian UTF-16.
 const UTF_16: &[u8] = &[0xff, 0xfe];
 
-/// The units of the last digits of no number.
+/// Range of last digits of a column without numbers.
 const NO_DIGIT: [f64; 2] = [f64::INFINITY, 0.0];
 
-/// Two words that denote a point without a height.
+/// Two words for a point without a height.
 const NO_DATA: &str = "no data";
 
-/// The smallest number of labels above the columns.
+/// Smallest number of labels above the columns.
 const FEWEST_LABELS: usize = 3;
 
 fn sniff(file: &File) -> bool {
@@ -85,8 +85,8 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Contents { warnings, ..channel.into() })
 }
 
-/// The channels in the columns of lines for each pixel, as a Nanoscope exports them, by the points in the header;
-/// `None` if the lines are those of a matrix.
+/// Returns the channels in the columns of lines with one pixel each, as exported by Nanoscope, for the number of points
+/// in the header. Returns `None` if the lines form a matrix.
 ///
 /// # Errors
 /// Another number of lines; no column in a unit of length.
@@ -129,8 +129,7 @@ fn pixels(rows: &Rows, header: &Header, points: [f64; 2]) -> Result<Option<Vec<C
     }
 }
 
-/// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is the code of its
-/// character.
+/// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is a character code.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some(bytes) = bytes.strip_prefix(UTF_16) {
         let units = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
@@ -145,7 +144,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
 fn parse(text: &str) -> Result<(Rows, Header), String> {
     let (mut header, mut rows) = (Header::default(), Rows::default());
     let mut refused = None;
-    // The first line above the numbers that looks like numbers, as the count of its words and the error of the first.
+    // First line above the numbers that looks like numbers: its number of words and the error.
     let mut doubtful = None;
     for (line, content) in lines(text).enumerate().map(|(index, content)| (index + 1, content.trim())) {
         if let Some(comment) = content.strip_prefix(['#', '%']).filter(|_| !starts_with_missing(content)) {
@@ -180,12 +179,12 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
     Ok((rows, header))
 }
 
-/// True if the first word denotes a point without a height, such as `#N/A`, and does not begin a comment.
+/// Returns true if the first word denotes a point without a height, such as `#N/A`, and does not begin a comment.
 fn starts_with_missing(content: &str) -> bool {
     content.starts_with('#') && content.split([' ', '\t', ';', ',']).next().is_some_and(is_missing)
 }
 
-/// The number of words of a line all of which look like numbers.
+/// Returns the number of words of a line if all of them look like numbers.
 fn looks_like_numbers(content: &str) -> Option<usize> {
     let mut count = 0;
     for word in words(content, separator(content)) {
@@ -197,13 +196,13 @@ fn looks_like_numbers(content: &str) -> Option<usize> {
     Some(count)
 }
 
-/// The words of a line. A separator at its end ends the last of them.
+/// Splits a line into words. A separator at its end is dropped.
 fn words(content: &str, separator: char) -> impl Iterator<Item = &str> {
     let content = if separator == ' ' { content } else { content.strip_suffix(separator).unwrap_or(content) };
     fields(content, separator)
 }
 
-/// The words between separators, without their quotes, which may hold separators. Any number of blanks separates.
+/// Splits a line at separators and removes quotes; quoted separators do not split. Any number of blanks separates.
 fn fields(content: &str, separator: char) -> impl Iterator<Item = &str> {
     let mut is_quoted = false;
     let has_quotes = content.contains('"');
@@ -220,29 +219,29 @@ fn fields(content: &str, separator: char) -> impl Iterator<Item = &str> {
         .filter(move |word| separator != ' ' || !word.is_empty())
 }
 
-/// True if the first word of a line is a number.
+/// Returns true if the first word of a line is a number.
 fn starts_with_number(content: &str) -> bool {
     let word = content.split([' ', '\t', ';', ',']).next().unwrap_or_default();
     word.trim_matches('"').parse::<f64>().is_ok()
 }
 
-/// The numbers of a file, line by line.
+/// Numbers of a file, line by line.
 #[derive(Default)]
 struct Rows {
     values: Vec<f64>,
     columns: usize,
     rows: usize,
     separator: Option<char>,
-    /// The smallest and the largest unit of the last digit written in each of the first columns, zeros aside.
+    /// Smallest and largest unit of the last digit in each of the first columns, ignoring zeros.
     digits: Vec<[f64; 2]>,
     /// True if the first line begins with a separator.
     has_empty_corner: bool,
-    /// The numbers above the columns, without one above the first.
+    /// Numbers above the columns except the first.
     above: Option<Vec<f64>>,
 }
 
 impl Rows {
-    /// Takes a line of numbers; after an error, none of them. The text is the whole file.
+    /// Adds a line of numbers, or none of them after an error; `text` is the whole file.
     fn push(&mut self, line: usize, content: &str, text: &str) -> Result<(), String> {
         let before = self.values.len();
         let mut pushed = self.push_numbers(line, content, before);
@@ -253,7 +252,7 @@ impl Rows {
         if pushed.is_err() {
             self.values.truncate(before);
         } else if self.rows == 1 {
-            // As many numbers as the lines can have, so that the memory does not grow beyond them.
+            // Reserves the largest possible number of values, so that memory does not grow further.
             let ends = |end: u8| text.bytes().filter(|&byte| byte == end).count();
             let lines = ends(b'\n').max(ends(b'\r')) + 1;
             self.values.reserve_exact(lines.saturating_mul(self.columns).min(text.len() / 2 + 1));
@@ -294,7 +293,7 @@ impl Rows {
             self.values.pop();
         }
         let mut found = self.values.len() - before;
-        // A line of labels above the columns, of which the first has none.
+        // The first line holds labels of all columns except the first.
         if self.rows == 1 && self.above.is_none() && found == self.columns + 1 && self.columns >= FEWEST_LABELS {
             let labels: Vec<f64> = self.values.drain(..before).collect();
             if !axis::Axis::is_progression(&labels, [0.0; 2]) {
@@ -317,23 +316,23 @@ impl Rows {
         format!("line {line} has {found} numbers; it must have {} as the lines before", self.columns)
     }
 
-    /// The smallest and the largest unit of the last digit written in a column; 0 if it is unknown.
+    /// Returns the smallest and largest unit of the last digit in a column; 0 if unknown.
     fn digit(&self, column: usize) -> [f64; 2] {
         self.digits.get(column).copied().filter(|digits| *digits != NO_DIGIT).unwrap_or_default()
     }
 
-    /// The smallest and the largest unit of the last digits of all columns.
+    /// Returns the smallest and largest unit of the last digits of all columns.
     fn all_digits(&self) -> [f64; 2] {
         let all = self.digits.iter().filter(|digits| **digits != NO_DIGIT);
         all.copied().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
     }
 
-    /// The numbers of a column.
+    /// Returns the numbers of a column.
     fn column(&self, column: usize) -> impl Iterator<Item = f64> + Clone {
         self.values.iter().copied().skip(column).step_by(self.columns.max(1))
     }
 
-    /// The heights `[x, y]` from lines of constant y; a single line or column is a profile.
+    /// Returns the heights `[x, y]` from lines of constant y; a single line or column is a profile.
     fn heights(self) -> Result<Array2<f64>, String> {
         let Self { values, columns, rows, .. } = self;
         let lines = Array2::from_shape_vec((rows, columns), values).map_err(|error| error.to_string())?;
@@ -341,7 +340,7 @@ impl Rows {
     }
 }
 
-/// The separator of the numbers, found from their first line. Between blanks, commas are decimal commas.
+/// Finds the separator of the numbers from their first line. Between blanks, commas are decimal commas.
 fn separator(content: &str) -> char {
     let outside = |separator: char| content.split('"').step_by(2).any(|part| part.contains(separator));
     match [';', '\t', ','].into_iter().find(|&separator| outside(separator)) {

@@ -1,9 +1,9 @@
 //! Zygo MetroPro (`.dat`): interferometers of Zygo. Numbers are big-endian.
 //!
-//! A header of 834 or 4096 bytes, intensities of 16 bits, then the phases as integers of 32 bits, line by line. The
-//! height in metres is `phase * S * O * lambda / R` with the scale factor S, the obliquity O, the wavelength, and
-//! R = 4096, 32768 or 131072 by the resolution of the phase; it is negative if the sign is set. Undefined points are
-//! 2147483640 and above. The spacing is the same along x and y; zero stands for unknown.
+//! A header of 834 or 4096 bytes, 16-bit intensities, then the phases as 32-bit integers, line by line. The height in
+//! metres is `phase * S * O * lambda / R` with the scale factor S, the obliquity O, the wavelength lambda, and R =
+//! 4096, 32768 or 131072 depending on the phase resolution; it is negative if the sign is set. Undefined points are
+//! 2147483640 and above. The spacing is the same along x and y; zero means unknown.
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;

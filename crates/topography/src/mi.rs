@@ -1,8 +1,9 @@
 //! Molecular Imaging (`.mi`): force microscopes of Agilent and Keysight.
 //!
-//! Lines of a key of 14 characters and a value, a section for each channel after its line `bufferLabel`, up to the line
-//! `data`; then integers of 16 or 32 bits, channel by channel, line by line from the bottom of the image. The height is
-//! the integer times `bufferRange` over the range of the integers, in `bufferUnit`; lengths are in metres.
+//! Lines of a key of 14 characters and a value, with a section for each channel after its line `bufferLabel`, up to the
+//! line `data`; then 16-bit or 32-bit integers, channel by channel, line by line from the bottom of the image. The
+//! height is the integer times `bufferRange` divided by the range of the integers, in `bufferUnit`; lengths are in
+//! metres.
 
 use std::rc::Rc;
 
@@ -15,14 +16,14 @@ pub(crate) const FORMAT: Format = Format { name: "Molecular Imaging", sniff, ope
 
 /// Number of characters of a key.
 const KEY: usize = 14;
-/// The largest number of bytes of a value that is read.
+/// Largest number of bytes of a value that are read.
 const LONGEST_VALUE: usize = 200;
 
 fn sniff(file: &File) -> bool {
     file.starts_with(b"fileType      ")
 }
 
-/// The entries of a channel's section.
+/// Entries of the section of a channel.
 #[derive(Default)]
 struct Section {
     label: String,

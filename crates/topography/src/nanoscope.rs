@@ -1,11 +1,11 @@
 //! Nanoscope (`.spm`, `.000`, `.001`, ...): force microscopes of Digital Instruments, Veeco and Bruker.
 //!
-//! A header of lines `\Key: value` in sections `\*Section`, then integers of 16 or 32 bits, line by line from the
+//! A header of lines `\Key: value` in sections `\*Section`, then 16-bit or 32-bit integers, line by line from the
 //! bottom of the image. The height of an integer is `integer * hard value / 2^bits * sensitivity`; the line `\@2:Z
-//! scale` of the image names the hard value and the sensitivity, which stands in another section. Since version 9.2 the
-//! integers have 32 bits whatever the bytes of a pixel, which then only scale them. Channels without a length per volt
-//! (deflection, phase, ...) are no heights and are not listed. Versions up to 4.2, which have no `\@2:Z scale`, are
-//! refused.
+//! scale` of the image gives the hard value and names the sensitivity, which is in another section. Since version 9.2
+//! the integers have 32 bits whatever the bytes per pixel, which then only scale them. Channels without a length per
+//! volt (deflection, phase, ...) are not heights and are not listed. Versions up to 4.2, which have no `\@2:Z scale`,
+//! are refused.
 
 use std::rc::Rc;
 
@@ -16,13 +16,13 @@ use super::unit::{self, Conversion};
 
 pub(crate) const FORMAT: Format = Format { name: "Nanoscope", sniff, open, first_line: FirstLine::Top };
 
-/// The first version, as a hexadecimal number, whose integers always have 32 bits.
+/// First version, as a hexadecimal number, with integers that always have 32 bits.
 const VERSION_32_BITS: u32 = 0x0920_0000;
 
-/// The largest number of lines of a header; instruments write some thousands.
+/// Largest number of lines of a header; instruments write some thousands.
 const MOST_LINES: usize = 20_000;
 
-/// The largest number of bytes of a value of the header that is read.
+/// Largest number of bytes of a header value that are read.
 const LONGEST_VALUE: usize = 1000;
 
 const SCANNER: [&str; 2] = ["scanner list", "microscope list"];
@@ -68,20 +68,20 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Contents { aliases, ..channels.into() })
 }
 
-/// True for an image that was not recorded.
+/// Returns true for an image that was not recorded.
 fn is_empty(section: &Section) -> bool {
     let first = |key: &str| section.get(key)?.split_whitespace().next()?.parse::<usize>().ok();
     first("samps/line") == Some(0) || first("number of lines") == Some(0)
 }
 
-/// A section of the header: its name and its lines as key and value, the names in lower case.
+/// Section of the header: its name and its lines as key and value, with the name in lower case.
 struct Section<'a> {
     name: String,
     lines: Vec<(&'a [u8], &'a [u8])>,
 }
 
 impl Section<'_> {
-    /// The value of the last line with this key.
+    /// Returns the value of the last line with this key.
     fn get(&self, key: &str) -> Option<String> {
         let found = self.lines.iter().rev().find(|(name, _)| name.eq_ignore_ascii_case(key.as_bytes()));
         found.map(|(_, value)| bytes::text(&value[..value.len().min(LONGEST_VALUE)]))
@@ -120,19 +120,19 @@ fn sections(bytes: &[u8]) -> Result<Vec<Section<'_>>, String> {
     Ok(sections)
 }
 
-/// The sections that hold for all images.
+/// Sections that apply to all images.
 struct Header<'a> {
     scanner: Vec<&'a Section<'a>>,
     scan: Vec<&'a Section<'a>>,
     version: u32,
     /// Number of points of a line and number of lines of the whole scan.
     points: Option<[usize; 2]>,
-    /// Size along the fast and the slow axis with the unit, in files that store the slow axis separately.
+    /// Size along the fast and slow axes and its unit, in files that store the slow axis separately.
     sizes: Option<([f64; 2], String)>,
     details: Rc<[(String, String)]>,
 }
 
-/// The value of a key in the last of some sections that has it.
+/// Returns the value of a key in the last of the sections that has it.
 fn find(sections: &[&Section], key: &str) -> Option<String> {
     sections.iter().rev().find_map(|section| section.get(key))
 }
@@ -183,7 +183,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// One image: position and meaning of its integers.
+/// Image: position and meaning of its integers.
 struct Image<'a> {
     section: &'a Section<'a>,
     name: String,
@@ -212,7 +212,7 @@ impl<'a> Image<'a> {
         if header.version >= VERSION_32_BITS && length >= bytes(points, 4) {
             sample = Sample::I32;
         }
-        // Some images tell a wrong number of points; that of the whole scan is right if it fits the data.
+        // Some images give a wrong number of points; the number of the whole scan is correct if it fits the data.
         let (own, size) = (bytes(points, sample.size()), sample.size());
         let whole = header.points.filter(|&whole| {
             length != own && (length == bytes(whole, size) || (own > length && length >= bytes(whole, size)))
@@ -223,7 +223,7 @@ impl<'a> Image<'a> {
             }
             points = whole;
         } else if let (Some(_), true, Some([_, lines])) = (&header.sizes, is_stretched(section), header.points) {
-            // The scan was stopped early; the size is that of the whole scan.
+            // The scan was stopped early, but the size is given for the whole scan.
             if points[1] < lines {
                 sizes[1] *= points[1] as f64 / lines as f64;
             }
@@ -243,7 +243,7 @@ impl<'a> Image<'a> {
         })
     }
 
-    /// The height of one unit of the integers, with the unit of length; `None` if the image is not of heights.
+    /// Returns the height of one unit of the integers and its unit of length; `None` if the image is not a height.
     fn height(&self, header: &Header) -> Result<Option<(f64, String)>, String> {
         let Some(scale) = self.section.get("@4:z scale").or_else(|| self.section.get("@2:z scale")) else {
             return Err("the image has no line \"@2:Z scale\"; it must have one, as in versions after 4.2".into());
@@ -299,11 +299,11 @@ impl<'a> Image<'a> {
     }
 }
 
-/// A value such as `V [Sens. Zsens] (0.006713867 V/LSB) 2.910461 V`.
+/// Value such as `V [Sens. Zsens] (0.006713867 V/LSB) 2.910461 V`.
 struct Value<'a> {
     /// Name of the soft scale, in square brackets.
     soft: Option<&'a str>,
-    /// The text after the brackets and the parentheses; in an image's name with its quotation marks.
+    /// Text after the brackets and the parentheses; the name of an image includes its quotation marks.
     rest: &'a str,
 }
 
@@ -321,7 +321,7 @@ impl<'a> Value<'a> {
             rest = after.trim();
         }
         if rest.starts_with('(') {
-            // The unit in the parentheses can have its own: log(Pa).
+            // The unit in parentheses can contain parentheses: log(Pa).
             let mut level = 0_usize;
             let close = rest.bytes().position(|byte| {
                 match byte {
@@ -337,19 +337,19 @@ impl<'a> Value<'a> {
     }
 }
 
-/// The value with the names of the channel.
+/// Returns the value with the names of the channel.
 fn image_data(section: &Section) -> Option<String> {
     ["@2:image data", "@3:image data", "@4:image data"].into_iter().find_map(|key| section.get(key))
 }
 
-/// The name that the program of the instrument shows, in quotation marks.
+/// Returns the name shown by the instrument software, in quotation marks in the file.
 fn shown_name(section: &Section) -> Option<String> {
     let value = image_data(section)?;
     let shown = Value::parse(&value).ok()?.rest.trim_matches('"').trim().to_owned();
     Some(shown).filter(|shown| !shown.is_empty())
 }
 
-/// The name of the channel: the one in brackets, otherwise the one in quotation marks.
+/// Returns the name of the channel: in brackets, or else in quotation marks.
 fn name(section: &Section) -> String {
     match &image_data(section) {
         Some(value) => match Value::parse(value) {
@@ -384,7 +384,7 @@ fn scan_size(text: &str) -> Result<([f64; 2], String), String> {
     })
 }
 
-/// The unit with the letter A, which stands for ångström here, written as such.
+/// Returns the unit, with the letter A, which means ångström here, replaced by Å.
 fn angstrom(unit: &str) -> String {
     if unit == "A" { "Å".into() } else { unit.into() }
 }
@@ -393,7 +393,7 @@ fn convert(value: f64, from: &str, to: &str) -> Result<f64, String> {
     Ok(Conversion::between(from, to)?.map_or(value, |conversion| conversion.apply(value)))
 }
 
-/// The power of ten of a unit of voltage.
+/// Returns the power of ten of a unit of voltage.
 fn volts(unit: &str) -> Option<i32> {
     let prefix = unit.strip_suffix('V')?;
     [("", 0), ("k", 3), ("M", 6), ("G", 9), ("m", -3), ("µ", -6), ("u", -6), ("n", -9), ("p", -12), ("f", -15)]
@@ -401,7 +401,7 @@ fn volts(unit: &str) -> Option<i32> {
         .find_map(|(name, power)| (name == prefix).then_some(power))
 }
 
-/// True if the image has an aspect ratio that is not 1.
+/// Returns true if the image has an aspect ratio other than 1.
 fn is_stretched(section: &Section) -> bool {
     let ratio = section.get("aspect ratio").and_then(|text| text.split(':').next()?.trim().parse::<f64>().ok());
     ratio.is_some_and(|ratio| ratio > 0.0 && ratio != 1.0)

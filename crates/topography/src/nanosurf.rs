@@ -1,8 +1,8 @@
 //! Nanosurf (`.nid`, `.ezd`): force microscopes of Nanosurf.
 //!
-//! Sections `[name]` of lines `key=value`; `[DataSet]` lists groups and the sections of their channels; after `#!`
-//! follow the integers of all channels, line by line from the bottom of the image. They cover the range from `Dim2Min`
-//! over `Dim2Range`. The lengths are the ranges of the other two dimensions.
+//! Sections `[name]` of lines `key=value`; `[DataSet]` lists groups and the sections of their channels. After `#!`
+//! follow the integers of all channels, line by line from the bottom of the image. They cover a range of `Dim2Range`
+//! starting at `Dim2Min`. The lengths are the ranges of the other two dimensions.
 
 use std::rc::Rc;
 
@@ -15,11 +15,11 @@ pub(crate) const FORMAT: Format = Format { name: "Nanosurf", sniff, open, first_
 
 const MAGIC: &[u8] = b"[DataSet]\r\n";
 
-/// Most lines of the header, and bytes of a value that are looked at.
+/// Largest number of lines of the header, and of bytes of a value that are read.
 const MOST_LINES: usize = 20_000;
 const LONGEST_VALUE: usize = 200;
 
-/// Lines of `[DataSet-Info]` listed in the details, with their names there.
+/// Lines of `[DataSet-Info]` listed in the details, and their names there.
 const DETAILS: [(&str, &str); 6] = [
     ("Head type", "instrument"),
     ("Controller S/N", "serial number"),
@@ -33,11 +33,11 @@ fn sniff(file: &File) -> bool {
     file.starts_with(MAGIC)
 }
 
-/// The lines of the header: section, key, value.
+/// Lines of the header: section, key, value.
 struct Header<'a>(Vec<[&'a [u8]; 3]>);
 
 impl<'a> Header<'a> {
-    /// Reads the header; returns the data behind it, too.
+    /// Reads the header; also returns the data after it.
     fn read(mut rest: &'a [u8]) -> Result<(Self, &'a [u8]), String> {
         let (mut lines, mut section) = (vec![], &b"DataSet"[..]);
         while !rest.starts_with(b"#!") {
@@ -73,8 +73,8 @@ impl<'a> Header<'a> {
         value.parse().map_err(|_| format!("{key} is {:?}; it must be a number", clip(&value)))
     }
 
-    /// The sections of the channels, in the order of their data: by group and number. Channels that were not recorded
-    /// have no line.
+    /// Returns the sections of the channels in the order of their data: by group and number. Channels that were not
+    /// recorded have no line.
     fn channels(&self) -> Result<Vec<String>, String> {
         let number = |key: &[u8]| -> Option<(usize, usize)> {
             let (group, channel) = std::str::from_utf8(key).ok()?.strip_prefix("Gr")?.split_once("-Ch")?;
@@ -117,7 +117,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         }
         #[expect(clippy::cast_possible_truncation, reason = "a size is at most 8")]
         let scale = range / 256_f64.powi(grid.sample.size() as i32);
-        // Integers are shifted before they are scaled, so that heights are rounded once less.
+        // Integers are shifted before they are scaled, which saves one rounding of the heights.
         let shift = if scale == 0.0 { 0.0 } else { offset / scale };
         let (length_unit, other_unit) = (header.need(&section, "Dim0Unit")?, header.need(&section, "Dim1Unit")?);
         let (x, y): (f64, f64) = (header.number(&section, "Dim0Range")?, header.number(&section, "Dim1Range")?);

@@ -1,10 +1,10 @@
-//! NetCDF in its classic format (versions 1, 2 and 5), as SurfaceTopography and contact.engineering write it.
+//! NetCDF in its classic format (versions 1, 2 and 5), as written by SurfaceTopography and contact.engineering.
 //!
 //! The variable `heights` is the height map; in files without it, every variable with two dimensions is one. Its first
 //! dimension is x, unless the dimensions are named `y` and `x`. The size is the attribute `length` of the variables `x`
 //! and `y`, or n times the spacing of their values. Values follow from the numbers by the attributes of the CF
 //! conventions (`scale_factor`, `_FillValue`, `valid_range`, ...); points marked in a variable `mask` are undefined.
-//! NetCDF-4 is HDF5 and read as such.
+//! NetCDF-4 is HDF5 and read as HDF5.
 
 use ndarray::Array2;
 
@@ -23,7 +23,7 @@ pub(crate) const FORMAT: Format = Format {
     first_line: FirstLine::Bottom,
 };
 
-/// The tags of the lists of a header.
+/// Tags of the lists of a header.
 const DIMENSIONS: u32 = 10;
 const VARIABLES: u32 = 11;
 const ATTRIBUTES: u32 = 12;
@@ -81,7 +81,7 @@ impl<'a> Dataset<'a> {
         bytes.skip(3)?;
         let version = bytes.u8()?;
         let mut header = Header { bytes, wide: version == 5 };
-        header.whole()?; // the number of records
+        header.whole()?; // number of records
         let dimensions = header.list(DIMENSIONS, |header| Ok((header.name()?, header.whole()?)))?;
         let attributes = header.attributes()?;
         let variables = header.list(VARIABLES, |header| {
@@ -100,7 +100,7 @@ impl<'a> Dataset<'a> {
             }
             let attributes = header.attributes()?;
             let kind = header.bytes.u32()?;
-            header.whole()?; // its number of bytes, which does not hold for large variables
+            header.whole()?; // number of bytes, which is wrong for large variables
             let begin = if version == 1 { u64::from(header.bytes.u32()?) } else { header.bytes.u64()? };
             Ok(Variable {
                 name,
@@ -117,7 +117,7 @@ impl<'a> Dataset<'a> {
         self.variables.iter().find(|variable| variable.name == name)
     }
 
-    /// The numbers of a variable of one or two dimensions as `[x, y]`, with the conversion to values.
+    /// Returns the numbers of a variable of one or two dimensions as `[x, y]`, with the conversion to values.
     fn grid(&self, variable: &Variable<'a>) -> Result<(Grid, &'a [u8], Packing), String> {
         let named: Vec<(&str, usize)> = variable
             .dimensions
@@ -200,7 +200,7 @@ impl<'a> Dataset<'a> {
         Ok(Channel { name: variable.name.clone(), unit, points: grid.points, read: Box::new(read) })
     }
 
-    /// The axis of a coordinate variable, if the file has it and it says a length.
+    /// Returns the axis of a coordinate variable, if it exists and gives a length.
     fn axis(&self, name: &str, points: usize) -> Result<Option<AxisOf>, String> {
         let Some(variable) = self.variable(name) else { return Ok(None) };
         let number = |name: &str| attribute(&variable.attributes, name).and_then(Attribute::number);
@@ -241,7 +241,7 @@ impl Attribute<'_> {
         Value::Numbers { numbers, is_float: kind(sample).is_float }
     }
 
-    /// The first number.
+    /// Returns the first number.
     fn number(&self) -> Option<f64> {
         match self.value() {
             Value::Numbers { numbers, .. } => numbers.first().copied(),
@@ -256,7 +256,7 @@ fn kind(sample: Sample) -> Kind {
     Kind { is_float, is_signed, bytes: u32::try_from(sample.size()).unwrap_or(8) }
 }
 
-/// The numbers of a type; `None` for text and unknown types.
+/// Returns the type of numbers; `None` for text and unknown types.
 fn sample(kind: u32) -> Option<Sample> {
     match kind {
         1 => Some(Sample::I8),
@@ -273,7 +273,7 @@ fn sample(kind: u32) -> Option<Sample> {
     }
 }
 
-/// A position in the header.
+/// Position in the header.
 struct Header<'a> {
     bytes: Bytes<'a>,
     /// True if counts have 64 bits, from version 5.
@@ -288,7 +288,7 @@ impl<'a> Header<'a> {
         Ok(self.bytes.u32()? as usize)
     }
 
-    /// The next `count` bytes and those that fill them up to a multiple of four.
+    /// Takes the next `count` bytes and skips the padding to a multiple of four.
     fn padded(&mut self, count: usize) -> Result<&'a [u8], String> {
         let taken = self.bytes.take(count)?;
         self.bytes.skip(count.wrapping_neg() % 4)?;
@@ -300,7 +300,7 @@ impl<'a> Header<'a> {
         self.padded(length).map(text)
     }
 
-    /// A list of entries behind its tag and their number; an absent list has zeros.
+    /// Reads a list of entries after its tag and number of entries; an absent list has zeros.
     fn list<T>(&mut self, tag: u32, mut entry: impl FnMut(&mut Self) -> Result<T, String>) -> Result<Vec<T>, String> {
         let (found, count) = (self.bytes.u32()?, self.whole()?);
         if found != tag && (found, count) != (0, 0) {

@@ -1,4 +1,4 @@
-//! Files of NumPy arrays (`.npy`).
+//! NumPy array files (`.npy`).
 
 use std::path::Path;
 
@@ -6,10 +6,10 @@ use ndarray::{ArrayD, IxDyn, ShapeBuilder};
 
 use crate::input::{self, MOST_BYTES};
 
-/// The first bytes of a file.
+/// First bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The most dimensions that NumPy itself allows.
+/// Maximum number of dimensions, as in NumPy.
 const MOST_DIMENSIONS: usize = 64;
 
 /// Reads an array of real numbers of any shape as double precision.
@@ -20,10 +20,10 @@ pub fn read(path: impl AsRef<Path>) -> Result<ArrayD<f64>, String> {
     parse(&input::bytes(path, MOST_BYTES).map_err(|error| error.to_string())?)
 }
 
-/// Reads an array from the bytes of a file. Nothing is allocated before the bytes for it are seen to be there.
+/// Reads an array from the bytes of a file. Nothing is allocated before the bytes for it are known to exist.
 ///
 /// # Errors
-/// Bytes that are no array of real numbers.
+/// Bytes that are not an array of real numbers.
 pub fn parse(bytes: &[u8]) -> Result<ArrayD<f64>, String> {
     let header = Header::parse(bytes)?;
     let count = header.shape.iter().try_fold(1_usize, |count, &length| count.checked_mul(length));
@@ -46,12 +46,12 @@ pub fn parse(bytes: &[u8]) -> Result<ArrayD<f64>, String> {
     array.map_err(|error| error.to_string())
 }
 
-/// The header of a file.
+/// Header of a file.
 pub(crate) struct Header {
     pub(crate) shape: Vec<usize>,
     pub(crate) column_major: bool,
     pub(crate) number: Number,
-    /// The position of the first entry.
+    /// Position of the first entry.
     pub(crate) data: usize,
 }
 
@@ -61,7 +61,7 @@ impl Header {
         if !bytes.starts_with(MAGIC) {
             return Err("the file does not begin like a NumPy array; it must be one".into());
         }
-        // Version 1 has a length of two bytes, later versions of four.
+        // The header length has two bytes in version 1, four in later versions.
         let (start, length) = match *bytes {
             [_, _, _, _, _, _, 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([a, b]))),
             [_, _, _, _, _, _, 2..=3, _, a, b, c, d, ..] => (12, u32::from_le_bytes([a, b, c, d]) as usize),
@@ -92,11 +92,11 @@ impl Header {
     }
 }
 
-/// The type of the entries.
+/// Type of the entries.
 pub(crate) struct Number {
-    /// `f` for floats, `i` and `u` for integers with and without a sign, `b` for truth values.
+    /// `f` for floats, `i` and `u` for signed and unsigned integers, `b` for booleans.
     pub(crate) kind: char,
-    /// The number of bytes.
+    /// Number of bytes.
     pub(crate) size: usize,
     pub(crate) big_endian: bool,
 }
@@ -113,7 +113,7 @@ impl Number {
         (known && ['<', '>', '|', '='].contains(&order)).then_some(Self { kind, size, big_endian: order == '>' })
     }
 
-    /// The value of an entry; integers of 64 bits are rounded.
+    /// Returns the value of an entry; 64-bit integers are rounded.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "the lowest bits of a word are the number; a size is at most 8"
@@ -124,7 +124,7 @@ impl Number {
             *byte = entry[if self.big_endian { self.size - 1 - k } else { k }];
         }
         let bits = u64::from_le_bytes(bytes);
-        // Shifted to the top and back, the sign fills the upper bits.
+        // Shifting to the top and back extends the sign to the upper bits.
         let unused = 64 - 8 * self.size as u32;
         match (self.kind, self.size) {
             ('f', 4) => f64::from(f32::from_bits(bits as u32)),

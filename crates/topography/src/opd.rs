@@ -1,9 +1,9 @@
 //! Wyko OPD (`.opd`): interferometers of Wyko, Veeco and Bruker, written by Vision.
 //!
-//! A directory of blocks, each a name of 16 bytes, a type, a length and a flag of 24 bytes together; the blocks follow
-//! in the order of the directory. A block of heights has its numbers of points and bytes before the data, column by
-//! column from the bottom. The height is the number times the wavelength over `Mult`, in nm; lengths are in mm, and the
-//! pixels are `Aspect` times as long along y. Undefined points are 32766 and above, of floats 1e38 and above.
+//! A directory of blocks, each a name of 16 bytes, a type, a length and a flag, 24 bytes together; the blocks follow in
+//! the order of the directory. A block of heights has its numbers of points and bytes before the data, column by column
+//! from the bottom. The height is the number times the wavelength divided by `Mult`, in nm; lengths are in mm, and
+//! pixels are `Aspect` times as long along y. Undefined points are 32766 and above, in floats 1e38 and above.
 
 use std::rc::Rc;
 
@@ -13,7 +13,7 @@ use super::format::{Channel, Contents, FirstLine, Format, Map};
 
 pub(crate) const FORMAT: Format = Format { name: "Wyko OPD", sniff, open, first_line: FirstLine::Top };
 
-/// Number of bytes of an entry of the directory.
+/// Number of bytes of a directory entry.
 const ENTRY: usize = 24;
 /// Names of the blocks of heights; other arrays are intensities.
 const HEIGHTS: [&str; 5] = ["RAW DATA", "RAW_DATA", "OPD", "Raw", "SAMPLE_DATA"];
@@ -65,7 +65,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(channels.into())
 }
 
-/// An entry of the directory.
+/// Entry of the directory.
 struct Entry {
     name: String,
     kind: i16,
@@ -81,7 +81,7 @@ impl Entry {
     }
 }
 
-/// The blocks that give the numbers their meaning.
+/// Blocks that define the meaning of the numbers.
 #[derive(Default)]
 struct Scale {
     wavelength: Option<f64>,

@@ -1,8 +1,8 @@
 //! Dektak OPDx (`.opdx`): stylus profilometers and interferometers of Bruker, written by Vision64.
 //!
-//! A tree of items, each a name, a type of one byte and a content that depends on it. `/2D_Data/NAME/Matrix` and
+//! A tree of items, each a name, a one-byte type and a content that depends on it. `/2D_Data/NAME/Matrix` and
 //! `/1D_Data/NAME/Array` hold the heights beside their `DataScale` and extents, `/MetaData` the names. An extent is the
-//! distance of the first point from the last, (n - 1) times the spacing, so the length is `extent * n / (n - 1)`.
+//! distance between the first and last point, (n - 1) times the spacing, so the length is `extent * n / (n - 1)`.
 //! Undefined points are NaN.
 
 use std::rc::Rc;
@@ -16,10 +16,10 @@ pub(crate) const FORMAT: Format = Format { name: "Dektak OPDx", sniff, open, fir
 
 const MAGIC: &[u8] = b"VCA DATA\x01\0\0\x55";
 
-/// Most containers inside of each other.
+/// Maximum depth of nested containers.
 const DEEPEST: usize = 32;
 
-/// Items of `/MetaData` listed in the details, with their names there.
+/// Items of `/MetaData` listed in the details, and their names there.
 const DETAILS: [(&str, &str); 5] = [
     ("InstrumentName", "instrument"),
     ("InstrumentSerial", "serial number"),
@@ -59,7 +59,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(channels.into())
 }
 
-/// A number with its unit.
+/// Number with its unit.
 #[derive(Clone, Copy)]
 struct Quantity<'a> {
     value: f64,
@@ -72,20 +72,20 @@ impl Quantity<'_> {
     }
 }
 
-/// The content of an item, as far as it matters.
+/// Content of an item, as far as needed.
 enum Item<'a> {
     Number(f64),
     Text(&'a [u8]),
     Quantity(Quantity<'a>),
-    /// Numbers of points along y and x, floats of 32 bits.
+    /// Numbers of points along y and x, 32-bit floats.
     Matrix([u32; 2], &'a [u8]),
-    /// Floats of 64 bits.
+    /// 64-bit floats.
     Array(&'a [u8]),
     Names(Vec<&'a str>),
     Other,
 }
 
-/// The words of the file about one set of numbers.
+/// Items that describe one set of numbers.
 #[derive(Default)]
 struct Data<'a> {
     name: &'a str,
@@ -96,7 +96,7 @@ struct Data<'a> {
     numbers: Option<(Option<[u32; 2]>, &'a [u8])>,
 }
 
-/// The items of a file that matter.
+/// Items of a file that are used.
 #[derive(Default)]
 struct Tree<'a> {
     maps: Vec<Data<'a>>,
@@ -108,7 +108,7 @@ struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    /// Reads items up to the terminator or the end; `path` has the names of the containers around them.
+    /// Reads items up to the terminator or the end; `path` has the names of the enclosing containers.
     fn items(&mut self, bytes: &mut Bytes<'a>, path: &mut Vec<&'a str>) -> Result<(), String> {
         while bytes.left() >= 5 {
             let name = name(bytes)?;
@@ -261,7 +261,7 @@ impl<'a> Data<'a> {
     }
 }
 
-/// The length, n times the spacing, of n points from the distance of the first and the last.
+/// Returns the length, n times the spacing, from the distance between the first and last of n points.
 fn length_of(extent: f64, points: usize) -> f64 {
     if points > 1 { extent * points as f64 / (points - 1) as f64 } else { extent }
 }
@@ -271,7 +271,7 @@ fn name<'a>(bytes: &mut Bytes<'a>) -> Result<&'a str, String> {
     std::str::from_utf8(bytes.take(length)?).map_err(|_| "a name is not valid UTF-8; each name must be".into())
 }
 
-/// Reads a length, a number of 1, 2 or 4 bytes after the number of its bytes.
+/// Reads a length: its number of bytes (1, 2 or 4), then the length.
 fn length(bytes: &mut Bytes) -> Result<usize, String> {
     Ok(match bytes.u8()? {
         1 => bytes.u8()?.into(),
@@ -327,7 +327,7 @@ fn item<'a>(bytes: &mut Bytes<'a>, kind: u8) -> Result<Item<'a>, String> {
         }
         0x40 => {
             name(bytes)?;
-            // Five bytes of another meaning precede the numbers.
+            // Five bytes with another meaning precede the numbers.
             Item::Array(block(bytes)?.get(5..).unwrap_or_default())
         }
         0x42 => {

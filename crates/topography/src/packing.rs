@@ -1,8 +1,8 @@
-//! Values from stored numbers by the attributes of NetCDF and of the CF conventions, for files of HDF5 and NetCDF:
-//! `scale_factor` and `add_offset`; `_FillValue` and `missing_value`; `valid_min`, `valid_max` and `valid_range`;
-//! `_Unsigned`.
+//! Conversion of stored numbers to values by the attributes of NetCDF and the CF conventions, for HDF5 and NetCDF
+//! files: `scale_factor` and `add_offset`; `_FillValue` and `missing_value`; `valid_min`, `valid_max` and
+//! `valid_range`; `_Unsigned`.
 
-/// The kind of stored numbers.
+/// Kind of stored numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Kind {
     pub(crate) is_float: bool,
@@ -10,7 +10,7 @@ pub(crate) struct Kind {
     pub(crate) bytes: u32,
 }
 
-/// The value of an attribute.
+/// Value of an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value {
     Numbers {
@@ -18,28 +18,28 @@ pub(crate) enum Value {
         is_float: bool,
     },
     Text(String),
-    /// A reference or a record.
+    /// Reference or record.
     Other,
 }
 
-/// The conversion of stored numbers to values.
+/// Conversion of stored numbers to values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Packing {
     kind: Kind,
     factor: Option<f64>,
     offset: Option<f64>,
-    /// Numbers that stand for no value.
+    /// Numbers for missing values.
     missing: Vec<f64>,
     valid: [f64; 2],
-    /// True if the limits are values, and not stored numbers.
+    /// True if the limits are values instead of stored numbers.
     valid_values: bool,
-    /// The number that is added to negative ones, if signed integers stand for unsigned ones.
+    /// Number added to negative numbers, if signed integers stand for unsigned ones.
     wrap: Option<f64>,
-    /// Attributes that may scale the numbers in a way that is not known.
+    /// Attributes that may scale the numbers in an unknown way.
     pub(crate) unknown: Vec<String>,
 }
 
-/// The value that NetCDF gives to floats that were never written.
+/// Value that NetCDF writes for floats that were never written.
 const FLOAT_FILL: f64 = 9.969_209_968_386_869e36;
 
 /// Words in names of attributes that scale numbers.
@@ -61,12 +61,12 @@ const SCALING: [&str; 15] = [
     "perdigit",
 ];
 
-/// Other spellings of `_FillValue`, in small letters without other characters.
+/// Other spellings of `_FillValue`, in lower-case letters only.
 const MISSING: [&str; 5] = ["fillvalue", "missingvalue", "nodata", "nodatavalue", "undefinedvalue"];
 
 impl Packing {
-    /// The conversion of numbers of a kind by the attributes of their variable; NetCDF has numbers that stand for
-    /// values never written.
+    /// Determines the conversion of numbers of a kind from the attributes of their variable. NetCDF has fill values for
+    /// numbers never written.
     ///
     /// # Errors
     /// An attribute of these names without a finite number; a factor of zero.
@@ -134,18 +134,18 @@ impl Packing {
         Ok(Self { missing, valid, ..found })
     }
 
-    /// The conversion of numbers of a kind by a factor and an offset.
+    /// Creates a conversion of numbers of a kind with a factor and an offset.
     pub(crate) fn linear(kind: Kind, factor: f64, offset: f64) -> Result<Self, String> {
         let number = |number: f64| Value::Numbers { numbers: vec![number], is_float: true };
         Self::of(kind, &[("scale_factor".into(), number(factor)), ("add_offset".into(), number(offset))], false)
     }
 
-    /// True if the file says how numbers become values.
+    /// Returns true if the file gives a factor or an offset.
     pub(crate) fn is_known(&self) -> bool {
         self.factor.is_some() || self.offset.is_some()
     }
 
-    /// The value of a stored number; NaN if it stands for none.
+    /// Converts a stored number to its value; NaN if it is missing or invalid.
     pub(crate) fn value(&self, number: f64) -> f64 {
         let number = self.unsigned(number);
         let valid = |number: f64| self.valid[0] <= number && number <= self.valid[1];
@@ -157,7 +157,7 @@ impl Packing {
         if self.valid_values && !valid(value) { f64::NAN } else { value }
     }
 
-    /// The rounding error of values as large as `largest`.
+    /// Returns the rounding error of values up to `largest`.
     pub(crate) fn rounding(&self, largest: f64) -> f64 {
         let digits = match (self.kind.is_float, self.kind.bytes) {
             (true, 2) => 11,
@@ -168,10 +168,10 @@ impl Packing {
         step + largest.abs() * 0.5_f64.powi(digits)
     }
 
-    /// Refuses heights as integers whose scale is not known.
+    /// Returns an error for heights stored as integers with an unknown scale.
     ///
     /// # Errors
-    /// Integers in a unit of length without `scale_factor` or `add_offset`, or beside attributes that may scale them.
+    /// Integers in a unit of length without `scale_factor` or `add_offset`, or with attributes that may scale them.
     pub(crate) fn check(&self, name: &str, unit: Option<&str>) -> Result<(), String> {
         let write = "give scale_factor (and add_offset), or write the heights as floats";
         match (self.kind.is_float || self.is_known(), self.unknown.first(), unit) {
@@ -192,7 +192,7 @@ impl Packing {
         }
     }
 
-    /// True for equal numbers, up to the digits of the stored ones.
+    /// Returns true for equal numbers, up to the precision of the stored numbers.
     #[expect(clippy::cast_possible_truncation, reason = "attributes may have more digits than the numbers")]
     fn same(&self, number: f64, missing: f64) -> bool {
         number == missing || (self.kind.is_float && self.kind.bytes == 4 && number as f32 == missing as f32)
@@ -200,7 +200,7 @@ impl Packing {
 }
 
 impl Kind {
-    /// The numbers that stand for values that were never written.
+    /// Returns the number that stands for values never written.
     fn never_written(self, is_netcdf: bool) -> Option<f64> {
         match self {
             Self { is_float: true, bytes: 4 | 8, .. } => Some(FLOAT_FILL),
@@ -224,7 +224,7 @@ impl Value {
         matches!(self, Self::Numbers { is_float: true, .. })
     }
 
-    /// The numbers of the attribute `name`, which some programs write as text.
+    /// Returns the numbers of the attribute `name`, which some programs write as text.
     fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
         let found = match self {
             Self::Numbers { numbers, .. } => Some(numbers.clone()),
@@ -237,12 +237,12 @@ impl Value {
     }
 }
 
-/// The letters of a name, in small ones.
+/// Returns the letters of a name in lower case.
 fn letters(name: &str) -> String {
     name.chars().filter(|c| c.is_alphabetic()).collect::<String>().to_lowercase()
 }
 
-/// True for the name of an attribute that may scale numbers.
+/// Returns true for the name of an attribute that may scale numbers.
 pub(crate) fn is_scaling(name: &str) -> bool {
     let name = letters(name);
     SCALING.iter().any(|word| name.contains(word))
@@ -269,12 +269,12 @@ mod tests {
         assert_eq!(with(&[]).value(-4.0), 8.0);
         let holes = with(&[("_FillValue", &[-1.0], false), ("missing_value", &[7.0, 8.0], false)]);
         assert_eq!([-1.0, 7.0, 8.0, 9.0].map(|number| holes.value(number).is_nan()), [true, true, true, false]);
-        // Limits of the stored type hold for stored numbers, floats for values.
+        // Limits of the stored type apply to stored numbers, float limits to values.
         let stored = with(&[("valid_range", &[-4.0, 4.0], false)]);
         assert_eq!([-5.0, -4.0, 4.0, 5.0].map(|number| stored.value(number).is_nan()), [true, false, false, true]);
         let values = with(&[("valid_min", &[8.0], true), ("valid_max", &[12.0], true)]);
         assert_eq!([-5.0, -4.0, 4.0, 5.0].map(|number| values.value(number).is_nan()), [true, false, false, true]);
-        // Never written, unless another number stands for that.
+        // Never written, unless another fill value is given.
         assert!(with(&[]).value(-32767.0).is_nan() && !holes.value(-32767.0).is_nan());
         assert!(packing(SINGLE, &[]).unwrap().value(f64::from(9.969_21e36_f32)).is_nan());
         let tenth = packing(SINGLE, &[("_FillValue", &[-9999.1], true)]).unwrap();

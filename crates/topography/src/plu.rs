@@ -1,7 +1,8 @@
 //! Sensofar PLu (`.plu`, `.apx`): confocal microscopes of Sensofar, before PLUX. Numbers are little-endian.
 //!
-//! A date, a comment, the calibration and the settings in 500 bytes, then each layer: its numbers of points, floats of
-//! 32 bits in µm line by line, two limits, and images of three bytes a point. Undefined points have the height 1000001.
+//! A date, a comment, the calibration and the settings in 500 bytes, then each layer: its numbers of points, 32-bit
+//! floats in µm line by line, two limits, and images of three bytes per point. Undefined points have the height
+//! 1000001.
 
 use super::bytes::{Bytes, Grid, Layout, Order, Sample, count};
 use super::file::File;
@@ -11,10 +12,10 @@ pub(crate) const FORMAT: Format = Format { name: "Sensofar PLu", sniff, open, fi
 
 const UNDEFINED: f64 = 1_000_001.0;
 
-/// Number of the type of topographies, where others are profiles and images.
+/// Type number of topographies; other types are profiles and images.
 const TOPOGRAPHY: u32 = 3;
 
-/// The file starts with a date, as `Fri Mar 10 16:35:59 2023`, in a field of 128 bytes.
+/// Returns true if the file starts with a date, such as `Fri Mar 10 16:35:59 2023`, in a field of 128 bytes.
 fn sniff(file: &File) -> bool {
     let head = file.head();
     let is_date = head.len() >= 500

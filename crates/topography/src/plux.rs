@@ -1,7 +1,7 @@
 //! Sensofar PLUX (`.plux`): confocal, interference and focus variation microscopes. The container is a zip archive.
 //!
 //! `index.xml` has the number of points, the size of a pixel in µm (`FOV_X`, `FOV_Y`) and the names of the entries of
-//! each layer, floats of 32 bits in µm, line by line. Undefined points are NaN.
+//! each layer, 32-bit floats in µm, line by line. Undefined points are NaN.
 
 use std::rc::Rc;
 
@@ -69,7 +69,7 @@ fn child<'a, 'd>(node: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
     node.children().find(|child| child.has_tag_name(name))
 }
 
-/// The text of a child, without blanks around it.
+/// Returns the text of a child, without surrounding blanks.
 fn text<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
     child(node, name)?.text().map(str::trim)
 }

@@ -1,27 +1,27 @@
-//! Values of compound type in HDF5 files, by which some formats describe their datasets.
+//! Values of compound type in HDF5 files, used by some formats to describe their datasets.
 
 use hdf5_reader::{CompoundField, Dataset, Datatype, StringSize, VarLenKind, dtype_element_size};
 
 use crate::stored::{Decode, Hdf5, text};
 
-/// The largest number of bytes of all records together, which only describe other datasets.
+/// Largest number of bytes of all records together, which only describe other datasets.
 const MOST_RECORDS: usize = 1 << 20;
 
-/// The largest number of numbers of a field of a record, and of bytes of a text.
+/// Largest number of numbers in a field of a record, and of bytes in a text.
 const MOST_NUMBERS: usize = 1 << 12;
 const LONGEST_TEXT: usize = 1 << 16;
 
-/// A field of a record.
+/// Field of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Field {
     Text(String),
-    /// A number or an array of numbers.
+    /// Number or array of numbers.
     Numbers(Vec<f64>),
-    /// A field of another type.
+    /// Field of another type.
     Other,
 }
 
-/// All values of a dataset of compound type, or of such an attribute of the dataset.
+/// Reads all values of a dataset of compound type, or of an attribute of compound type.
 pub(crate) fn records(file: &Hdf5, path: &str, attribute: Option<&str>) -> Result<Vec<Vec<Field>>, String> {
     let dataset = file.dataset(path)?;
     let (kind, bytes) = match attribute {
@@ -44,7 +44,7 @@ pub(crate) fn records(file: &Hdf5, path: &str, attribute: Option<&str>) -> Resul
     Ok(bytes.chunks_exact((size as usize).max(1)).map(record).collect())
 }
 
-/// Decodes a field of a record of `dataset`, or of an attribute of it.
+/// Decodes a field of a record of `dataset`, or of one of its attributes.
 fn decode(dataset: &Dataset, field: &CompoundField, record: &[u8]) -> Field {
     let at = field.byte_offset as usize;
     let stored = |size: usize| record.get(at..at.checked_add(size)?);

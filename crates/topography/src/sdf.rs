@@ -12,10 +12,10 @@ use super::format::{Channel, Contents, FirstLine, Format, Map};
 pub(crate) const FORMAT: Format =
     Format { name: "surface data file (SDF)", sniff, open, first_line: FirstLine::Bottom };
 
-/// The length of the binary header.
+/// Length of the binary header.
 const HEADER: usize = 81;
 
-/// The length of the two numbers that some instruments add to the header.
+/// Length of the two numbers that some instruments add to the header.
 const SURPLUS: usize = 8;
 
 fn sniff(file: &File) -> bool {
@@ -28,7 +28,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(channel.into())
 }
 
-/// The numbers of a header.
+/// Numbers of a header.
 #[derive(Default)]
 struct Header {
     points: [usize; 2],
@@ -56,7 +56,7 @@ impl Header {
         Ok(())
     }
 
-    /// The type of the numbers, and the number that denotes an undefined height.
+    /// Returns the type of the numbers, and the number for an undefined height.
     fn sample(&self) -> Result<(Sample, f64), String> {
         Ok(match self.kind {
             0 => (Sample::U8, f64::NAN),
@@ -132,7 +132,7 @@ fn open_text(bytes: &[u8]) -> Result<Channel<'_>, String> {
         }
     }
     let [nx, ny] = header.points;
-    // Every number takes two bytes or more, with what separates it from the next.
+    // Every number takes at least two bytes, including its separator.
     if nx.checked_mul(ny).is_none_or(|points| points > data.len() / 2 + 1) {
         return Err(format!("the grid has {nx} by {ny} points; the {} bytes of the heights are too few", data.len()));
     }
@@ -154,7 +154,7 @@ fn open_text(bytes: &[u8]) -> Result<Channel<'_>, String> {
 }
 
 impl Header {
-    /// Takes a line of a text header; other keys are details.
+    /// Reads a line of a text header; other keys are details.
     fn set(&mut self, key: &str, value: &str) -> Result<(), String> {
         let wrong = || format!("{key} is {:?}; it must be a number", clip(value));
         let float = || value.parse::<f64>().map_err(|_| wrong());

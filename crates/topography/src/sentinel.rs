@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-/// Numbers that programs write where nothing was measured, and beyond which no height is.
+/// Numbers that programs write for missing points, if far outside all heights.
 const KNOWN: [f64; 13] = [
     -999.25,
     -999.0,
@@ -19,17 +19,17 @@ const KNOWN: [f64; 13] = [
     2_147_483_647.0,
 ];
 
-/// The size from which a single number far from all others is no height in any unit.
+/// Size above which a single number far from all others is not a height in any unit.
 const HUGE: f64 = 1e10;
 
-/// The distance from all other heights, in ranges of these, at which a known number is doubtful.
+/// Distance from all other heights, relative to their range, at which a known number is doubtful.
 const KNOWN_FAR: f64 = 2.0;
 
-/// The distance at which any number is doubtful that occurs again.
+/// Distance at which any repeated number is doubtful.
 const FAR: f64 = 10.0;
 
-/// A warning that names a number far outside all other heights, if it occurs again or programs use it for missing
-/// points; the lowest or the highest of the heights.
+/// Returns a warning with the lowest or highest height if it is far outside all others, and either occurs repeatedly or
+/// is used by programs for missing points.
 pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
     let found: Vec<(f64, usize)> = [lowest(heights, 1.0), lowest(heights, -1.0)].into_iter().flatten().collect();
     let listed: Vec<String> = found
@@ -47,7 +47,7 @@ pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
     })
 }
 
-/// The lowest height times a sign, and its count, if it may denote missing points.
+/// Returns the lowest height times `sign`, and its count, if it may denote missing points.
 fn lowest(heights: &Array2<f64>, sign: f64) -> Option<(f64, usize)> {
     let defined = || heights.iter().map(|height| sign * height).filter(|height| height.is_finite());
     let extreme = defined().fold(f64::INFINITY, f64::min);
@@ -59,14 +59,14 @@ fn lowest(heights: &Array2<f64>, sign: f64) -> Option<(f64, usize)> {
             (next, highest) = (next.min(height), highest.max(height));
         }
     }
-    // Another such number may be at the other end.
+    // Another missing-point number may be at the other end.
     let before = defined().filter(|height| *height < highest).fold(f64::NEG_INFINITY, f64::max);
     let end = if before > next && highest - before > FAR * (before - next) { before } else { highest };
     let range = end - next;
     let height = sign * extreme;
     let is_known = KNOWN.contains(&height) || height.abs() >= HUGE;
     let ranges = if is_known { KNOWN_FAR } else { FAR };
-    // Two levels, such as those of a punch, have no range.
+    // Two levels, as of a punch, have no range.
     (range > 0.0 && next - extreme > ranges * range && (count > 1 || is_known)).then_some((height, count))
 }
 
@@ -74,7 +74,7 @@ fn lowest(heights: &Array2<f64>, sign: f64) -> Option<(f64, usize)> {
 mod tests {
     use super::*;
 
-    /// Heights between -1 and 1, with a number at some points.
+    /// Returns heights between -1 and 1, with `number` at some points.
     fn map(number: f64, count: usize) -> Array2<f64> {
         let mut heights = Array2::from_shape_fn((8, 6), |(i, j)| (1.3 * i as f64 + 0.7 * j as f64).sin());
         heights.iter_mut().step_by(7).take(count).for_each(|height| *height = number);
@@ -91,7 +91,7 @@ mod tests {
                 assert!(number.abs() >= HUGE || text.contains(&number.to_string()), "{text}");
             }
         }
-        // Another number must occur again, as -32768 does that was scaled.
+        // Any other number must occur repeatedly, as a scaled -32768 does.
         assert!(warning(&map(-327.68e-3 * 100.0, 2)).is_some());
         assert_eq!(warning(&map(-327.68e-3 * 100.0, 1)), None);
         // Both ends.
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn heights_are_no_missing_points() {
-        // Ordinary heights, a spike, a flat floor that is not far, two levels, and one.
+        // Ordinary heights, a spike, a flat floor that is not far away, two levels, one level.
         for heights in [
             map(0.5, 3),
             map(-40.0, 1),

@@ -18,26 +18,26 @@ use number::Stored;
 pub use number::Decode;
 pub use number::Number;
 
-/// The largest expansion of a byte of a file: deflate makes at most 1032 bytes from one.
+/// Largest expansion of a byte of a file: deflate expands one byte to at most 1032.
 const LARGEST_RATIO: usize = 1032;
 
-/// The number of bytes to which a small file may expand.
+/// Number of bytes to which a small file may expand.
 const SMALL: usize = 1 << 20;
 
-/// The largest number of datasets listed, of groups searched, and of nested groups.
+/// Largest number of datasets listed, of groups searched, and of nested groups.
 const MOST_DATASETS: usize = 1000;
 const MOST_GROUPS: usize = 10_000;
 const DEEPEST: usize = 8;
 
-/// An HDF5 file.
+/// HDF5 file.
 pub struct Hdf5 {
     file: Hdf5File,
-    /// The largest number of bytes of a dataset.
+    /// Largest number of bytes of a dataset.
     most: usize,
 }
 
 impl Hdf5 {
-    /// A file that is open.
+    /// Opens a file on disk.
     pub fn open(input: &Input) -> Result<Self, String> {
         let file = input.handle().map_err(|error| error.to_string())?;
         let length = usize::try_from(input.length()).unwrap_or(usize::MAX);
@@ -46,12 +46,12 @@ impl Hdf5 {
         })
     }
 
-    /// A file in memory.
+    /// Opens a file in memory.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         Self::limited(bytes.len(), |options| Hdf5File::from_bytes_with_options(bytes, options))
     }
 
-    /// Opens a file of `bytes` bytes. Nothing is allocated according to a declared shape alone.
+    /// Opens a file of `bytes` bytes. Nothing is allocated based on a declared shape alone.
     fn limited(bytes: usize, open: impl FnOnce(OpenOptions) -> Result<Hdf5File, Error>) -> Result<Self, String> {
         let most = bytes.saturating_mul(LARGEST_RATIO).max(SMALL);
         let options = OpenOptions::default().with_chunk_cache_bytes(0);
@@ -60,13 +60,13 @@ impl Hdf5 {
         open(options).map(|file| Self { file, most }).map_err(text)
     }
 
-    /// True if there is a dataset at `path`.
+    /// Returns true if there is a dataset at `path`.
     pub fn contains(&self, path: &str) -> bool {
         self.file.dataset(path).is_ok()
     }
 
-    /// The paths and shapes of the datasets of real numbers in all groups, in the order of their paths, without
-    /// coordinates (dimension scales).
+    /// Returns paths and shapes of the datasets of real numbers in all groups, sorted by path, without coordinates
+    /// (dimension scales).
     pub fn datasets(&self) -> Vec<(String, Vec<usize>)> {
         let mut search = Search { groups: 0, found: Vec::new() };
         if let Ok(root) = self.file.root_group() {
@@ -75,12 +75,12 @@ impl Hdf5 {
         search.found
     }
 
-    /// The lengths of a dataset's dimensions.
+    /// Returns the lengths of the dimensions of a dataset.
     pub fn shape(&self, path: &str) -> Result<Vec<usize>, String> {
         shape(&self.dataset(path)?)
     }
 
-    /// The lengths of a chunk of a dataset, each at most that of its dimension; `None` of a dataset in one piece.
+    /// Returns the chunk lengths of a dataset, each at most its dimension, or `None` if it is not chunked.
     pub fn chunk(&self, path: &str) -> Result<Option<Vec<usize>>, String> {
         let dataset = self.dataset(path)?;
         let lengths = shape(&dataset)?;
@@ -88,7 +88,7 @@ impl Hdf5 {
         Ok(chunk.map(|chunk| chunk.iter().zip(lengths).map(|(&chunk, all)| (chunk as usize).min(all).max(1)).collect()))
     }
 
-    /// The number of bytes to which a chunk of a dataset expands; 0 of a dataset in one piece.
+    /// Returns the number of bytes to which a chunk of a dataset expands, or 0 if it is not chunked.
     pub fn chunk_bytes(&self, path: &str) -> Result<usize, String> {
         let dataset = self.dataset(path)?;
         let size = dataset.raw_element_size().map_err(text)?;
@@ -98,7 +98,7 @@ impl Hdf5 {
         Ok(count.saturating_mul(size))
     }
 
-    /// The names in a group, sorted.
+    /// Returns the names in a group, sorted.
     pub fn names(&self, group: &str) -> Result<Vec<String>, String> {
         let (mut names, datasets) = self.file.group(group).and_then(|group| group.member_names()).map_err(text)?;
         names.extend(datasets);
@@ -106,13 +106,13 @@ impl Hdf5 {
         Ok(names)
     }
 
-    /// All values of a dataset, row-major.
+    /// Reads all values of a dataset, row-major.
     pub fn values<T: Number>(&self, path: &str) -> Result<Vec<T>, String> {
         self.dataset(path)?.read_array().map(numbers).map_err(text)
     }
 
-    /// All values of a dataset, row-major, with the scale and the missing values that its attributes say by the
-    /// conventions of NetCDF; NaN where there is no value. Integers beside a scale that is not known are an error.
+    /// Reads all values of a dataset, row-major, scaled and with NaN for missing values by the NetCDF conventions for
+    /// attributes. Integers with an attribute that may scale them in an unknown way are an error.
     pub fn physical(&self, path: &str) -> Result<Vec<f64>, String> {
         let packing = self.packing(path)?;
         packing.check(path, None)?;
@@ -121,20 +121,20 @@ impl Hdf5 {
         Ok(values)
     }
 
-    /// The conversion of the numbers of a dataset to values by its attributes.
+    /// Returns the conversion of the numbers of a dataset to values by its attributes.
     pub(crate) fn packing(&self, path: &str) -> Result<Packing, String> {
         let attributes: Vec<(String, Value)> = self.attributes(path)?.iter().map(value).collect();
         let is_netcdf = self.attribute("/", "_NCProperties").is_ok();
         Packing::of(self.kind(path)?, &attributes, is_netcdf).map_err(|reason| format!("{path}: {reason}"))
     }
 
-    /// The kind of the numbers of a dataset.
+    /// Returns the kind of the numbers of a dataset.
     pub(crate) fn kind(&self, path: &str) -> Result<Kind, String> {
         kind(self.dataset(path)?.dtype()).ok_or_else(|| format!("{path} has no real numbers; it must have some"))
     }
 
-    /// The names of the dimensions of the dataset `name` in `group`: paths of their coordinates, or labels; `None` for
-    /// those without a name.
+    /// Returns the names of the dimensions of the dataset `name` in `group`: paths of their coordinates, or labels, or
+    /// `None` for unnamed dimensions.
     pub(crate) fn dimensions(&self, group: &str, name: &str) -> Vec<Option<String>> {
         let path = format!("{group}/{name}");
         let Ok(dataset) = self.file.dataset(&path) else { return Vec::new() };
@@ -148,7 +148,7 @@ impl Hdf5 {
             let found = dataset.resolve_vlen_reference_bytes(reference, usize::from(offset)).ok()?;
             read_object_references(&found, offset).ok()?.first().copied()
         };
-        // A dimension belongs to the group of the dataset, or to one around it.
+        // A dimension is in the group of the dataset, or in an enclosing group.
         let named = |reference: &[u8]| {
             let address = first(reference)?;
             let mut group = group;
@@ -163,7 +163,7 @@ impl Hdf5 {
         list.raw_data.chunks_exact(size).take(2).map(named).collect()
     }
 
-    /// The values of a dataset at ranges of its first dimensions, each from the first entry to the one after the last.
+    /// Reads the values of a dataset at ranges of its first dimensions, each from the first entry to one past the last.
     pub fn part<T: Number>(&self, path: &str, entries: &[[usize; 2]]) -> Result<Vec<T>, String> {
         let dataset = self.possible(path)?;
         let mut selection = SliceInfo::all(dataset.ndim());
@@ -173,19 +173,19 @@ impl Hdf5 {
         dataset.read_slice(&selection).map(numbers).map_err(text)
     }
 
-    /// All values of a dataset of texts.
+    /// Reads all values of a dataset of texts.
     pub fn texts(&self, path: &str) -> Result<Vec<String>, String> {
         self.dataset(path)?.read_strings().map_err(text)
     }
 
-    /// A text attribute of the group or dataset at `path`.
+    /// Reads a text attribute of the group or dataset at `path`.
     pub fn text(&self, path: &str, name: &str) -> Result<String, String> {
         let texts = self.attribute(path, name)?.read_strings().map_err(text)?;
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
-    /// A numerical attribute of the group or dataset at `path`. Other programs store a number as an array with one
-    /// element.
+    /// Reads a numerical attribute of the group or dataset at `path`. Other programs store a number as an array with
+    /// one element.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, String> {
         match self.attribute(path, name)?.read_1d().map_err(text)?[..] {
             [Stored(number)] => Ok(number),
@@ -193,12 +193,12 @@ impl Hdf5 {
         }
     }
 
-    /// A numerical attribute like [`number`](Self::number); `None` if there is no such attribute.
+    /// Reads a numerical attribute like [`number`](Self::number); `None` if there is no such attribute.
     pub fn number_if_any(&self, path: &str, name: &str) -> Result<Option<f64>, String> {
         self.attribute(path, name).ok().map(|_| self.number(path, name)).transpose()
     }
 
-    /// An attribute of the group or dataset at `path`.
+    /// Returns an attribute of the group or dataset at `path`.
     pub fn attribute(&self, path: &str, name: &str) -> Result<Attribute, String> {
         let found = match self.file.dataset(path) {
             Ok(dataset) => dataset.attribute(name),
@@ -207,7 +207,7 @@ impl Hdf5 {
         found.map_err(text)
     }
 
-    /// All attributes of the group or dataset at `path`.
+    /// Returns all attributes of the group or dataset at `path`.
     pub fn attributes(&self, path: &str) -> Result<Vec<Attribute>, String> {
         match self.file.dataset(path) {
             Ok(dataset) => Ok(dataset.attributes()),
@@ -215,19 +215,19 @@ impl Hdf5 {
         }
     }
 
-    /// The dataset at `path`.
+    /// Returns the dataset at `path`.
     pub fn dataset(&self, path: &str) -> Result<Dataset, String> {
         self.file.dataset(path).map_err(text)
     }
 
-    /// The dataset at `path`, if a file of this size can contain it.
+    /// Returns the dataset at `path` if a file of this size can contain it.
     pub fn possible(&self, path: &str) -> Result<Dataset, String> {
         let dataset = self.dataset(path)?;
         let found = dataset.raw_byte_len().map_err(text)?;
         if found > self.most {
             return Err(format!("{path} declares {found} bytes; a file of this size holds at most {}", self.most));
         }
-        // Each chunk is expanded whole, also beyond the dataset.
+        // Each chunk is expanded whole, even beyond the dataset.
         let chunk = self.chunk_bytes(path)?;
         if chunk > found.max(LARGEST_CHUNK) {
             return Err(format!("the chunks of {path} have {chunk} bytes; they must have at most {LARGEST_CHUNK}"));
@@ -235,16 +235,16 @@ impl Hdf5 {
         Ok(dataset)
     }
 
-    /// The root group.
+    /// Returns the root group.
     pub fn root(&self) -> Result<Group, String> {
         self.file.root_group().map_err(text)
     }
 }
 
-/// The largest number of bytes of a chunk that is larger than its dataset.
+/// Largest number of bytes of a chunk that is larger than its dataset.
 const LARGEST_CHUNK: usize = 1 << 28;
 
-/// The kind of real numbers; `None` for other values.
+/// Returns the kind of real numbers; `None` for other values.
 fn kind(datatype: &Datatype) -> Option<Kind> {
     match *datatype {
         Datatype::FloatingPoint { size, .. } => Some(Kind { is_float: true, is_signed: true, bytes: u32::from(size) }),
@@ -255,7 +255,7 @@ fn kind(datatype: &Datatype) -> Option<Kind> {
     }
 }
 
-/// The name and the value of an attribute.
+/// Returns the name and value of an attribute.
 fn value(attribute: &Attribute) -> (String, Value) {
     let value = match kind(&attribute.datatype) {
         Some(Kind { is_float, .. }) => match attribute.read_1d::<Stored<f64>>() {
@@ -270,7 +270,7 @@ fn value(attribute: &Attribute) -> (String, Value) {
     (attribute.name.clone(), value)
 }
 
-/// The message of an error on one line.
+/// Returns the message of an error on one line.
 pub fn text(error: Error) -> String {
     error.to_string().replace('\n', " ")
 }
@@ -284,7 +284,7 @@ fn shape(dataset: &Dataset) -> Result<Vec<usize>, String> {
     lengths.collect::<Result<_, _>>().map_err(|_| format!("the shape is {:?}; it is too large", dataset.shape()))
 }
 
-/// A search for datasets.
+/// Search for datasets.
 struct Search {
     groups: usize,
     found: Vec<(String, Vec<usize>)>,

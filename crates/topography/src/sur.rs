@@ -1,9 +1,9 @@
 //! Digital Surf (`.sur`, `.pro`): surfaces and profiles of MountainsMap and of many instruments, also compressed.
 //!
-//! A file is a sequence of objects, each a header of 512 bytes, a comment, a private zone, and integers of 16 or 32
-//! bits line by line. A height is the integer times the spacing along z, in the unit *of that spacing* (the header also
-//! names units in which the program displays). Points that were not measured have the integer `smallest - 2`. The
-//! offset along z moves the whole surface only; it is listed in the details and not added.
+//! A file is a sequence of objects, each a header of 512 bytes, a comment, a private zone, and 16-bit or 32-bit
+//! integers line by line. A height is the integer times the spacing along z, in the unit *of that spacing* (the header
+//! also names display units). Points that were not measured have the integer `smallest - 2`. The offset along z only
+//! moves the whole surface; it is listed in the details and not added.
 
 use flate2::bufread::ZlibDecoder;
 use std::io::Read;
@@ -18,7 +18,7 @@ pub(crate) const FORMAT: Format = Format { name: "Digital Surf", sniff, open, fi
 const PLAIN: &[u8] = b"DIGITAL SURF";
 const COMPRESSED: &[u8] = b"DSCOMPRESSED";
 
-/// Types of the first object whose data are heights, and the number of objects that are: the others are images.
+/// Types of the first object with heights as data, and the objects that hold heights; the others are images.
 const TYPES: [(i16, Heights); 9] = [
     (1, Heights::First),
     (2, Heights::First),
@@ -31,7 +31,7 @@ const TYPES: [(i16, Heights); 9] = [
     (16, Heights::First),
 ];
 
-/// The objects of a file that are heights.
+/// Objects of a file that hold heights.
 #[derive(Clone, Copy, PartialEq)]
 enum Heights {
     First,
@@ -74,7 +74,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(channels.into())
 }
 
-/// One object: the entries of its header, and its data, not decoded.
+/// Object: entries of its header, and its data before decoding.
 #[derive(Clone)]
 struct Object<'a> {
     /// Number of objects in the file, from the header of the first.
@@ -237,7 +237,7 @@ const ACQUISITION: [&str; 11] = [
     "structured light",
 ];
 
-/// Reads a unit. Old files write the micro sign in a code page of MS-DOS, where it has the byte of the letter `æ`.
+/// Reads a unit. Old files write the micro sign in an MS-DOS code page, where it has the byte of the letter `æ`.
 fn unit_text(bytes: &mut Bytes) -> Result<String, String> {
     Ok(match bytes.text(16)?.as_str() {
         "æm" => "µm".into(),

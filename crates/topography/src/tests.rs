@@ -1,4 +1,4 @@
-//! Tests on temporary files in the formats of instruments and of other programs.
+//! Tests on temporary files in the formats of instruments and other programs.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use super::{Topography, TopographyError};
 use crate::Checksum;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
 
-/// A temporary folder with one file, and the name of the file.
+/// Creates a temporary folder with one file; returns the folder and the file name.
 fn file(name: &str, bytes: &[u8]) -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -25,13 +25,13 @@ fn read_text(text: &str) -> Result<Topography, String> {
     complete(&name).map_err(|error| error.to_string().replace(&name, "FILE"))
 }
 
-/// The height map in a file, which must have no undefined points.
+/// Reads the height map in a file, which must have no undefined points.
 fn complete(name: &str) -> Result<Topography, TopographyError> {
     let found = Topography::read(name, None)?;
     found.check_complete().map(|()| found)
 }
 
-/// The error message for a text file.
+/// Returns the error message for a text file.
 fn refusal(text: &str) -> String {
     read_text(text).unwrap_err()
 }
@@ -175,7 +175,7 @@ fn arrays_of_numpy_in_any_precision_and_order() {
     let bytes = std::fs::read(path("c.npy")).unwrap();
     std::fs::write(path("short.npy"), &bytes[..bytes.len() - 8]).unwrap();
     says("short.npy", "the heights of 3 by 4 points have 88 bytes; they must have 96");
-    // The contents tell the format, not the name.
+    // The content determines the format, not the name.
     std::fs::write(path("text.npy"), "1 2 3\n4 5 6\n").unwrap();
     assert_eq!(read("text.npy").unwrap().format, "text");
 }
@@ -220,8 +220,7 @@ fn datasets_bring_the_spacing_of_their_coordinates() {
     assert!(complete("no/such.h5:/a").unwrap_err().reason.contains("No such file"));
 }
 
-/// The checksum is that of the bytes of the heights, whatever the name leads to by then; a file that is rewritten is
-/// refused.
+/// The checksum is of the bytes of the heights, even if the name leads elsewhere by then; a rewritten file is refused.
 #[test]
 fn the_checksum_is_of_the_bytes_that_were_read() {
     let text = |k: usize| format!("{k} 2\n3 4\n");
@@ -241,7 +240,7 @@ fn the_checksum_is_of_the_bytes_that_were_read() {
     let h5 = h5.to_str().unwrap();
     for name in [&*name, h5] {
         let whole = std::fs::read(name).unwrap();
-        // Another file takes the name between the opening and the reading.
+        // Another file takes the name between opening and reading.
         let open = File::open(name).unwrap();
         if name == h5 {
             write(name.as_ref(), 7.0);
@@ -253,7 +252,7 @@ fn the_checksum_is_of_the_bytes_that_were_read() {
         let read = Topography::decode(&open, name, None).unwrap();
         assert_eq!((read.heights[[0, 0]], &read.sha256), (1.0, &Checksum::of_bytes(&whole)), "{name}");
         assert_eq!(Topography::read(name, None).unwrap().heights[[0, 0]], 7.0);
-        // It is written over between the opening and the reading.
+        // The file is overwritten between opening and reading.
         let open = File::open(name).unwrap();
         std::fs::write(name, &whole).unwrap();
         let refused = Topography::decode(&open, name, None).unwrap_err();

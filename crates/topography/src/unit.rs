@@ -1,26 +1,26 @@
-//! Units of length in the headers of files.
+//! Units of length in file headers.
 
 pub(crate) use gfmd_unit::canonical;
 pub use gfmd_unit::{Conversion, convert_lengths, is_length};
 
-/// A length along an axis, and its unit if the file has one.
+/// Length along an axis, and its unit if the file has one.
 pub(crate) type Side = (f64, Option<String>);
 
-/// The size of a map in one unit.
+/// Size of a map in one unit.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Sides {
     pub lengths: [f64; 2],
-    /// The unit along x, and along y after the conversion.
+    /// Unit along x, and along y after the conversion.
     pub unit: Option<String>,
-    /// The conversion in words, if there is one.
+    /// Conversion in words, if any.
     pub notes: Vec<String>,
 }
 
 impl Sides {
-    /// The size from the sides along x and y; a profile has none along y. A side along y in another unit is converted.
+    /// Combines the sides along x and y; a profile has no side along y. A side along y in another unit is converted.
     ///
     /// # Errors
-    /// A unit along only one of the two; an unknown unit, if the two differ.
+    /// A unit along only one axis; an unknown unit, if the units differ.
     pub(crate) fn of(x: Side, y: Option<Side>) -> Result<Self, String> {
         let (x, unit) = x;
         let Some((mut y, unit_y)) = y else { return Ok(Self { lengths: [x, 1.0], unit, notes: Vec::new() }) };
@@ -40,7 +40,7 @@ impl Sides {
     }
 }
 
-/// The error of a unit that only one of two lengths has.
+/// Returns the error message for a unit that only one of two lengths has.
 pub(crate) fn alone(with: &str, unit: &str, without: &str) -> String {
     format!("the unit of {with} is {unit} but {without} has no unit; both or neither must have one")
 }

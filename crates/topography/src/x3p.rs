@@ -1,13 +1,13 @@
 //! X3P of ISO 25178-72: a zip archive of `main.xml`, binary heights, and the validity of points.
 //!
 //! Heights and spacings are in metres; the size is the number of points times the increment. Heights are increment
-//! times number plus offset; whole numbers have a sign (`I` 16 bits, `L` 32 bits), as in the openGPS library of the
-//! format's authors; they must have an increment, and so must both axes, while floats without one are heights in
-//! metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0; its y
-//! axis points up.
+//! times number plus offset. Whole numbers are signed (`I` 16 bits, `L` 32 bits), as in the openGPS library of the
+//! format's authors. They must have an increment, and so must both axes, while floats without an increment are heights
+//! in metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0;
+//! its y axis points up.
 //!
-//! Names of entries may differ from those in `main.xml` in case and slashes, and all may lie in one folder. Instead of
-//! a binary entry `main.xml` itself may list the heights, one number for each point, none for an undefined one.
+//! Names of entries may differ from those in `main.xml` in case and slashes, and all may be in one folder. Instead of a
+//! binary entry, `main.xml` itself may list the heights: one number per point, none for an undefined point.
 
 use std::io::{BufRead, BufReader, Read};
 
@@ -22,10 +22,10 @@ use super::zipped::{MOST_TEXT, Zip, plain, xml};
 
 pub(crate) const FORMAT: Format = Format { name: "X3P", sniff, open, first_line: FirstLine::Bottom };
 
-/// The entry that describes the others.
+/// Entry that describes the others.
 const MAIN: &str = "main.xml";
 
-/// The element of heights in the description.
+/// Element of heights in the description.
 const LIST: &str = "DataList";
 
 /// Parts of the document that describe the measurement.
@@ -45,7 +45,7 @@ fn sniff(file: &File) -> bool {
     file.starts_with(b"PK") && Zip::open(file).is_ok_and(|zip| !mains(&zip).is_empty())
 }
 
-/// The entries named `main.xml` in the outermost folder that has one.
+/// Returns the entries named `main.xml` in the outermost folder that has one.
 fn mains(zip: &Zip) -> Vec<String> {
     let depth = |name: &str| plain(name).matches('/').count();
     let mut found = zip.names();
@@ -79,7 +79,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     Ok(Channel { name: String::new(), unit: Some("m".into()), points, read }.into())
 }
 
-/// Calls `each` for the pieces of an entry of XML that end with `<`, and tells which are inside of the list of heights.
+/// Calls `each` for the pieces of an XML entry that end with `<`; the flag is true inside the list of heights.
 fn pieces(zip: &mut Zip, main: &str, mut each: impl FnMut(&[u8], bool) -> Result<(), String>) -> Result<(), String> {
     let mut stream = BufReader::new(zip.stream(main)?.0);
     let (mut piece, mut in_list) = (Vec::new(), false);
@@ -95,7 +95,7 @@ fn pieces(zip: &mut Zip, main: &str, mut each: impl FnMut(&[u8], bool) -> Result
     }
 }
 
-/// True if a piece begins with the tag of an element of this name, whatever its prefix.
+/// Returns true if a piece begins with the tag of an element of this name, with any prefix.
 fn is_tag(piece: &[u8], name: &str) -> bool {
     let Some(tag) = piece.iter().position(|byte| *byte == b'>').map(|end| piece[..end].trim_ascii_end()) else {
         return false;
@@ -113,15 +113,15 @@ struct Header {
     spacing: [f64; 2],
     /// Increment and offset of the heights.
     scale: [f64; 2],
-    /// The entry that describes the others.
+    /// Entry that describes the others.
     main: String,
-    /// The entry of heights; `None` if the description lists them.
+    /// Entry of heights; `None` if the description lists them.
     heights: Option<Entry>,
     validity: Option<Entry>,
     details: Vec<(String, String)>,
 }
 
-/// An entry of the archive with its MD5 checksum.
+/// Entry of the archive with its MD5 checksum.
 struct Entry {
     name: String,
     checksum: Option<String>,
@@ -167,7 +167,7 @@ impl Header {
         if size("SizeZ")? != 1 {
             return Err(format!("SizeZ is {}; it must be 1, a height map", size("SizeZ")?));
         }
-        // Without an increment the spacing is unknown; the axes are incremental ones, which must have it.
+        // Without an increment the spacing is unknown; incremental axes must have one.
         let spacing = |axis: &str| {
             let path = format!("Record1/Axes/{axis}/Increment");
             needed(&path)?;
@@ -255,7 +255,7 @@ impl Header {
 }
 
 impl Entry {
-    /// Notes a wrong checksum. The checksum of the archive was right, so that the heights are as written.
+    /// Adds a note if the checksum is wrong. The checksum of the archive was correct, so the heights are as written.
     fn compare(&self, sum: md5::Context, notes: &mut Vec<String>) {
         let found = format!("{:x}", sum.finalize());
         if let Some(expected) = self.checksum.as_ref().filter(|expected| !expected.eq_ignore_ascii_case(&found)) {
@@ -264,9 +264,9 @@ impl Entry {
     }
 }
 
-/// The heights `[x, y]` in the list of the description, which has a `Datum` for each point, empty if it is undefined.
+/// Reads the heights `[x, y]` in the list of the description, with a `Datum` for each point, empty if undefined.
 fn listed(zip: &mut Zip, main: &str, [nx, ny]: [usize; 2]) -> Result<Array2<f64>, String> {
-    // A Datum has eight characters or more, and deflate makes at most 1032 bytes from one.
+    // A Datum has at least eight characters, and deflate expands a byte to at most 1032.
     let most = zip.stream(main)?.1.saturating_mul(129);
     if nx.saturating_mul(ny) > most {
         return Err(format!("the grid has {nx} by {ny} points; {main} lists at most {most} of them"));
@@ -295,7 +295,7 @@ fn listed(zip: &mut Zip, main: &str, [nx, ny]: [usize; 2]) -> Result<Array2<f64>
     Ok(heights.reversed_axes())
 }
 
-/// A stream with the checksum of what was read.
+/// Stream with a checksum of the bytes read.
 struct Summed<R> {
     stream: R,
     sum: md5::Context,
@@ -309,7 +309,7 @@ impl<R: Read> Read for Summed<R> {
     }
 }
 
-/// The element at a path of names below `root`.
+/// Returns the element at a path of names below `root`.
 fn at<'a, 'input>(root: Node<'a, 'input>, path: &str) -> Option<Node<'a, 'input>> {
     path.split('/').try_fold(root, |node, name| node.children().find(|child| child.has_tag_name(name)))
 }

@@ -7,13 +7,13 @@ use zip::ZipArchive;
 
 use super::file::File;
 
-/// The largest size of an entry that describes others, in bytes.
+/// Largest size of an entry that describes others, in bytes.
 pub(crate) const MOST_TEXT: u64 = 1 << 20;
 
-/// The largest ratio of compression of a data file.
+/// Largest compression ratio of a data file.
 const MOST_RATIO: u64 = 64;
 
-/// The largest number of tags and attributes of XML. Each takes more memory than its text.
+/// Largest number of XML tags and attributes. Each takes more memory than its text.
 const MOST_NODES: usize = 20_000;
 
 /// Parses the XML of an entry.
@@ -24,13 +24,13 @@ pub(crate) fn xml<'a>(name: &str, text: &'a str) -> Result<Document<'a>, String>
     Document::parse(text).map_err(|error| format!("the entry {name}: {error}"))
 }
 
-/// The parts of a path in small letters, without empty ones and `.`, joined by slashes.
+/// Returns the parts of a path in lower case, without empty parts and `.`, joined by slashes.
 pub(crate) fn plain(path: &str) -> String {
     let parts: Vec<&str> = path.split(['/', '\\']).filter(|part| !matches!(*part, "" | ".")).collect();
     parts.join("/").to_lowercase()
 }
 
-/// A zip archive in memory, and its number of bytes.
+/// Zip archive in memory, and its number of bytes.
 pub(crate) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>, usize);
 
 impl<'a> Zip<'a> {
@@ -42,26 +42,26 @@ impl<'a> Zip<'a> {
             .map_err(|error| format!("the zip archive is damaged: {error}"))
     }
 
-    /// True if the file is a zip archive with all these entries.
+    /// Returns true if the file is a zip archive with all these entries.
     pub(crate) fn has(file: &File, entries: &[&str]) -> bool {
         file.starts_with(b"PK")
             && Zip::open(file).is_ok_and(|zip| entries.iter().all(|entry| zip.meant(entry).is_some()))
     }
 
-    /// The name of the entry that `name` means: the same name, else one that differs in case, slashes or `./` only.
+    /// Finds the entry with this name, or else a name that differs only in case, slashes or `./`.
     pub(crate) fn meant(&self, name: &str) -> Option<String> {
         let wanted = plain(name);
         let exact = self.0.index_for_name(name).map(|_| name.to_owned());
         exact.or_else(|| self.names().into_iter().find(|entry| plain(entry) == wanted))
     }
 
-    /// The names of the entries in the order of the archive.
+    /// Returns the names of the entries in the order of the archive.
     pub(crate) fn names(&self) -> Vec<String> {
         self.0.file_names().filter_map(Result::ok).map(|name| name.into_owned()).collect()
     }
 
-    /// The bytes of an entry as a stream, and their compressed number, at most that of the archive, whatever the entry
-    /// declares; the checksum is verified at the end.
+    /// Returns the bytes of an entry as a stream, and their compressed number. The number is limited to the size of the
+    /// archive, whatever the entry declares. The checksum is verified at the end.
     pub(crate) fn stream(&mut self, name: &str) -> Result<(impl Read, usize), String> {
         let size = self.1;
         let found = self.meant(name).unwrap_or_else(|| name.to_owned());
@@ -70,7 +70,7 @@ impl<'a> Zip<'a> {
         Ok((entry, usize::try_from(compressed).unwrap_or(usize::MAX).min(size)))
     }
 
-    /// Decompresses an entry of at most `most` bytes, whatever size the archive declares; its checksum is verified.
+    /// Decompresses an entry of at most `most` bytes, whatever size the archive declares, and verifies its checksum.
     pub(crate) fn read(&mut self, name: &str, most: u64) -> Result<Vec<u8>, String> {
         let found = self.meant(name).unwrap_or_else(|| name.to_owned());
         let entry = self.0.by_name(&found).map_err(|error| format!("the entry {name}: {error}"))?;
@@ -91,7 +91,7 @@ impl<'a> Zip<'a> {
         self.read(name, compressed.saturating_mul(MOST_RATIO).max(MOST_TEXT))
     }
 
-    /// Decompresses an entry of text.
+    /// Decompresses a text entry.
     pub(crate) fn text(&mut self, name: &str) -> Result<String, String> {
         String::from_utf8(self.read(name, MOST_TEXT)?).map_err(|_| format!("the entry {name} is not text in UTF-8"))
     }

@@ -1,5 +1,5 @@
-//! Hostile files: damaged copies of valid ones, many small parts, lying headers, bombs.
-//! `cargo run -p gfmd-topography --example hostile` reads as many damaged files as wanted.
+//! Hostile files: damaged copies of valid ones, many small parts, false headers, decompression bombs. `cargo run -p
+//! gfmd-topography --example hostile` reads any number of damaged files.
 
 #[path = "harness/mod.rs"]
 mod harness;
@@ -9,10 +9,10 @@ use std::time::Duration;
 use harness::made;
 use zip::CompressionMethod;
 
-/// Damaged files of each format.
+/// Number of damaged files per format.
 const INPUTS: u64 = 2000;
 
-/// The memory of the whole process is counted, so that the parts of this test follow each other.
+/// The memory of the whole process is counted, so the parts of this test run one after the other.
 #[test]
 fn hostile_files_are_read_or_refused_in_bounded_time_and_memory() {
     harness::guard(Duration::from_secs(60));
@@ -35,12 +35,12 @@ fn damaged(folder: &std::path::Path) {
     }
 }
 
-/// Checks that a file which is not valid is refused, and that without much memory.
+/// Checks that an invalid file is refused without much memory.
 fn refused(what: &str, bytes: &[u8]) {
     assert_eq!(harness::check(what, bytes, &mut harness::Count::default()), Ok(false), "{what}");
 }
 
-/// Files whose parts are as small as can be, so that what is kept of each part is large beside it.
+/// Files with parts as small as possible, so that the memory per part is large in comparison.
 fn many_small_parts() {
     let many = |part: &[u8], count: usize| part.repeat(count);
     refused("lines of Nanoscope", &[b"\\*File list\r\n".to_vec(), many(b"\\\n", 500_000)].concat());
@@ -84,7 +84,7 @@ fn many_small_parts() {
     );
 }
 
-/// Every file cut at every byte is read or refused.
+/// Every file truncated at any byte is read or refused.
 fn truncated(folder: &std::path::Path) {
     for (format, seeds) in harness::seeds(folder) {
         for seed in seeds {
@@ -98,7 +98,7 @@ fn truncated(folder: &std::path::Path) {
     }
 }
 
-/// Headers that ask for 2^40 points, or for as many as pass for a damaged number.
+/// Headers that declare 2^40 points, or any typical damaged number.
 fn lying_headers(folder: &std::path::Path) {
     let replaced = |bytes: &[u8], from: &str, to: &str| {
         let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
@@ -114,7 +114,7 @@ fn lying_headers(folder: &std::path::Path) {
         ];
         for (format, bytes, line) in texts {
             let (key, _) = line.split_at(line.len() - 1);
-            // The numbers of groups and of channels that were not recorded do not matter.
+            // Numbers of groups, including channels that were not recorded, do not matter.
             let read = harness::check(
                 format,
                 &replaced(&bytes, line, &format!("{key}{size}")),
@@ -129,7 +129,7 @@ fn lying_headers(folder: &std::path::Path) {
         entries[0].1 = replaced(&entries[0].1, "<IMAGE_SIZE_X>5", &format!("<IMAGE_SIZE_X>{size}"));
         refused("Sensofar PLUX", &made::zipped(&entries, CompressionMethod::Deflated));
     }
-    // Binary numbers of points: where they stand, and of how many bytes.
+    // Binary numbers of points: their position and number of bytes.
     let binary: [(&str, Vec<u8>, usize, usize); 7] = [
         ("Digital Surf", made::sur(32, 0, 0), 108, 12),
         ("Digital Surf", made::sur(32, 1, 0), 108, 12),
@@ -143,7 +143,7 @@ fn lying_headers(folder: &std::path::Path) {
         for fill in [0, 0x7f, 0xff] {
             let mut bytes = bytes.clone();
             bytes[at..at + count].fill(fill);
-            // Intensities of no point are as good as none.
+            // Zero intensity points mean no intensities.
             let may_be_read = format == "Zygo MetroPro" && at == 52 && fill == 0;
             let read = harness::check(format, &bytes, &mut harness::Count::default());
             assert_eq!(read, Ok(may_be_read), "{format}, {count} bytes of {fill:#x} at {at}");
@@ -154,7 +154,7 @@ fn lying_headers(folder: &std::path::Path) {
     bytes[120..124].copy_from_slice(&f32::NAN.to_le_bytes());
     refused("Digital Surf", &bytes);
 
-    // A dataset of 2^30 points, of which none is stored.
+    // A dataset of 2^30 points without stored values.
     let path = folder.join("empty.h5");
     let file = hdf5::File::create(&path).unwrap();
     file.new_dataset::<f64>().shape([1 << 15, 1 << 15]).chunk([1 << 10, 1 << 10]).create("surface").unwrap();

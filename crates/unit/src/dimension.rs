@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-/// The dimension of a number: its powers of stress, length, time and temperature.
+/// Dimension of a quantity: its powers of stress, length, time and temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dimension {
-    /// The power of stress.
+    /// Power of stress.
     pub stress: i32,
-    /// The power of length.
+    /// Power of length.
     pub length: i32,
-    /// The power of time.
+    /// Power of time.
     pub time: i32,
-    /// The power of temperature.
+    /// Power of temperature.
     pub temperature: i32,
 }
 
@@ -19,8 +19,8 @@ impl Dimension {
     /// Dimensionless.
     pub const NONE: Self = Self { stress: 0, length: 0, time: 0, temperature: 0 };
 
-    /// The dimension of a kind of quantity as results write it: `1`, `stress`, `stress*length^2`, `1/length`, in which
-    /// a slash divides by all that follows; `None` for other words.
+    /// Parses a kind of quantity as written in results: `1`, `stress`, `stress*length^2`, `1/length`. A slash divides
+    /// by everything after it. Returns `None` for other words.
     pub fn of(kind: &str) -> Option<Self> {
         let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));
         let mut found = Self::NONE;
@@ -43,7 +43,7 @@ impl Dimension {
         Some(found)
     }
 
-    /// The product of this dimension and another one to a power.
+    /// Returns the product of this dimension and `other` to a power.
     pub(crate) fn times(self, other: Self, power: i32) -> Self {
         Self {
             stress: self.stress + power * other.stress,
@@ -53,7 +53,7 @@ impl Dimension {
         }
     }
 
-    /// The kind in words, and a unit of it as an example.
+    /// Returns the kind in words and an example unit.
     fn words(self) -> (&'static str, &'static str) {
         match (self.stress, self.length, self.time, self.temperature) {
             (0, 0, 0, 0) => ("a number without a unit", "1"),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A unit of length: its spellings, the first of which is used in output, and its size in metres, count·10^power.
+/// Unit of length of size count·10^power metres. The first spelling is used in output.
 pub(crate) struct Unit {
     spellings: &'static [&'static str],
     pub(crate) count: u32,
@@ -13,7 +13,7 @@ const fn metric(spellings: &'static [&'static str], power: i32) -> Unit {
     Unit { spellings, count: 1, power }
 }
 
-/// The units of length. `um` with either letter mu, and `~m`, are spellings of instruments, as are those of Å.
+/// Known units of length. Instruments write `um` with either letter mu, `~m`, and the variants of Å.
 const UNITS: [Unit; 11] = [
     metric(&["m", "meter", "metre", "meters", "metres"], 0),
     metric(&["km"], 3),
@@ -32,18 +32,18 @@ pub(crate) fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.spellings.contains(&name))
 }
 
-/// True for the name of a known unit of length.
+/// Returns true if `name` is a known unit of length.
 pub fn is_length(name: &str) -> bool {
     find(name.trim()).is_some()
 }
 
-/// The name of a unit as written in output; an unknown name is returned unchanged.
+/// Returns the name of a unit as written in output; an unknown name is returned unchanged.
 pub fn canonical(name: &str) -> &str {
     find(name.trim()).map_or(name, |unit| unit.spellings[0])
 }
 
-/// The factor between two units, a quotient of integers. One of them is 1 between metric units, so that a conversion
-/// has one rounding error.
+/// Conversion factor between two units, a quotient of two integers. One of them is 1 between metric units, so that a
+/// conversion has one rounding error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conversion {
     from: &'static str,
@@ -53,7 +53,7 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// The conversion from one unit of length to another; `None` if they are the same unit.
+    /// Returns the conversion between two units of length, or `None` if they are the same unit.
     ///
     /// # Errors
     /// An unknown name.
@@ -75,7 +75,7 @@ impl Conversion {
         let (from, to) = (unit(from)?, unit(to)?);
         let power = from.power - to.power;
         let (mut times, mut over) = if from.count == to.count { (1, 1) } else { (from.count, to.count) };
-        // Powers of ten and counts share factors: an inch of 254·10⁻⁴ m is 25400 µm, and 127/5000 m.
+        // Cancel common factors of powers of ten and counts: an inch, 254·10⁻⁴ m, is 25400 µm and 127/5000 m.
         let ten = |power: i32| 10_f64.powi(power);
         let (mut up, mut down) = if power >= 0 { (ten(power), 1.0) } else { (1.0, ten(-power)) };
         if times > 1 && down > 1.0 {
@@ -95,7 +95,7 @@ impl Conversion {
         Ok(Some(conversion))
     }
 
-    /// The value in the new unit.
+    /// Converts a value to the new unit.
     pub fn apply(&self, value: f64) -> f64 {
         if self.over == 1.0 {
             value * self.times
@@ -115,7 +115,7 @@ impl fmt::Display for Conversion {
     }
 }
 
-/// Converts lengths from one unit to another.
+/// Converts lengths in place from one unit to another.
 ///
 /// # Errors
 /// An unknown unit, unless both are the same.

@@ -2,8 +2,8 @@
 //! units.
 //!
 //! A problem has a unit of length and a unit of stress, independent of each other: an energy per area is a stress times
-//! a length in any of them ([`Units`]). A [`Dimension`] has the powers of the two; it is written as in the tables of
-//! results, `stress*length`. Numbers without a unit are not changed.
+//! a length in any unit system ([`Units`]). A [`Dimension`] holds the powers of stress, length, time and temperature;
+//! results write it as `stress*length`. Numbers without a unit are not changed.
 //!
 //! ```
 //! use gfmd_unit::{Quantity, Units};
@@ -16,7 +16,7 @@
 //! assert_eq!(units.shown("stress", 7.1e8).unwrap().to_string(), "MPa");
 //! ```
 //!
-//! Not here: units of files (`topography` reads them), flags (`problem`).
+//! Units of files are read by `topography`, flags by `problem`.
 
 mod dimension;
 mod length;

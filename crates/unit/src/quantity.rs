@@ -3,18 +3,18 @@
 use crate::Dimension;
 use crate::length;
 
-/// A number with a unit.
+/// Number with a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// The text.
+    /// Text as given.
     text: String,
-    /// The decimal digits of the number, without its power of ten.
+    /// Decimal digits of the number, without its power of ten.
     digits: String,
-    /// The unit.
+    /// Unit.
     unit: Unit,
 }
 
-/// A unit: a product of powers of units, count·10^power in Pa, m, s and K.
+/// Product of powers of units, of size count·10^power in Pa, m, s and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unit {
     pub(crate) dimension: Dimension,
@@ -22,7 +22,7 @@ pub(crate) struct Unit {
     pub(crate) count: f64,
 }
 
-/// Error: text that is not a unit.
+/// Error: the text is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{0:?} is no unit; it must be made of m, mm, µm (or um), nm, Å, pm, in, mil, Pa, bar, N, J, W, K, s, min, h, d, \
@@ -30,7 +30,7 @@ pub(crate) struct Unit {
 )]
 pub struct UnknownUnit(String);
 
-/// Units with a prefix of SI, their powers of stress, length, time and temperature, and their sizes.
+/// Units that take an SI prefix: powers of stress, length, time and temperature, and the power of ten of the size.
 const PREFIXED: [(&str, [i32; 4], i32); 7] = [
     ("Pa", [1, 0, 0, 0], 0),
     ("bar", [1, 0, 0, 0], 5),
@@ -41,10 +41,10 @@ const PREFIXED: [(&str, [i32; 4], i32); 7] = [
     ("K", [0, 0, 0, 1], 0),
 ];
 
-/// Units of time without a prefix, in s; a year is the Julian one.
+/// Units of time without a prefix, in s; a year is a Julian year.
 const TIMES: [(&str, f64); 4] = [("min", 60.0), ("h", 3600.0), ("d", 86400.0), ("yr", 31_557_600.0)];
 
-/// The prefixes of SI that are in use, `u` and both letters mu for micro.
+/// SI prefixes in use; micro is `u` or either letter mu.
 const PREFIXES: [(&str, i32); 14] = [
     ("", 0),
     ("T", 12),
@@ -63,8 +63,8 @@ const PREFIXES: [(&str, i32); 14] = [
 ];
 
 impl Quantity {
-    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. `None` for a number without a
-    /// unit, and for text that does not begin with a number.
+    /// Parses a number with a unit, such as `70GPa`, `1.5 µm`, `5e-2 J/m^2`, `0.4 N/mm²`. Returns `None` for a number
+    /// without a unit, and for text that does not begin with a number.
     ///
     /// # Errors
     /// A number followed by words that are not a unit.
@@ -75,12 +75,12 @@ impl Quantity {
             return Ok(None);
         }
         let is_number = |end: &usize| trimmed.get(..*end).is_some_and(|start| start.parse::<f64>().is_ok());
-        // `2E` of `2EPa` is no number, and `2e3` of `2e3Pa` is one.
+        // The longest number: `2E` of `2EPa` is not a number, `2e3` of `2e3Pa` is.
         let mut ends = trimmed.char_indices().map(|(index, _)| index).chain([trimmed.len()]);
         let Some(end) = ends.rfind(is_number) else { return Ok(None) };
         let (number, rest) = trimmed.split_at(end);
         let name = rest.trim();
-        // An inverse unit, as it is written: `3e-15 1/Pa`.
+        // The 1 of an inverse unit: `3e-15 1/Pa`.
         let name = name.strip_prefix('1').filter(|under| under.trim_start().starts_with('/')).unwrap_or(name);
         if name.is_empty() || name.starts_with(begins) {
             return Ok(None);
@@ -92,17 +92,17 @@ impl Quantity {
         Ok(Some(Self { text: trimmed.into(), digits: digits.into(), unit }))
     }
 
-    /// The text as it was given.
+    /// Returns the text as given.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The dimension.
+    /// Returns the dimension.
     pub fn dimension(&self) -> Dimension {
         self.unit.dimension
     }
 
-    /// The number in a unit of the same dimension, correctly rounded if both are powers of ten of Pa, m, s and K.
+    /// Returns the number in a unit of the same dimension, correctly rounded if both are powers of ten in SI.
     pub(crate) fn over(&self, unit: &Unit) -> f64 {
         let power = self.unit.power.saturating_sub(unit.power);
         let times_ten = |digits: &str| format!("{digits}e{power}").parse().unwrap_or(f64::NAN);
@@ -118,12 +118,12 @@ impl Quantity {
 impl Unit {
     pub(crate) const ONE: Self = Self { dimension: Dimension::NONE, power: 0, count: 1.0 };
 
-    /// Parses a product of powers of units; a slash divides by the next unit only, or by all of those in parentheses.
+    /// Parses a product of powers of units. A slash divides by the next unit only, or by all units in parentheses.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let mut found = Self::ONE;
         let mut rest = text.trim();
         let mut sign = 1;
-        // `1/m`, whose number is the one.
+        // The remainder of `1/m` after the 1.
         if let Some(under) = rest.strip_prefix('/') {
             (sign, rest) = (-1, under.trim_start());
         }
@@ -150,7 +150,7 @@ impl Unit {
         }
     }
 
-    /// One unit to a power: `m`, `mm^2`, `µm²`, `s^-1`.
+    /// Parses one unit to a power: `m`, `mm^2`, `µm²`, `s^-1`.
     fn factor(text: &str) -> Option<Self> {
         const RAISED: [(char, char); 4] = [('²', '2'), ('³', '3'), ('¹', '1'), ('⁻', '-')];
         let is_power =
@@ -178,7 +178,7 @@ impl Unit {
         })
     }
 
-    /// This unit times another one to a power.
+    /// Returns the product of this unit and `other` to a power, or `None` on overflow of the power of ten.
     pub(crate) fn times(self, other: Self, power: i32) -> Option<Self> {
         Some(Self {
             dimension: self.dimension.times(other.dimension, power),
@@ -187,7 +187,7 @@ impl Unit {
         })
     }
 
-    /// The size in Pa, m, s and K.
+    /// Returns the size in Pa, m, s and K.
     pub(crate) fn size(&self) -> f64 {
         self.count * 10_f64.powi(self.power)
     }

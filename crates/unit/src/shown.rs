@@ -1,31 +1,31 @@
-//! Readable units: with a prefix of SI that leaves one to three digits before the point.
+//! Readable units with an SI prefix that leaves one to three digits before the decimal point.
 
 use std::fmt;
 
 use crate::Dimension;
 
-/// A readable unit.
+/// Readable unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// The factor from numbers of the problem to numbers in this unit.
+    /// Factor from numbers of the problem to numbers in this unit.
     pub factor: f64,
-    /// The name of the unit.
+    /// Name of the unit.
     pub name: String,
 }
 
 impl Shown {
-    /// A number of the problem in this unit, with up to six significant digits: `12.5 µm`.
+    /// Formats a number of the problem in this unit, with up to six significant digits: `12.5 µm`.
     pub fn text(&self, value: f64) -> String {
         format!("{} {}", digits(value * self.factor), self.name)
     }
 
-    /// The name behind the slash of `length / µm`, in brackets if it is a quotient itself.
+    /// Returns the name as a divisor, as in `length / µm`; in parentheses if it is a quotient itself.
     pub fn divisor(&self) -> String {
         if self.name.contains('/') { format!("({})", self.name) } else { self.name.clone() }
     }
 }
 
-/// Up to six significant digits of a number that is not much larger than 1000.
+/// Formats a number not much larger than 1000 with up to six significant digits.
 pub(crate) fn digits(value: f64) -> String {
     let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     match decade {
@@ -43,16 +43,15 @@ impl fmt::Display for Shown {
     }
 }
 
-/// The readable prefixes, in powers of a thousand from 10^-15.
+/// Prefixes in steps of a thousand, starting at 10^-15.
 const PREFIXES: [&str; 10] = ["f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
 
-/// The power of ten of the first prefix.
+/// Power of ten of the first prefix.
 const FIRST: i32 = -15;
 
-/// The readable unit for numbers of a dimension up to `largest`, whose unit has this `size` in Pa, m and s; `None` for
-/// a dimension without one.
+/// Returns the readable unit for numbers up to `largest` in a unit of `size` in Pa, m and s, or `None` without one.
 pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown> {
-    // Times span many decades, and are read in s.
+    // Times span many decades and are read in s.
     for (read, name) in
         [(Dimension { time: 1, ..Dimension::NONE }, "s"), (Dimension { temperature: 1, ..Dimension::NONE }, "K")]
     {
@@ -63,7 +62,7 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
     if dimension.temperature != 0 {
         return None;
     }
-    // The symbol that takes the prefix, its power, what stands behind it, and the size of that in SI.
+    // Symbol that takes the prefix, its power, the rest of the name, and the size of the rest in SI.
     let (symbol, power, behind, over) = match (dimension.stress, dimension.length, dimension.time) {
         (0, power, 0) if power != 0 => ("m", power, "", 1.0),
         (power @ (1..=2 | -1), 0, 0) => ("Pa", power, "", 1.0),
@@ -72,16 +71,16 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
         (1, 3, 0) => ("J", 1, "", 1.0),
         (0, 1, -1) => ("m", 1, "/s", 1.0),
         (1, 1, -1) => ("W", 1, "/m²", 1.0),
-        // A stress per length is that of micrometres: few things are read per metre.
+        // Stress per length is shown per µm, which is more common than per metre.
         (1, -1, 0) => ("Pa", 1, "/µm", 1e6),
         _ => return None,
     };
     let value = largest.abs() * size / over;
-    // The largest power of a thousand below the number, of its root for a power of the unit.
+    // Largest power of a thousand below the number, or below its root for a power of the unit.
     let root = value.log10() / f64::from(power) / 3.0;
     let thousands = match value.is_normal() {
         true if power > 0 => (root + 1e-9).floor() as i32,
-        // An inverse of at least one: 1/µm for 10^6 to 10^9 per metre.
+        // An inverse unit leaves at least one: 1/µm for 10^6 to 10^9 per metre.
         true => (root - 1e-9).ceil() as i32,
         false => 0,
     };

@@ -1,26 +1,26 @@
-//! The units of a problem.
+//! Units of a problem.
 
 use crate::quantity::Unit;
 use crate::shown::{self, Shown};
 use crate::{Dimension, Quantity};
 
-/// The unit of length and the unit of stress of a problem, as far as they are known. All numbers of the problem are in
-/// these, an energy per area in their product. If lengths have a unit, times are in s and temperatures in K.
+/// Units of length and stress of a problem, as far as they are known. All numbers of the problem are in these units; an
+/// energy per area is in their product. If lengths have a unit, times are in s and temperatures in K.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
     length: Option<String>,
     stress: Option<String>,
 }
 
-/// Error: a quantity without a value in the units of a problem.
+/// Error: a quantity has no value in the units of a problem.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unusable {
-    /// A quantity of another kind.
+    /// The quantity is of another kind.
     #[error("it is {found}; it must be {allowed}")]
     Kind {
-        /// The kind of the quantity.
+        /// Kind of the quantity.
         found: Dimension,
-        /// The kind that it must have.
+        /// Required kind.
         allowed: Dimension,
     },
     /// The problem has no unit of length.
@@ -29,41 +29,41 @@ pub enum Unusable {
              number is then in the units of the other numbers"
     )]
     NoLength,
-    /// The unit of the lengths is unknown.
+    /// The unit of length is unknown.
     #[error("it has a unit, and that of the lengths, {0}, is not known; --unit names one, as in --unit um")]
     Length(String),
 }
 
 impl Units {
-    /// The default unit of stress, if a stress has a unit.
+    /// Default unit of stress, used if a stress has a unit.
     pub const PASCAL: &str = "Pa";
 
-    /// The units of a problem by their names.
+    /// Creates the units of a problem from their names.
     pub fn new(length: Option<&str>, stress: Option<&str>) -> Self {
         Self { length: length.map(str::to_owned), stress: stress.map(str::to_owned) }
     }
 
-    /// The name of the unit of length.
+    /// Returns the name of the unit of length.
     pub fn length(&self) -> Option<&str> {
         self.length.as_deref()
     }
 
-    /// The name of the unit of stress: Pa if lengths are in metres and no other is named.
+    /// Returns the name of the unit of stress: Pa if lengths are in metres and no other is named.
     pub fn stress(&self) -> Option<&str> {
         self.stress.as_deref().or_else(|| (self.length() == Some("m")).then_some(Self::PASCAL))
     }
 
-    /// True for the name of a unit of stress.
+    /// Returns true if `name` is a unit of stress.
     pub fn is_stress(name: &str) -> bool {
         Unit::parse(name).is_some_and(|unit| unit.dimension == Dimension { stress: 1, ..Dimension::NONE })
     }
 
-    /// The unit of stress in Pa; `None` if unknown.
+    /// Returns the unit of stress in Pa, or `None` if unknown.
     pub fn pascals(&self) -> Option<f64> {
         Some(self.stress_unit()?.size())
     }
 
-    /// The unit of length in m; `None` if unknown.
+    /// Returns the unit of length in m, or `None` if unknown.
     pub fn metres(&self) -> Option<f64> {
         Some(Unit::parse(self.length()?)?.size())
     }
@@ -72,8 +72,8 @@ impl Units {
         Unit::parse(self.stress()?)
     }
 
-    /// The value of a quantity whose kind must be this one, in the units of the problem; stresses are in Pa unless
-    /// another unit is named.
+    /// Returns the value of a quantity of this kind in the units of the problem. Stresses are in Pa unless another unit
+    /// is named.
     ///
     /// # Errors
     /// Another kind of quantity; lengths without a unit, or with an unknown one.
@@ -83,7 +83,7 @@ impl Units {
         if found != allowed {
             return Err(Unusable::Kind { found, allowed });
         }
-        // A problem without a unit of length has none of stress either: its numbers are those of any units.
+        // A problem without a unit of length has no unit of stress either: its numbers are in any consistent units.
         let name = self.length().ok_or(Unusable::NoLength)?;
         let length = Unit::parse(name).ok_or_else(|| Unusable::Length(name.into()))?;
         let stress = self.stress_unit().or_else(|| Unit::parse(Self::PASCAL)).unwrap_or(Unit::ONE);
@@ -91,12 +91,12 @@ impl Units {
         Ok(quantity.over(&unit.unwrap_or(Unit::ONE)))
     }
 
-    /// The name of the unit of a kind of quantity, as written in files: `Pa*µm` for `stress*length`. The kind itself if
-    /// a unit is unknown.
+    /// Returns the unit of a kind of quantity as written in files: `Pa*µm` for `stress*length`. Returns the kind itself
+    /// if a unit is unknown.
     pub fn name(&self, kind: &str) -> String {
         let Some(dimension) = Dimension::of(kind).filter(|found| *found != Dimension::NONE) else { return kind.into() };
         let (stress, length) = (self.stress(), self.length());
-        // A problem whose lengths have a unit has times in s and temperatures in K.
+        // If lengths have a unit, times are in s and temperatures in K.
         let needs_length = dimension.length != 0 || dimension.time != 0 || dimension.temperature != 0;
         if (dimension.stress != 0 && stress.is_none()) || (needs_length && length.is_none()) {
             return kind.into();
@@ -106,7 +106,7 @@ impl Units {
         named.replace("length", &whole(length.unwrap_or_default())).replace("time", "s").replace("temperature", "K")
     }
 
-    /// A number of a kind in words, with up to six significant digits and its unit, if that is known.
+    /// Formats a number of a kind with up to six significant digits and its unit, if known.
     pub fn words(&self, value: f64, kind: &str) -> String {
         match self.shown(kind, value) {
             Some(unit) => unit.text(value),
@@ -118,7 +118,7 @@ impl Units {
         }
     }
 
-    /// The readable unit for numbers of a kind up to `largest`; `None` if the units are unknown.
+    /// Returns the readable unit for numbers of a kind up to `largest`, or `None` without one or if a unit is unknown.
     pub fn shown(&self, kind: &str, largest: f64) -> Option<Shown> {
         let dimension = Dimension::of(kind)?;
         let mut size = Unit::ONE;
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(value(&giga, "0.05J/m^2", "stress*length"), Ok(0.05e-3));
         assert_eq!(value(&giga, "2 nm", "length"), Ok(2e-3));
         assert_eq!(value(&Units::new(Some("in"), None), "2.54cm", "length"), Ok(1.0));
-        // A heat flux is in stress·length/time, so that a temperature is in K.
+        // Heat flux is in stress·length/time, so that temperature is in K.
         assert_eq!(value(&giga, "0.2 W/(m K)", "stress*length^2/time*temperature"), Ok(0.2e3));
         assert_eq!(value(&giga, "1e-7 m^2/s", "length^2/time"), Ok(1e5));
     }

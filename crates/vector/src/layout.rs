@@ -2,8 +2,7 @@ use std::borrow::Cow;
 
 use ndarray::{ArrayRef, Dimension};
 
-/// The values of an array row by row, for any layout in memory: borrowed if they are stored row by row, otherwise
-/// copied.
+/// Returns the values of an array row by row: borrowed if they are stored in this order, otherwise copied.
 ///
 /// ```
 /// use gfmd_vector::contiguous;

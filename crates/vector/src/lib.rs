@@ -1,8 +1,8 @@
-//! Threaded passes over long vectors whose result does not depend on the number of threads.
+//! Threaded passes over long vectors with results that do not depend on the number of threads.
 //!
-//! A pass splits its vectors in halves until [`LEAF`] values are left, works on the leaves in parallel, and merges the
-//! results pairwise on the way back. The tree follows from the length alone, so a sum has the same bits with one thread
-//! and with many, and its rounding error grows with the logarithm of the length. Nothing is allocated.
+//! A pass splits its vectors in halves down to [`LEAF`] values, works on the leaves in parallel, and merges the results
+//! pairwise on the way back. The tree depends on the length alone, so a sum has the same bits for any number of
+//! threads, and its rounding error grows with the logarithm of the length. Nothing is allocated.
 //!
 //! ```
 //! use gfmd_vector::{add, pass, sum};
@@ -26,13 +26,13 @@
 //! assert_eq!(sum(x.len(), &|range| x[range].iter().sum()), 50_000.0);
 //! ```
 //!
-//! From a thread outside rayon's pool each pass over more than a leaf hands its work over and waits, some ten
-//! microseconds; `rayon::scope` around many passes saves this time.
+//! From a thread outside rayon's pool, each pass over more than one leaf hands its work over and waits, which takes
+//! about ten microseconds; `rayon::scope` around many passes saves this time.
 //!
 //! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the rows of this process, and
-//! its sums have the bits of one process.
+//! its sums have the same bits as with one process.
 //!
-//! Not here: the meaning of the vectors, and the methods that use them (`gfmd-relax`).
+//! The methods that use these passes are in `gfmd-relax`.
 
 mod layout;
 mod ranks;
@@ -65,13 +65,13 @@ pub fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
     cell.get_or_init(|| made)
 }
 
-/// The number of values in one leaf of the tree: a few vectors of it fit the first-level cache, and the work on it
-/// outweighs the cost of handing it to a thread.
+/// Number of values in one leaf of the tree: several vectors of this length fit the first-level cache, and the work on
+/// them outweighs the cost of handing it to a thread.
 pub const LEAF: usize = 2048;
 
-/// Sweeps once over `vectors` of equal length, slices or tuples and arrays of them: `leaf(start, parts)` gets one
-/// stretch of each vector, beginning at index `start`, and `merge` joins the results of neighbouring stretches, in
-/// order.
+/// Sweeps once over `vectors` of equal length, which are slices or tuples and arrays of slices. `leaf(start, parts)`
+/// gets one stretch of each vector, beginning at index `start`, and `merge` joins the results of neighbouring stretches
+/// in order.
 ///
 /// # Panics
 /// If the vectors differ in length.
@@ -83,7 +83,7 @@ pub fn pass<V: Split, R: Send>(
     pass_by(LEAF, vectors, leaf, merge)
 }
 
-/// A [`pass`] with leaves of at most `size` entries. [`Rows`] are cut between rows.
+/// Runs a [`pass`] with leaves of at most `size` entries. [`Rows`] are cut between rows.
 ///
 /// # Panics
 /// If the vectors differ in length, or `size` is zero.
@@ -123,16 +123,16 @@ fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + 
     let (mut a, mut b) = (Some(a), Some(b));
     let (mut of_a, mut of_b) = (None, None);
     join(&mut || of_a = a.take().map(|a| a()), &mut || of_b = b.take().map(|b| b()));
-    // A panic of either has gone through the join.
+    // A panic in either has propagated through the join.
     of_a.zip(of_b).expect("both functions were called")
 }
 
-/// The join of all passes, not generic: its code is as long as that of many passes, and each would have its own copy.
+/// Joins two tasks of a pass. Not generic, since rayon's join is long and each pass would compile its own copy.
 fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     rayon::join(a, b);
 }
 
-/// A [`pass`] without a result: `leaf` only changes its stretches.
+/// Runs a [`pass`] without a result: `leaf` only changes its stretches.
 ///
 /// # Panics
 /// If the vectors differ in length.
@@ -140,7 +140,7 @@ pub fn for_each<V: Split>(vectors: V, leaf: &(impl Fn(usize, V) + Sync)) {
     pass(vectors, leaf, &|(), ()| ());
 }
 
-/// A [`pass`] over the ranges of `0..length`, without a vector to change.
+/// Runs a [`pass`] over the ranges of `0..length`, without vectors to change.
 pub fn reduce<R: Send>(
     length: usize,
     leaf: &(impl Fn(Range<usize>) -> R + Sync),
@@ -159,43 +159,43 @@ pub fn reduce<R: Send>(
     split(0..length, leaf, merge)
 }
 
-/// The sum over `0..length`; `leaf` returns the sum over its range.
+/// Returns the sum over `0..length`; `leaf` returns the sum over its range.
 pub fn sum(length: usize, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
     reduce(length, leaf, &|a, b| a + b)
 }
 
-/// The sum entry by entry: the usual `merge`.
+/// Adds two arrays entry by entry; the usual `merge`.
 pub fn add<const K: usize>(a: [f64; K], b: [f64; K]) -> [f64; K] {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// The sum of all values, in double precision.
+/// Returns the sum of all values, in double precision.
 pub fn total<T: Copy + Into<f64> + Sync>(values: &[T]) -> f64 {
     sum(values.len(), &|range| values[range].iter().map(|value| (*value).into()).sum())
 }
 
-/// The scalar product Σ a b over the shorter length, in double precision.
+/// Returns the scalar product Σ a b over the shorter length, in double precision.
 pub fn dot<T: Copy + Into<f64> + Sync>(a: &[T], b: &[T]) -> f64 {
     sum(a.len().min(b.len()), &|range| {
         a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a).into() * (*b).into()).sum()
     })
 }
 
-/// y ← y + `factor` x, over the shorter length.
+/// Adds `factor` times `x` to `y`, over the shorter length.
 #[multiversion(targets = "simd")]
 pub fn add_times(y: &mut [f32], factor: f32, x: &[f32]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
-/// The smaller of two numbers; NaN if either is NaN.
+/// Returns the smaller of two numbers; NaN if either is NaN.
 #[inline]
 #[expect(clippy::eq_op, reason = "NaN alone differs from itself")]
 pub fn lower<T: Copy + PartialOrd>(a: T, b: T) -> T {
     if b < a || b != b { b } else { a }
 }
 
-/// The lowest value; infinity without values; NaN if any is NaN. Runs on one thread, and is inlined so that it uses the
-/// vector instructions of its caller.
+/// Returns the lowest value: infinity without values, NaN if any value is NaN. Runs on one thread, and is inlined to
+/// use the vector instructions of its caller.
 #[inline(always)]
 pub fn lowest<T: Copy + PartialOrd + From<f32>>(values: &[T]) -> T {
     let none = T::from(f32::INFINITY);
@@ -207,7 +207,7 @@ pub fn lowest<T: Copy + PartialOrd + From<f32>>(values: &[T]) -> T {
     lanes.iter().chain(rest).fold(none, |lowest, value| lower(lowest, *value))
 }
 
-/// The index at which a stretch longer than a leaf is cut, a whole number of leaves; `None` for a shorter stretch.
+/// Returns the index, a whole number of leaves, at which a stretch is cut; `None` for a stretch of at most one leaf.
 fn half(length: usize, leaf: usize) -> Option<usize> {
     (length > leaf).then(|| length.div_ceil(leaf).div_ceil(2) * leaf)
 }

@@ -1,42 +1,42 @@
-//! Processes that share one problem, and their messages.
+//! Communication between processes that share one problem.
 
-/// Processes that share the rows of one problem. All call the same methods in the same order, each from one thread at a
-/// time. Messages consist of words of 64 bits, so that every number is sent exactly.
+/// Processes that share the rows of one problem. All processes call the same methods in the same order, each from one
+/// thread at a time. Messages consist of 64-bit words, so that every number is sent exactly.
 pub trait Ranks: Send + Sync {
-    /// The number of this process, from zero.
+    /// Returns the number of this process, counted from zero.
     fn rank(&self) -> usize;
 
-    /// The number of processes.
+    /// Returns the number of processes.
     fn size(&self) -> usize;
 
-    /// Gathers the words `own` of each rank into `all`, in the order of the ranks; rank r sends `lengths[r]` words.
+    /// Gathers the words `own` of each rank into `all`, in rank order; rank r sends `lengths[r]` words.
     fn gather(&self, own: &[u64], all: &mut [u64], lengths: &[usize]);
 
     /// Starts sending `messages.out` and receiving `messages.into`. Several exchanges may be pending at once.
     fn post(&self, messages: Messages) -> Box<dyn Pending + '_>;
 }
 
-/// Send and receive buffers of an exchange of all ranks with each other. A pending exchange owns them, so that they
-/// cannot be accessed; they are allocated once and reused.
+/// Send and receive buffers of an exchange of all ranks with each other. A pending exchange owns its buffers, so that
+/// they cannot be accessed; they are allocated once and reused.
 #[derive(Clone, Debug, Default)]
 pub struct Messages {
-    /// The words to send, in the order of the receiving ranks.
+    /// Words to send, in the order of the receiving ranks.
     pub out: Vec<u64>,
-    /// The number of words sent to each rank.
+    /// Number of words sent to each rank.
     pub out_lengths: Vec<usize>,
-    /// The words received, in the order of the sending ranks.
+    /// Words received, in the order of the sending ranks.
     pub into: Vec<u64>,
-    /// The number of words received from each rank.
+    /// Number of words received from each rank.
     pub into_lengths: Vec<usize>,
 }
 
-/// A pending exchange.
+/// Pending exchange.
 pub trait Pending {
-    /// Waits for the end of the exchange, and returns its buffers.
+    /// Waits for the end of the exchange and returns its buffers.
     fn wait(self: Box<Self>) -> Messages;
 }
 
-/// A single process, the default of every problem.
+/// Single process, the default of every problem.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Alone;
 
@@ -60,7 +60,7 @@ impl Ranks for Alone {
     }
 }
 
-/// A finished exchange.
+/// Finished exchange.
 struct Arrived(Messages);
 
 impl Pending for Arrived {

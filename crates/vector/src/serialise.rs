@@ -1,8 +1,8 @@
-//! Serialisation of values to words of 64 bits.
+//! Serialisation of values to 64-bit words.
 
-/// A value that can be sent between processes: the result of a sum, as words of 64 bits.
+/// Value that can be sent between processes as 64-bit words, such as the result of a sum.
 pub trait Serialise: Send + Sized {
-    /// The number of words.
+    /// Number of words.
     const WORDS: usize;
 
     /// Writes the words.
@@ -114,7 +114,7 @@ macro_rules! tuples {
     };
 }
 
-/// Words from which values are read one after another.
+/// Words to read values from, one after another.
 struct Words<'a>(&'a [u64]);
 
 impl Words<'_> {
@@ -130,30 +130,30 @@ tuples!(A 0, B 1, C 2);
 tuples!(A 0, B 1, C 2, D 3);
 tuples!(A 0, B 1, C 2, D 3, E 4);
 
-/// Numbers, one or two of which fill a word.
+/// Number that fills a 64-bit word or half of one.
 pub trait Word: Copy + Default + Send + Sync {
     /// Numbers per word.
     const EACH: usize;
 
-    /// The word of at most [`EACH`](Self::EACH) numbers.
+    /// Packs at most [`EACH`](Self::EACH) numbers into a word.
     fn packed(numbers: &[Self]) -> u64;
 
-    /// Writes the numbers of a word.
+    /// Unpacks the numbers of a word.
     fn unpacked(word: u64, numbers: &mut [Self]);
 
-    /// The number of words that hold `numbers` numbers.
+    /// Returns the number of words that hold `numbers` numbers.
     fn words(numbers: usize) -> usize {
         numbers.div_ceil(Self::EACH)
     }
 
-    /// Fills `words` with `numbers`.
+    /// Packs `numbers` into `words`.
     fn pack(numbers: &[Self], words: &mut [u64]) {
         for (word, numbers) in words.iter_mut().zip(numbers.chunks(Self::EACH)) {
             *word = Self::packed(numbers);
         }
     }
 
-    /// The numbers of several parts, one after another; each part begins with a new word.
+    /// Unpacks several parts and joins them; each part begins with a new word.
     fn joined(words: Vec<u64>, lengths: impl Iterator<Item = usize>) -> Vec<Self> {
         let mut all = Vec::new();
         let mut rest = &words[..];
@@ -167,7 +167,7 @@ pub trait Word: Copy + Default + Send + Sync {
         all
     }
 
-    /// Fills `numbers` from `words`.
+    /// Unpacks `words` into `numbers`.
     fn unpack(words: &[u64], numbers: &mut [Self]) {
         for (word, numbers) in words.iter().zip(numbers.chunks_mut(Self::EACH)) {
             Self::unpacked(*word, numbers);

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::{Alone, LEAF, Messages, Ranks, Serialise, Split, Word, half, pass, reduce, tree};
 
-/// The rows of a field that belong to this process, and the owners of all others.
+/// Rows of a field that belong to this process, and the owners of all other rows.
 ///
 /// Rows are divided between leaves of the tree of a [`pass`]. Each rank reduces the largest branches inside its rows,
 /// all ranks receive the results, and each reduces the rest of the tree: a sum has the same bits for any number of
@@ -25,11 +25,11 @@ pub struct Share {
 /// Error: more processes than can share a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyRanks {
-    /// The number of processes.
+    /// Number of processes.
     pub ranks: usize,
-    /// The largest number of processes.
+    /// Largest possible number of processes.
     pub most: usize,
-    /// Unit of the partition: each process but the last has a multiple of this number of rows.
+    /// Unit of the partition: each process except the last has a multiple of this number of rows.
     pub unit: usize,
 }
 
@@ -48,16 +48,16 @@ impl fmt::Display for TooManyRanks {
 impl std::error::Error for TooManyRanks {}
 
 impl Share {
-    /// All rows, for one process.
+    /// Returns all rows, for one process.
     pub fn whole(rows: usize, columns: usize) -> Self {
         Self { ranks: Arc::new(Alone), columns, rows: std::iter::once(0..rows).collect() }
     }
 
-    /// The rows of this rank. The `ranks` share all rows as evenly as whole leaves and whole rows of `levels` coarser
-    /// grids allow; each coarser grid has half as many rows.
+    /// Returns the rows of this rank. The `ranks` share all rows as evenly as whole leaves and whole rows of `levels`
+    /// coarser grids allow; each coarser grid has half as many rows.
     ///
     /// # Errors
-    /// More ranks than the partition allows.
+    /// Returns an error if there are more ranks than the partition allows.
     pub fn among(ranks: Arc<dyn Ranks>, [rows, columns]: [usize; 2], levels: u32) -> Result<Self, TooManyRanks> {
         let size = ranks.size();
         if size == 1 {
@@ -73,42 +73,42 @@ impl Share {
         Ok(Self { ranks, columns, rows })
     }
 
-    /// The largest number of processes that can share so many rows.
+    /// Returns the largest number of processes that can share a field of `rows` × `columns` values.
     pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
         rows.div_ceil(unit(columns, levels)).max(1)
     }
 
-    /// The processes.
+    /// Returns the processes.
     pub fn ranks(&self) -> &dyn Ranks {
         &*self.ranks
     }
 
-    /// True for a single process.
+    /// Returns true for a single process.
     pub fn is_whole(&self) -> bool {
         self.rows.len() == 1
     }
 
-    /// The rows of this rank.
+    /// Returns the rows of this rank.
     pub fn rows(&self) -> Range<usize> {
         self.rows[self.ranks.rank()].clone()
     }
 
-    /// The rows of each rank.
+    /// Returns the rows of each rank.
     pub fn all_rows(&self) -> &[Range<usize>] {
         &self.rows
     }
 
-    /// The number of values in a row.
+    /// Returns the number of values in a row.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The range of the values of this rank in the whole field.
+    /// Returns the range of the values of this rank in the whole field.
     pub fn own(&self) -> Range<usize> {
         self.values(self.ranks.rank())
     }
 
-    /// The number of values of all ranks.
+    /// Returns the number of values of all ranks.
     pub fn total(&self) -> usize {
         self.rows.last().map_or(0, |rows| rows.end * self.columns)
     }
@@ -118,8 +118,8 @@ impl Share {
         rows.start * self.columns..rows.end * self.columns
     }
 
-    /// A [`pass`] over the values of all ranks, of which `vectors` belong to this rank. Every rank gets the result.
-    /// Indices of `leaf` count from the first value of this rank.
+    /// Runs a [`pass`] over the values of all ranks; `vectors` hold the values of this rank. Every rank gets the
+    /// result. Indices of `leaf` count from the first value of this rank.
     ///
     /// # Panics
     /// If the vectors do not have the number of values of this rank.
@@ -145,8 +145,8 @@ impl Share {
         self.joined(sums, merge)
     }
 
-    /// A [`reduce`] over the values of all ranks; `leaf` gets ranges of the values of this rank, counted from the first
-    /// one.
+    /// Runs a [`reduce`] over the values of all ranks; `leaf` gets ranges of the values of this rank, counted from its
+    /// first value.
     pub fn reduce<R: Serialise>(
         &self,
         leaf: &(impl Fn(Range<usize>) -> R + Sync),
@@ -163,22 +163,22 @@ impl Share {
         self.joined(sums, merge)
     }
 
-    /// The sum over the values of all ranks; `leaf` returns the sum over a range of the values of this rank.
+    /// Returns the sum over the values of all ranks; `leaf` returns the sum over a range of the values of this rank.
     pub fn sum(&self, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
         self.reduce(leaf, &|a, b| a + b)
     }
 
-    /// The sum of the values of all ranks, in double precision.
+    /// Returns the sum of the values of all ranks, in double precision.
     pub fn total_of<T: Copy + Into<f64> + Sync>(&self, values: &[T]) -> f64 {
         self.sum(&|range| values[range].iter().map(|value| (*value).into()).sum())
     }
 
-    /// The scalar product Σ a b of the values of all ranks, in double precision.
+    /// Returns the scalar product Σ a b over the values of all ranks, in double precision.
     pub fn dot<T: Copy + Into<f64> + Sync>(&self, a: &[T], b: &[T]) -> f64 {
         self.sum(&|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a).into() * (*b).into()).sum())
     }
 
-    /// The values of all ranks in order; rank r has `lengths[r]` of them.
+    /// Gathers the values of all ranks in rank order; rank r has `lengths[r]` values.
     pub fn collect<R: Serialise>(&self, own: &[R], lengths: &[usize]) -> Vec<R> {
         let mut words = vec![0; own.len() * R::WORDS];
         own.iter().enumerate().for_each(|(i, value)| value.put(&mut words[i * R::WORDS..][..R::WORDS]));
@@ -188,12 +188,12 @@ impl Share {
         if R::WORDS == 0 { Vec::new() } else { all.chunks_exact(R::WORDS).map(R::get).collect() }
     }
 
-    /// The value of each rank.
+    /// Gathers one value from each rank.
     pub fn each<R: Serialise>(&self, own: R) -> Vec<R> {
         self.collect(&[own], &vec![1; self.rows.len()])
     }
 
-    /// True if it is true on any rank.
+    /// Returns true if `own` is true on any rank.
     pub fn any(&self, own: bool) -> bool {
         if self.is_whole() { own } else { self.each(own).contains(&true) }
     }
@@ -203,7 +203,7 @@ impl Share {
         self.gather_rows(own, columns, &self.rows)
     }
 
-    /// Gathers a field with another partition: `rows` has the rows of each rank, one range after another.
+    /// Gathers a field with another partition: `rows` holds the rows of each rank, one range after another.
     pub fn gather_rows<T: Word>(&self, own: &[T], columns: usize, rows: &[Range<usize>]) -> Vec<T> {
         let words = |rank: usize| T::words(rows[rank].len() * columns);
         let lengths: Vec<usize> = (0..rows.len()).map(words).collect();
@@ -231,7 +231,7 @@ impl Share {
                 length += words;
             }
             messages.out_lengths.push(length);
-            // From the one after comes its first row, from the one before its last; from both, if they are one, in this
+            // The rank after sends its first row, the rank before its last row; a rank that is both sends them in this
             // order.
             messages.into_lengths.push(usize::from(other == after) * words + usize::from(other == before) * words);
         }
@@ -246,7 +246,7 @@ impl Share {
         })
     }
 
-    /// The largest branches of the tree inside the values of a rank, in order.
+    /// Returns the largest branches of the tree inside the values of a rank, in order.
     fn branches(&self, rank: usize) -> Vec<Range<usize>> {
         fn find(branch: Range<usize>, own: &Range<usize>, found: &mut Vec<Range<usize>>) {
             if branch.end <= own.start || own.end <= branch.start {
@@ -265,11 +265,11 @@ impl Share {
         found
     }
 
-    /// The result of the whole tree from the results of the branches of this rank.
+    /// Reduces the whole tree from the results of the branches of this rank.
     fn joined<R: Serialise>(&self, own: Vec<R>, merge: &impl Fn(R, R) -> R) -> R {
         let branches: Vec<Vec<Range<usize>>> = (0..self.rows.len()).map(|rank| self.branches(rank)).collect();
         if R::WORDS == 0 {
-            // Nothing to tell, and nothing to wait for.
+            // There is nothing to exchange or to wait for.
             return R::get(&[]);
         }
         let lengths: Vec<usize> = branches.iter().map(Vec::len).collect();
@@ -279,12 +279,12 @@ impl Share {
     }
 }
 
-/// The number of rows that fill whole leaves and whole rows of coarser grids, both powers of two.
+/// Returns the number of rows that fill whole leaves and whole rows of coarser grids, both powers of two.
 fn unit(columns: usize, levels: u32) -> usize {
     (LEAF >> columns.trailing_zeros().min(LEAF.ilog2())).max(1 << levels)
 }
 
-/// The result of a branch of the tree from those of the branches inside it.
+/// Reduces a branch of the tree from the results of the branches inside it.
 fn walk<R>(
     branch: Range<usize>,
     known: &mut std::iter::Peekable<impl Iterator<Item = (Range<usize>, R)>>,
@@ -298,7 +298,7 @@ fn walk<R>(
     merge(left, walk(middle..branch.end, known, merge))
 }
 
-/// A number of values without contents.
+/// Number of values without contents.
 struct Count(usize);
 
 impl Split for Count {

@@ -1,20 +1,20 @@
 //! Division of vectors into stretches.
 
-/// One or several vectors of equal length, which are cut at the same places: a slice, shared or not, and arrays and
+/// One or several vectors of equal length that are cut at the same places: slices, shared or mutable, and arrays and
 /// tuples of them. `()` stands for no vector, of any length.
 pub trait Split: Send + Sized {
-    /// The number of values.
+    /// Returns the number of values.
     fn length(&self) -> usize;
 
-    /// True if all vectors have the length `length`.
+    /// Returns true if all vectors have this `length`.
     fn fits(&self, length: usize) -> bool {
         self.length() == length
     }
 
-    /// Cuts at `middle`, at most the length.
+    /// Cuts at `middle`, which is at most the length.
     fn split(self, middle: usize) -> (Self, Self);
 
-    /// Stretches of `length` values from the start to the end; the last one may be shorter.
+    /// Iterates over stretches of `length` values; the last one may be shorter.
     fn parts(self, length: usize) -> Parts<Self> {
         Parts { rest: Some(self), length }
     }
@@ -77,7 +77,7 @@ impl<V: Split, const M: usize> Split for [V; M] {
     }
 }
 
-/// A vector of rows with so many columns each, whose length is the number of rows.
+/// Vector of rows with a fixed number of columns; its length is the number of rows.
 pub struct Rows<V>(pub V, pub usize);
 
 impl<V: Split> Split for Rows<V> {
@@ -120,7 +120,7 @@ tuples!(A 0, B 1, C 2);
 tuples!(A 0, B 1, C 2, D 3);
 tuples!(A 0, B 1, C 2, D 3, E 4);
 
-/// The iterator of [`Split::parts`].
+/// Iterator returned by [`Split::parts`].
 pub struct Parts<V> {
     rest: Option<V>,
     length: usize,

@@ -6,19 +6,19 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use crate::{Messages, Pending, Ranks};
 
-/// A mock communicator: one of several threads of this process that act as ranks, for tests.
+/// Mock communicator: one of several threads of this process that act as ranks, for tests.
 pub struct ThreadRanks {
     rank: usize,
     size: usize,
-    /// The number of exchanges so far.
+    /// Number of exchanges so far.
     number: AtomicU64,
     mailbox: Arc<Mailbox>,
 }
 
-/// The messages sent and not yet received.
+/// Messages sent and not yet received.
 #[derive(Default)]
 struct Mailbox {
-    /// Messages by number of the exchange, sender and receiver.
+    /// Messages by exchange number, sender and receiver.
     messages: Mutex<Sent>,
     arrived: Condvar,
 }
@@ -31,7 +31,7 @@ struct Sent {
 }
 
 impl ThreadRanks {
-    /// Runs `play` on each of `size` ranks, and returns the results.
+    /// Runs `play` on each of `size` ranks and returns the results.
     ///
     /// # Panics
     /// If a rank panics.

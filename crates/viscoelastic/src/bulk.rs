@@ -1,6 +1,6 @@
 use gfmd_green::Material;
 
-/// Bulk over shear modulus.
+/// Returns the ratio of bulk to shear modulus.
 pub(crate) fn bulk(material: &Material) -> f64 {
     let nu = material.poisson();
     2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))

@@ -18,37 +18,37 @@ use crate::{ElasticContact, Prony, Relaxes, StepFrame, Stiffening, ViscoelasticS
 /// A rigid rough surface above a viscoelastic body, with a hard wall or a law across the gap, and without friction
 /// (theory.md, section 7.7).
 ///
-/// A state follows from the one before, from which the displacement of the surface is linear in time. The step is exact
-/// for such a displacement, whatever its length, and its contact is an ordinary one, with larger moduli and another
-/// clearance. The first step begins at time 0 with a load, or an approach, of zero: with the undeformed surfaces at
-/// first touch, or with the state into which the law draws them there in no time. A step of no time is a jump.
+/// Each state follows from the previous one, with a surface displacement linear in time between them. A step is exact
+/// for this displacement, whatever its duration; it is solved as an elastic contact with larger moduli and another
+/// clearance. The first step begins at time 0 and zero load or approach: with the undeformed surfaces at first touch
+/// or, with a law, the state into which the law draws them instantly. A step of zero duration is a jump.
 #[derive(Clone)]
 pub struct ViscoelasticContact<C = Contact> {
-    /// The contact with the long-term moduli.
+    /// Contact with the long-term moduli.
     contact: C,
     spectrum: Arc<Spectrum>,
-    /// The transforms of a body each of whose waves has its own branches.
+    /// Transforms, if each wave of the body has its own branches.
     transform: Option<Arc<(Transform, Mutex<Workspace>)>>,
 }
 
-/// A step that begins.
+/// A prepared step.
 struct Begun<C> {
-    /// The contact of the step.
+    /// Elastic contact of the step.
     contact: C,
     frame: StepFrame,
-    /// The length of the step.
+    /// Duration of the step.
     duration: f64,
 }
 
-/// The approach below which nothing touches, over the largest of the lengths of which it is a difference.
+/// Relative rounding error below which an approach counts as zero.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl<C: ElasticContact> ViscoelasticContact<C> {
-    /// The contact of a `body`, whose long-term moduli are those of `contact`, and which relaxes by a Prony series.
+    /// Creates the contact of `body`, relaxing by a Prony series. `contact` has its long-term moduli.
     ///
     /// # Errors
-    /// A hardness; all components of the displacement; a body, or a boundary, for which the relaxation of the shear
-    /// modulus alone is not known.
+    /// Returns an error for a hardness, for all displacement components, or if only the shear modulus relaxes and this
+    /// relaxation is not known for the body or boundary.
     pub fn new(contact: C, body: &Body, prony: &Prony, relaxes: Relaxes) -> Result<Self, Refusal> {
         contact.check_relaxing()?;
         let grid = contact.surface().grid();
@@ -64,12 +64,12 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         Ok(Self { contact, spectrum: spectrum.into(), transform })
     }
 
-    /// The contact with the long-term moduli, in which all ends under a constant load.
+    /// Returns the contact with the long-term moduli, the final state under a constant load.
     pub fn contact(&self) -> &C {
         &self.contact
     }
 
-    /// The number of branches of a wave, at most.
+    /// Returns the largest number of branches of a wave.
     pub fn branches(&self) -> usize {
         match &*self.spectrum {
             Spectrum::Common(branches) => branches.len(),
@@ -77,11 +77,11 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         }
     }
 
-    /// The energy stored in all springs, per area, by the [`memory`](ViscoelasticState::memory) of a state, with the
-    /// `body` of the contact: `None` with free boundaries, where it takes the pressure of each spring.
+    /// Computes the energy stored in all springs, per area, from the [`memory`](ViscoelasticState::memory) of a state;
+    /// `body` is the body of the contact. `None` with free boundaries, where the pressure of each spring is needed.
     ///
     /// # Errors
-    /// Fields of another size than the grid, or of another number than the branches.
+    /// Returns an error if the size of the fields or their number does not match the grid or the branches.
     pub fn elastic_energy(&self, body: &Body, memory: &[Array2<f64>]) -> Result<Option<f64>, Refusal> {
         if memory.len() != 1 + self.branches() {
             return Err(Refusal::Basis { found: memory.len(), expected: 1 + self.branches() });
@@ -116,7 +116,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         Ok(Some(modes.map(of).sum()))
     }
 
-    /// The memory before a step from `start`, which begins with a body that is undeformed.
+    /// Returns the memory before a step from `start`, or of an undeformed body.
     fn history(&self, start: Option<&ViscoelasticState<C::State>>) -> History {
         match (start, &*self.spectrum) {
             (Some(state), _) => state.history.clone(),
@@ -127,7 +127,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         }
     }
 
-    /// Begins a step of this `duration`.
+    /// Prepares a step of the given `duration`.
     fn begin(&self, history: &History, duration: f64) -> Result<Begun<C>, Refusal> {
         let surface = self.contact.surface();
         let (stiffening, hollow, factor) = match (history, &*self.spectrum) {
@@ -152,7 +152,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         Ok(Begun { contact: self.contact.of_step(&stiffening, &depth)?, frame, duration })
     }
 
-    /// The state after a step, of the `solution` of its contact.
+    /// Computes the state after a step from the `solution` of its elastic contact.
     fn end(
         &self,
         begun: &Begun<C>,
@@ -188,12 +188,12 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         let work = 0.5 * (pressure_before + mean_pressure) * moved;
         let gained = energies.stored + C::interface_energy(&solution) - energy_before;
         let missing = work - gained - energies.lost;
-        // The largest error of the work if the forces change monotonically, jumps included.
+        // Largest error of the work if the forces change monotonically, jumps included.
         let spread = 0.5 * ((mean_pressure - pressure_before) * moved).abs();
         let (dissipated, work_imbalance) = match start {
-            // Nothing is known of the way on which surfaces that attract each other have come.
+            // The path on which attracting surfaces came together is unknown.
             None if !C::RESTS_AT_FIRST_TOUCH => (energies.lost, 0.0),
-            // The loss of a jump, by the balance of energy, whatever the curvature: a law may end in a step.
+            // The energy balance gives the loss of a jump, whatever the curvature: a law may end in a step.
             Some(start)
                 if C::interface_energy(&start.solution).abs() + C::interface_energy(&solution).abs() > 0.0
                     && (missing > spread || C::may_have_jumped(&solution)) =>
@@ -211,7 +211,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         Array2::from_shape_vec(shape, values).expect("every field has the size of the grid")
     }
 
-    /// The spectrum of a field of a body of waves.
+    /// Transforms a field; only for a body with wave-dependent branches.
     fn forward(&self, field: &[f64]) -> Vec<Complex64> {
         let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
         let mut spectrum = vec![Complex64::ZERO; transform.grid().spectrum_len()];
@@ -220,7 +220,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
         spectrum
     }
 
-    /// The field of a spectrum of a body of waves.
+    /// Transforms a spectrum back; only for a body with wave-dependent branches.
     fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
         let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
         let mut field = vec![0.0; transform.grid().len()];
@@ -236,12 +236,12 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
 }
 
 impl ViscoelasticContact {
-    /// A number that is zero for a state whose pressure is that of its [`memory`](ViscoelasticState::memory): the
-    /// largest difference between the displacement by the pressure, on a body with the long-term moduli, and d + Σ c x,
-    /// over the largest of all displacements and elongations.
+    /// Returns the mismatch between `pressure` and [`memory`](ViscoelasticState::memory), zero if they belong together:
+    /// the largest difference between the displacement by the pressure, with the long-term moduli, and d + Σ c x,
+    /// divided by the largest displacement or elongation.
     ///
     /// # Errors
-    /// Fields of another size than the grid, or of another number than the branches.
+    /// Returns an error if the size of the fields or their number does not match the grid or the branches.
     pub fn consistency(&self, pressure: &Array2<f64>, memory: &[Array2<f64>]) -> Result<f64, Refusal> {
         if memory.len() != 1 + self.branches() {
             return Err(Refusal::Basis { found: memory.len(), expected: 1 + self.branches() });
@@ -252,7 +252,7 @@ impl ViscoelasticContact {
             return Err(Refusal::Start { found: field.len(), expected: expected.len() });
         }
         let memory: Vec<_> = memory.iter().map(|field| contiguous(field)).collect();
-        // A body without a pressure may not have recovered.
+        // Without pressure the body may not have recovered yet.
         let remembered = memory.iter().flat_map(|field| field.iter().copied());
         let total = match &*self.spectrum {
             Spectrum::Common(branches) => (0..expected.len())
@@ -283,7 +283,7 @@ impl<C: ElasticContact> Equilibrium for ViscoelasticContact<C> {
         self.contact.solvers()
     }
 
-    /// The approach may be of any sign: surfaces may part, and touch again when the body has recovered.
+    /// Accepts any sign of the approach with periodic boundaries: surfaces may part, and touch again after recovery.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         drive.check()?;
         Self::check_time(drive.time, None)?;
@@ -300,8 +300,8 @@ impl<C: ElasticContact> Equilibrium for ViscoelasticContact<C> {
         }
     }
 
-    /// Makes the step from `start`, or from a load of zero at time 0, by one solve; with a law the state without a load
-    /// takes another one.
+    /// Solves the step from `start`, or from zero load at time 0, by one solve; with a law, the state at zero load
+    /// takes a second solve.
     fn equilibrate(
         &self,
         drive: Drive,
@@ -384,7 +384,7 @@ impl<C: ElasticContact> Resumable for ViscoelasticContact<C> {
 }
 
 impl<C: ElasticContact> ViscoelasticContact<C> {
-    /// Visits all that a state consists of, but for the surface.
+    /// Visits all variables of a state except the surface.
     fn visit(state: &mut ViscoelasticState<C::State>, visitor: &mut dyn Visit) {
         let ViscoelasticState { solution, time, elastic_energy, dissipated, work_imbalance, history } = state;
         C::visit(solution, visitor);

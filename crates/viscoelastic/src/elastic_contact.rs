@@ -1,4 +1,4 @@
-//! The contacts on an elastic body of which the steps of a viscoelastic one are made.
+//! Elastic contacts solved in each viscoelastic time step.
 
 use gfmd_contact::{
     Boundary, Contact, Effort, Load, Refusal, Resumable, RigidSurface, Solution, Variables as _, Visit,
@@ -7,77 +7,76 @@ use gfmd_interface::{Interface, State};
 use gfmd_vector::{for_each, with_contiguous};
 use ndarray::{Array2, Axis};
 
-/// A contact on an elastic body: a hard wall, or a law across the gap. A step of a viscoelastic body is such a contact
+/// An elastic contact with a hard wall or a law across the gap. A viscoelastic step is solved as an elastic contact
 /// with larger moduli and another clearance.
 pub trait ElasticContact: Resumable + Clone {
-    /// True if the undeformed surfaces are at rest at first touch, without a load.
+    /// True if the undeformed surfaces are in equilibrium at first touch without load.
     const RESTS_AT_FIRST_TOUCH: bool;
 
-    /// The rigid surface.
+    /// Returns the rigid surface.
     fn surface(&self) -> &RigidSurface;
 
-    /// The boundary of the surface.
+    /// Returns the boundary of the surface.
     fn boundary(&self) -> Boundary;
 
     /// Checks that the body of this contact may relax.
     ///
     /// # Errors
-    /// A hardness; all components of the displacement.
+    /// Returns an error for a hardness or for all displacement components.
     fn check_relaxing(&self) -> Result<(), Refusal>;
 
-    /// The contact of a step, with a `depth` added to the clearance.
+    /// Returns the elastic contact of a step, with `depth` added to the clearance.
     ///
     /// # Errors
-    /// A depth of another shape than the heights, or not finite.
+    /// Returns an error if the depth is not finite or its shape differs from the heights.
     fn of_step(&self, stiffening: &Stiffening, depth: &Array2<f64>) -> Result<Self, Refusal>;
 
-    /// A state at rest of the contact of a step, as the start of its search; `None` if it is of no use.
+    /// Converts an equilibrium state to the step contact, to start its search; `None` if it does not help.
     fn entered(state: &Self::State, frame: &StepFrame) -> Option<Self::State>;
 
-    /// The state with the fields of the contact of a step at its end, from those in the frame of the step. The elastic
-    /// energy is not set.
+    /// Converts a state of the step contact back from the step frame. The elastic energy is not set.
     fn left(state: Self::State, frame: &StepFrame) -> Self::State;
 
-    /// The state of this approach, if the surfaces are so far apart that it is known without a solve: `approach` is at
-    /// most rounding beyond the first touch.
+    /// Returns the state at `approach` if the surfaces are so far apart that no solve is needed. `approach` exceeds
+    /// first touch by no more than rounding.
     fn apart(&self, approach: f64) -> Option<Result<Self::State, Refusal>>;
 
-    /// The state of surfaces without forces, to be filled.
+    /// Returns a state without forces, to be filled in.
     ///
     /// # Errors
-    /// None, for a valid contact.
+    /// Returns no error for a valid contact.
     fn unfilled(&self) -> Result<Self::State, Refusal>;
 
-    /// Visits all numbers of a state.
+    /// Visits all variables of a state.
     fn visit(state: &mut Self::State, visitor: &mut dyn Visit);
 
-    /// The approach and the effort of a state, to be changed.
+    /// Returns mutable references to the approach and the effort of a state.
     fn approach_and_effort(state: &mut Self::State) -> (&mut f64, &mut Effort);
 
-    /// The energy of the law per area, stress × length.
+    /// Returns the energy of the law per area, stress × length.
     fn interface_energy(state: &Self::State) -> f64;
 
-    /// True if a jump may lie on the way from the start to the state.
+    /// Returns true if a jump may have occurred between the start and the state.
     fn may_have_jumped(state: &Self::State) -> bool;
 }
 
-/// The moduli of a step over the long-term ones.
+/// Moduli of a step divided by the long-term moduli.
 #[derive(Clone, Debug)]
 pub enum Stiffening {
-    /// One factor of all waves.
+    /// Common factor of all waves.
     All(f64),
-    /// One factor of each wave, laid out as the [modes](gfmd_field::Grid::modes) of the grid.
+    /// One factor per wave, laid out as the [modes](gfmd_field::Grid::modes) of the grid.
     Waves(Vec<f64>),
 }
 
-/// The difference between a state and that of the contact of a step.
+/// Conversion between a state and the elastic contact of a step.
 #[derive(Clone, Debug)]
 pub struct StepFrame {
-    /// H, by which the surface would stay indented without a pressure, `[x, y]`, length.
+    /// Residual indentation H at zero pressure, `[x, y]`, length.
     pub hollow: Array2<f64>,
-    /// The first touch of the surface that stays indented, from which the approach of the contact of the step counts.
+    /// First touch of the surface indented by H: the origin of the approach in the step contact.
     pub touch: f64,
-    /// The pressure over that of the contact of the step.
+    /// Pressure divided by the pressure in the step contact.
     pub factor: f64,
 }
 
@@ -96,7 +95,7 @@ impl ElasticContact for Contact {
         if self.hardness().is_some() { Err(Refusal::ViscoelasticHardness) } else { Ok(()) }
     }
 
-    /// A wall has no scale: on a body that is stiffer throughout, all pressures are larger by the same factor.
+    /// Ignores a common factor: a wall has no scale, so that the factor scales only the pressures.
     fn of_step(&self, stiffening: &Stiffening, depth: &Array2<f64>) -> Result<Self, Refusal> {
         match stiffening {
             Stiffening::All(_) => self.indented(depth),
@@ -157,7 +156,7 @@ impl ElasticContact for Contact {
 }
 
 impl ElasticContact for Interface {
-    /// The law attracts surfaces that touch.
+    /// False: the law attracts surfaces that touch.
     const RESTS_AT_FIRST_TOUCH: bool = false;
 
     fn surface(&self) -> &RigidSurface {
@@ -196,7 +195,7 @@ impl ElasticContact for Interface {
         state
     }
 
-    /// The law acts at all distances.
+    /// Returns `None`: the law acts at all distances.
     fn apart(&self, _: f64) -> Option<Result<State, Refusal>> {
         None
     }

@@ -1,4 +1,4 @@
-//! The memory of a body: its displacement, and the elongations of the springs of all branches.
+//! Memory of a body: its displacement and the spring elongations of all branches.
 
 use gfmd_relax::Visit;
 use gfmd_vector::{add, for_each, pass, reduce};
@@ -8,37 +8,37 @@ use crate::Branch;
 use crate::spectrum::Waves;
 use crate::step::{Decay, stiffening};
 
-/// The memory of a body at one time. The displacement is the indentation d = −u_z.
+/// Memory of a body at one time. The displacement is the indentation d = −u_z.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum History {
-    /// History of a body whose waves all relax alike, point by point.
+    /// Body with the same relaxation for all waves, point by point.
     Points {
         /// d, then the elongation x of each branch.
         lengths: Vec<Vec<f64>>,
-        /// Long-term stiffness times each of them, in stress.
+        /// Long-term stiffness times each of `lengths`, in stress.
         stresses: Vec<Vec<f64>>,
     },
-    /// History of a body each of whose waves has its own branches, mode by mode: d, then x of each branch.
+    /// Body with separate branches for each wave, mode by mode: d, then x of each branch.
     Waves(Vec<Vec<Complex64>>),
 }
 
-/// The energies of a step, per area.
+/// Energies of a step, per area.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Energies {
-    /// Stored in all springs at its end.
+    /// Energy stored in all springs at the end.
     pub(crate) stored: f64,
-    /// Lost in the dashpots.
+    /// Energy lost in the dashpots.
     pub(crate) lost: f64,
 }
 
 impl History {
-    /// A body at rest, undeformed.
+    /// Returns the memory of an undeformed body, point by point.
     pub(crate) fn at_rest(points: usize, branches: usize) -> Self {
         let fields = vec![vec![0.0; points]; 1 + branches];
         Self::Points { stresses: fields.clone(), lengths: fields }
     }
 
-    /// As [`at_rest`](Self::at_rest), of waves.
+    /// Returns the memory of an undeformed body, mode by mode.
     pub(crate) fn of_waves(modes: usize, branches: usize) -> Self {
         Self::Waves(vec![vec![Complex64::ZERO; modes]; 1 + branches])
     }
@@ -62,10 +62,10 @@ impl History {
     }
 }
 
-/// The numbers of a step of points: those of all branches.
+/// Coefficients of a step for all branches, point by point.
 pub(crate) struct PointStep {
     decays: Vec<Decay>,
-    /// The stiffness that acts over the long-term one.
+    /// Stiffness during the step divided by the long-term stiffness.
     pub(crate) stiffening: f64,
 }
 
@@ -75,7 +75,7 @@ impl PointStep {
         Self { stiffening: stiffening(decays.iter().copied()), decays }
     }
 
-    /// H of a point i: (1/m) Σ c (γ d − e x), of lengths or of stresses.
+    /// Returns H at point `i`: (1/m) Σ c (γ d − e x), from lengths or stresses.
     fn hollow(&self, fields: &[Vec<f64>], i: usize) -> f64 {
         let Some((first, others)) = fields.split_first() else { return 0.0 };
         let terms = self.decays.iter().zip(others);
@@ -83,15 +83,15 @@ impl PointStep {
         sum / self.stiffening
     }
 
-    /// Fills `hollow` with H, by which the surface would stay indented without a pressure.
+    /// Computes the residual indentation H at zero pressure.
     pub(crate) fn fill(&self, lengths: &[Vec<f64>], hollow: &mut [f64]) {
         for_each([hollow], &|start, [hollow]| {
             hollow.iter_mut().enumerate().for_each(|(k, hollow)| *hollow = self.hollow(lengths, start + k));
         });
     }
 
-    /// The memory at the end of the step, in which the `indentation` is reached by a `pressure` over the stiffening,
-    /// with its energies.
+    /// Computes the memory and energies at the end of a step that reaches `indentation`; `pressure` is the pressure
+    /// divided by the stiffening.
     pub(crate) fn advance(
         &self,
         (lengths, stresses): (&[Vec<f64>], &[Vec<f64>]),
@@ -145,7 +145,7 @@ impl PointStep {
 }
 
 impl Waves {
-    /// The stiffening of each mode over a step, and the spectrum of H.
+    /// Computes the stiffening of each mode in a step, and the spectrum of H.
     pub(crate) fn hollow(&self, fields: &[Vec<Complex64>], duration: f64) -> (Vec<f64>, Vec<Complex64>) {
         let of_mode = |mode: usize| {
             let decays = || self.of(mode).map(|branch| Decay::new(branch, duration));
@@ -164,7 +164,7 @@ impl Waves {
         out
     }
 
-    /// The memory at the end of a step that reaches this `indentation`, with its energies; `weight` is that of a mode.
+    /// Computes the memory and energies after a step that reaches `indentation`; `weight` returns the weight of a mode.
     pub(crate) fn advance(
         &self,
         fields: &[Vec<Complex64>],
@@ -232,8 +232,8 @@ mod tests {
         }
     }
 
-    /// The work of the pressure in a step, ⟨Δd, S [(d + d')/2 + Σ c (τ/Δ)(x − x' + Δd)]⟩, since ẋ = ḋ − x/τ has the
-    /// integral τ (x − x' + Δd), and the energy stored at a time, of one point or mode with the stiffness S.
+    /// Returns the work of the pressure in a step, ⟨Δd, S [(d + d')/2 + Σ c (τ/Δ)(x − x' + Δd)]⟩, since the integral of
+    /// ẋ = ḋ − x/τ is τ (x − x' + Δd), and the energies stored before and after, for one point or mode of stiffness S.
     fn work(stiffness: f64, branches: &[Branch], duration: f64, [before, after]: [&[f64]; 2]) -> [f64; 3] {
         let moved = after[0] - before[0];
         let mut mean = 0.5 * (before[0] + after[0]);
@@ -260,7 +260,7 @@ mod tests {
             let prony = Prony::from_fractions(&pairs).unwrap();
             let duration = 10.0_f64.powf(5.0 * numbers.next() - 3.0);
             let (sums, energies) = if case % 2 == 0 {
-                // Points of a body whose matrix is diagonal.
+                // Points of a body with a diagonal stiffness matrix.
                 let n = 11;
                 let stiffness: Vec<f64> = (0..n).map(|_| 0.1 + numbers.next()).collect();
                 let lengths: Vec<Vec<f64>> = (0..=count).map(|_| numbers.field(n)).collect();

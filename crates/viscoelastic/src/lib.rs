@@ -1,14 +1,14 @@
 //! Contact of a rigid rough surface with a viscoelastic body, step by step in time: creep, relaxation, loading and
 //! unloading.
 //!
-//! - [`Prony`]: the relaxation of the modulus, branch by branch; [`Relaxes`] tells which moduli relax.
-//! - [`ViscoelasticContact`]: a hard wall, or a law across the gap, on such a body. A [`Drive`](gfmd_contact::Drive)
-//!   has the time at which its load, or approach, is reached; the state before is the start. Each step is one solve of
-//!   an elastic contact, exact for a displacement that is linear in time.
-//! - [`SlidingContact`]: the steady state of a surface that slides over such a body, with its friction by hysteresis.
-//! - [`ViscoelasticState`]: the fields at one time, the energies, and the memory of the body.
+//! - [`Prony`]: relaxation of the modulus, branch by branch; [`Relaxes`] selects the moduli that relax.
+//! - [`ViscoelasticContact`]: contact with a viscoelastic body through a hard wall or a law. A
+//!   [`Drive`](gfmd_contact::Drive) sets the time at which its load or approach is reached; the previous state is the
+//!   start. Each step is one solve of an elastic contact, exact for a displacement linear in time.
+//! - [`SlidingContact`]: steady state of a surface sliding over a viscoelastic body, with hysteretic friction.
+//! - [`ViscoelasticState`]: fields at one time, energies, and the memory of the body.
 //!
-//! Creep under a load that is applied in no time, and kept:
+//! Creep under a load that is applied instantly and then held:
 //!
 //! ```
 //! use gfmd_contact::{Contact, Drive, Equilibrium, Load};
@@ -38,7 +38,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not here: friction, lateral motion, and layers that relax differently.
+//! Not included: friction, lateral motion, and layers with different relaxation.
 
 mod branch;
 mod bulk;

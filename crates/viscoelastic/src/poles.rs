@@ -1,15 +1,15 @@
-//! Partial fractions of 1/(ψ(s) + k), with ψ the Carson transform of a relaxation function.
+//! Partial fractions of 1/(ψ(s) + k), where ψ is the Carson transform of a relaxation function.
 
 use crate::Branch;
 
-/// The poles s = −ρ of 1/f(s), f(s) = 1 + k + Σ c_i s/(s + 1/τ_i), as pairs [ρ, 1/f'(−ρ)], in the order of the
-/// branches: each ρ lies below the 1/τ of its branch, and above all smaller ones (theory.md, section 7.7). `offset` is
-/// k > −1.
+/// Computes the poles s = −ρ of 1/f(s), f(s) = 1 + k + Σ c_i s/(s + 1/τ_i), as pairs [ρ, 1/f'(−ρ)], in the order of the
+/// branches. Each ρ lies below the 1/τ of its branch and above all smaller 1/τ (theory.md, section 7.7). `offset` is k,
+/// above −1.
 pub(crate) fn poles(branches: &[Branch], offset: f64) -> Vec<[f64; 2]> {
     let rates: Vec<f64> = branches.iter().map(|branch| 1.0 / branch.time).collect();
     let pole = |own: usize| {
         let below = rates.iter().copied().filter(|rate| *rate < rates[own]).fold(0.0, f64::max);
-        // The distance u below the rate is found rather than the pole, which may lie very close to it.
+        // The unknown is the distance u below the rate, because the pole may lie very close to the rate.
         let rates = &rates;
         let apart = |index: usize, u: f64| if index == own { -u } else { (rates[own] - rates[index]) - u };
         let sum = |u: f64, term: &dyn Fn(f64, f64, f64) -> f64| {
@@ -19,7 +19,7 @@ pub(crate) fn poles(branches: &[Branch], offset: f64) -> Vec<[f64; 2]> {
                 .sum::<f64>()
         };
         let f = |u: f64| 1.0 + offset + sum(u, &|_, pole, apart| pole / apart);
-        // f falls from +∞, or 1 + k, at the lower rate to −∞ at the own one.
+        // f falls from +∞ at the next lower rate (1 + k at 0) to −∞ at the branch's own rate.
         let (mut low, mut high) = (0.0, rates[own] - below);
         loop {
             let middle = 0.5 * (low + high);

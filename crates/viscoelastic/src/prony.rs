@@ -5,40 +5,40 @@ use crate::bulk::bulk;
 use crate::poles::poles;
 use crate::{Branch, Relaxes};
 
-/// The relaxation of a modulus by a Prony series: ψ(t) = 1 + Σ c_i exp(−t/τ_i) over its long-time value (theory.md,
-/// section 7.7).
+/// Relaxation of a modulus by a Prony series: ψ(t) = 1 + Σ c_i exp(−t/τ_i), relative to the long-term modulus
+/// (theory.md, section 7.7).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prony {
     branches: Vec<Branch>,
 }
 
-/// Error: a Prony series that no material has.
+/// Error: an invalid Prony series.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PronyError {
-    /// No branch.
+    /// No branches.
     #[error("the Prony series has no branch; it must have at least one")]
     Empty,
-    /// A relaxation time that is not positive.
+    /// Relaxation time that is not positive.
     #[error("a relaxation time is {0}; it must be positive and finite")]
     Time(f64),
-    /// A fraction of the modulus that is not positive.
+    /// Modulus fraction outside the range from 0 to 1.
     #[error("a fraction of the modulus is {0}; it must be above 0 and below 1")]
     Fraction(f64),
-    /// Nothing is left in the long term.
+    /// Fractions that leave no long-term modulus.
     #[error(
         "the fractions of the modulus add up to {0}; they must leave a long-term modulus, and add up to less than 1"
     )]
     Sum(f64),
-    /// Two branches with one relaxation time.
+    /// Two branches with the same relaxation time.
     #[error("two branches have the relaxation time {0}; their times must differ")]
     Equal(f64),
 }
 
 impl Prony {
-    /// The series of pairs (τ, g) of relaxation times and fractions g of the instantaneous modulus.
+    /// Creates the series from pairs (τ, g) of relaxation time and fraction of the instantaneous modulus.
     ///
     /// # Errors
-    /// A time that is not positive and finite, or given twice; fractions that are not positive, or leave nothing.
+    /// Returns an error if a time is repeated or not positive and finite, a fraction is not positive, or Σ g ≥ 1.
     pub fn from_fractions(pairs: &[(f64, f64)]) -> Result<Self, PronyError> {
         if pairs.is_empty() {
             return Err(PronyError::Empty);
@@ -62,48 +62,48 @@ impl Prony {
         Ok(Self { branches: pairs.iter().map(branch).collect() })
     }
 
-    /// The branches.
+    /// Returns the branches.
     pub fn branches(&self) -> &[Branch] {
         &self.branches
     }
 
-    /// The instantaneous modulus over the long-term one, ψ(0) = 1/(1 − Σ g).
+    /// Returns the instantaneous modulus divided by the long-term modulus, ψ(0) = 1/(1 − Σ g).
     pub fn instantaneous(&self) -> f64 {
         1.0 + self.branches.iter().map(|branch| branch.weight).sum::<f64>()
     }
 
-    /// The long-term material of one whose `instantaneous` moduli are given.
+    /// Converts a material with `instantaneous` moduli to its long-term moduli.
     ///
     /// # Errors
-    /// Moduli out of the range of numbers.
+    /// Returns an error if the moduli are out of range.
     pub fn long_term(&self, instantaneous: &Material, relaxes: Relaxes) -> Result<Material, GreenError> {
         scaled(instantaneous, 1.0 / self.instantaneous(), relaxes)
     }
 
-    /// The instantaneous material of one whose `long_term` moduli are given.
+    /// Converts a material with `long_term` moduli to its instantaneous moduli.
     ///
     /// # Errors
-    /// Moduli out of the range of numbers.
+    /// Returns an error if the moduli are out of range.
     pub fn at_once(&self, long_term: &Material, relaxes: Relaxes) -> Result<Material, GreenError> {
         scaled(long_term, self.instantaneous(), relaxes)
     }
 
-    /// The relaxation function ψ(t), over the long-term modulus, at a time t ≥ 0.
+    /// Returns the relaxation function ψ(t), relative to the long-term modulus, at a time t ≥ 0.
     pub fn relaxation(&self, time: f64) -> f64 {
         1.0 + self.branches.iter().map(|branch| branch.weight * (-time / branch.time).exp()).sum::<f64>()
     }
 
-    /// The complex modulus over the long-term one at the angular frequency ω, for e^{+iωt}: 1 + Σ c_i iωτ_i/(1 +
-    /// iωτ_i).
+    /// Returns the complex modulus divided by the long-term modulus at the angular frequency ω, for e^{+iωt}: 1 + Σ c_i
+    /// iωτ_i/(1 + iωτ_i).
     pub fn modulus(&self, frequency: f64) -> Complex64 {
         Self::modulus_of(self.branches.iter().copied(), frequency)
     }
 
-    /// The complex modulus of branches.
+    /// Returns the complex modulus of the given branches.
     pub(crate) fn modulus_of(branches: impl Iterator<Item = Branch>, frequency: f64) -> Complex64 {
         let of = |branch: Branch| {
             let x = frequency * branch.time;
-            // ix/(1 + ix), without an overflow of x².
+            // ix/(1 + ix), without overflow of x².
             let real = if x.abs() > 1.0 { 1.0 / (1.0 + x.powi(-2)) } else { x * x / (1.0 + x * x) };
             let imaginary = if x == 0.0 { 0.0 } else { 1.0 / (x + 1.0 / x) };
             branch.weight * Complex64::new(real, imaginary)
@@ -111,14 +111,14 @@ impl Prony {
         1.0 + branches.map(of).sum::<Complex64>()
     }
 
-    /// The creep function J(t), times the long-term modulus: the strain under a constant stress, at a time t ≥ 0.
+    /// Returns the creep function J(t) times the long-term modulus: the strain under constant stress at a time t ≥ 0.
     pub fn creep(&self, time: f64) -> f64 {
         let delayed = |[rate, residue]: [f64; 2]| -(residue / rate) * (-rate * time).exp_m1();
         1.0 / self.instantaneous() + poles(&self.branches, 0.0).into_iter().map(delayed).sum::<f64>()
     }
 }
 
-/// The material whose shear modulus is larger by a factor, with the bulk modulus or without it.
+/// Scales the shear modulus by `factor`; the bulk modulus scales with it or stays constant.
 fn scaled(material: &Material, factor: f64, relaxes: Relaxes) -> Result<Material, GreenError> {
     if relaxes == Relaxes::Both || material.poisson() == 0.5 {
         return Material::from_young(material.young() * factor, material.poisson());
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn creep_is_the_inverse_of_relaxation() {
-        // ψ(0) J(t) + ∫ ψ'(t') J(t − t') dt' = 1, by a fine trapezoid on the slow scale of one branch.
+        // ψ(0) J(t) + ∫ ψ'(t') J(t − t') dt' = 1, by a fine trapezoidal rule on the slow time scale of one branch.
         let prony = Prony::from_fractions(&[(1.0, 0.6)]).unwrap();
         let (t, steps) = (2.0, 20_000);
         let h = t / f64::from(steps);

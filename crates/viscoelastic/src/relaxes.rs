@@ -1,21 +1,21 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The moduli that relax.
+/// Moduli that relax.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Relaxes {
     /// Shear and bulk modulus alike: Poisson's ratio is constant.
     #[default]
     Both,
-    /// The shear modulus alone: the bulk modulus is constant.
+    /// Shear modulus only: the bulk modulus is constant.
     Shear,
 }
 
 impl Relaxes {
-    /// All of them.
+    /// All variants.
     pub const ALL: [Self; 2] = [Self::Both, Self::Shear];
 
-    /// The name on the command line.
+    /// Returns the name used on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Both => "both",
@@ -23,7 +23,7 @@ impl Relaxes {
         }
     }
 
-    /// The description in one line.
+    /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Both => "shear and bulk modulus alike, with a constant Poisson's ratio",
@@ -38,11 +38,11 @@ impl fmt::Display for Relaxes {
     }
 }
 
-/// Error: no moduli have the given name.
+/// Error: unknown name of the moduli that relax.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is {found}; it must be both or shear")]
 pub struct UnknownRelaxes {
-    /// The name given.
+    /// Given name.
     pub found: String,
 }
 

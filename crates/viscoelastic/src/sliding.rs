@@ -15,91 +15,90 @@ use rayon::prelude::*;
 use crate::spectrum::{Spectrum, stiffness};
 use crate::{Prony, Relaxes, Velocity};
 
-/// A rigid rough surface that slides steadily over a viscoelastic body, with a hard wall and without friction of the
-/// interface (theory.md, section 7.8).
+/// A rigid rough surface sliding steadily over a viscoelastic body, with a hard wall and without interfacial friction
+/// (theory.md, section 7.8).
 ///
-/// All fields move with the surface, and a wave q of them deforms the body at the frequency −q·v: its stiffness is
-/// complex. The compliance is then positive definite, but not symmetric, and the contact under any load is unique.
+/// All fields move with the surface, so that a wave q deforms the body at the frequency −q·v and its stiffness is
+/// complex. The compliance is positive definite but not symmetric, and the contact under any load is unique.
 #[derive(Clone, Debug)]
 pub struct SlidingContact {
-    /// The contact with the long-term moduli.
+    /// Contact with the long-term moduli.
     contact: Contact,
     spectrum: Arc<Spectrum>,
-    /// The long-term stiffness of each mode, stress/length; infinite for a uniform one that the body does not have.
+    /// Long-term stiffness of each mode, stress/length; infinite for the uniform mode if the mean level does not move.
     stiffness: Arc<Vec<f64>>,
-    /// The spectrum of the heights, less the uniform mode.
+    /// Spectrum of the heights without the uniform mode.
     heights: Arc<Vec<Complex64>>,
     transform: Arc<Transform>,
 }
 
-/// A steady state of sliding.
+/// Steady state of sliding.
 #[derive(Clone, Debug)]
 pub struct SlidingState {
     /// Pressure, displacement, gap and residuals.
     pub solution: Solution,
     /// Power lost in the body, per area, in stress × velocity.
     pub dissipated_power: f64,
-    /// Coefficient of friction by hysteresis: `dissipated_power` over velocity and mean pressure.
+    /// Coefficient of hysteretic friction: `dissipated_power` divided by velocity and mean pressure.
     pub friction: f64,
-    /// Friction by the pressure on the slopes of the surface. The difference from `friction` is an error of the grid.
+    /// Friction from the pressure on the surface slopes. Its difference from `friction` is a grid error.
     pub friction_slope: f64,
 }
 
-/// Persson's theory of the friction by hysteresis, for the heights and the body of a contact.
+/// Persson's theory of hysteretic friction for the heights and the body of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Persson {
-    /// Coefficient of friction.
+    /// Friction coefficient.
     pub friction: f64,
-    /// Contact area over the whole area.
+    /// Contact area divided by the nominal area.
     pub area_fraction: f64,
 }
 
-/// Error: a contact that does not slide steadily.
+/// Error: a contact that cannot slide steadily.
 #[derive(Debug, thiserror::Error)]
 pub enum SlidingError {
-    /// A patch that does not repeat.
+    /// Free boundaries: the surface is not periodic.
     #[error("the boundary is free; it must be periodic for steady sliding")]
     Free,
-    /// A largest pressure.
+    /// A hardness, which limits the pressure.
     #[error("a hardness is given; it must be left out for steady sliding")]
     Hardness,
-    /// A body whose relaxation is not known.
+    /// A body with unknown relaxation.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }
 
-/// The number of images that a step mixes.
+/// Number of images mixed in a step.
 const DEPTH: usize = 8;
-/// The tolerance of the first inner contact, and the largest of all.
+/// Tolerance of the first inner contact, and upper limit for the later ones.
 const FIRST: f64 = 1e-3;
-/// The tolerance of an inner contact over the last certified residual, and the least over the tolerance.
+/// Tolerance of an inner contact divided by the last certified residual, at least this fraction of the tolerance.
 const INNER: f64 = 0.1;
-/// The number of steps in which the residual must have halved.
+/// Number of steps within which the residual must halve.
 const PATIENCE: u32 = 200;
 
-/// The stiffnesses of all modes at one velocity.
+/// Stiffness of all modes at one velocity.
 struct Moving {
-    /// S(q) over the long-term stiffness.
+    /// S(q) divided by the long-term stiffness.
     modulus: Vec<Complex64>,
-    /// q·v, without components at Nyquist.
+    /// q·v without Nyquist components.
     rate: Vec<f64>,
 }
 
 impl SlidingContact {
-    /// The sliding contact of a `body`, whose long-term moduli are those of `contact`, and which relaxes by a Prony
-    /// series.
+    /// Creates the sliding contact of `body`, relaxing by a Prony series. `contact` has its long-term moduli.
     ///
     /// # Errors
-    /// Free boundaries, a hardness; a body for which the relaxation of the shear modulus alone is not known.
+    /// Returns an error for free boundaries, a hardness, or a body with unknown relaxation in shear alone.
     pub fn new(contact: Contact, body: &Body, prony: &Prony, relaxes: Relaxes) -> Result<Self, SlidingError> {
         let spectrum = Spectrum::new(body, contact.surface().grid(), false, prony, relaxes)?;
         Self::of(contact, body, spectrum)
     }
 
-    /// The sliding contact of an elastic `body`, that of `contact`: a static contact at any velocity, without friction.
+    /// Creates the sliding contact of the elastic `body` of `contact`: static at any velocity, without friction.
     ///
     /// # Errors
-    /// Free boundaries, a hardness.
+    /// Returns an error for free boundaries or a hardness.
     pub fn elastic(contact: Contact, body: &Body) -> Result<Self, SlidingError> {
         Self::of(contact, body, Spectrum::Common(Vec::new()))
     }
@@ -122,7 +121,7 @@ impl SlidingContact {
         Ok(Self { contact, spectrum, stiffness, heights: heights.into(), transform: transform.into() })
     }
 
-    /// The contact with the long-term moduli, that of very slow sliding.
+    /// Returns the contact with the long-term moduli, the limit of slow sliding.
     pub fn contact(&self) -> &Contact {
         &self.contact
     }
@@ -153,14 +152,14 @@ impl SlidingContact {
         Moving { modulus, rate }
     }
 
-    /// The steady state under a `load` at a `velocity`, from that at another load or velocity, if there is one.
+    /// Solves the steady state under `load` at `velocity`; `start` is the state at another load or velocity, if any.
     ///
-    /// The contact is solved with the storage moduli by the solver of elastic contacts, and what the loss moduli add to
-    /// the gap is taken from the last pressure, again and again. This converges for every material, by the sine of the
-    /// largest loss angle in each step; mixing the last images makes it faster.
+    /// The solver of elastic contacts solves the contact with the storage moduli; the contribution of the loss moduli
+    /// to the gap follows from the last pressure, iteratively. This converges for every material, by the sine of the
+    /// largest loss angle per step; mixing the last images accelerates it.
     ///
     /// # Errors
-    /// An invalid load; else an error that contains the state reached.
+    /// Returns an error for an invalid load; other errors contain the state reached.
     pub fn slide(
         &self,
         velocity: &Velocity,
@@ -179,17 +178,17 @@ impl SlidingContact {
         judge(state, ending, budget.tolerance)
     }
 
-    /// The steady state of a `pressure` under a `load` at a `velocity`, with its residuals, from fresh transforms.
+    /// Computes the steady state of a `pressure` under `load` at `velocity`, with residuals from fresh transforms.
     ///
     /// # Errors
-    /// A pressure of another shape than the grid.
+    /// Returns an error if the shape of the pressure differs from the grid.
     pub fn certify(&self, velocity: &Velocity, pressure: &Array2<f64>, load: Load) -> Result<SlidingState, Refusal> {
         let (moving, solution) = (self.at(velocity), self.contact.certify(pressure, load)?);
         let certified = Search::new(self, &moving, Budget::default()).certify(solution, load);
         Ok(self.with_friction(velocity, &moving, certified))
     }
 
-    /// The state of a solution, with its friction.
+    /// Adds the friction to a solution.
     fn with_friction(&self, velocity: &Velocity, moving: &Moving, solution: Solution) -> SlidingState {
         let grid = self.grid();
         let mut pressure = vec![Complex64::ZERO; grid.spectrum_len()];
@@ -214,7 +213,7 @@ impl SlidingContact {
         SlidingState { solution, dissipated_power: power, friction: power / moved, friction_slope: slope / moved }
     }
 
-    /// Persson's theory at a `velocity` and a mean pressure, with all waves of the heights (theory.md, section 7.8).
+    /// Evaluates Persson's theory for a velocity and mean pressure, with all height waves (theory.md, section 7.8).
     pub fn persson(&self, velocity: &Velocity, mean_pressure: f64) -> Persson {
         let (grid, moving) = (self.grid(), self.at(velocity));
         let mut waves: Vec<[f64; 3]> = (1..grid.spectrum_len())
@@ -229,7 +228,7 @@ impl SlidingContact {
         let [mut variance, mut friction, mut from] = [0.0, 0.0, 0.0];
         let mut first = 0;
         while first < waves.len() {
-            // Waves of one length count together.
+            // Waves of equal length count together.
             let same = waves[first..].iter().take_while(|wave| wave[0] <= waves[first][0] * (1.0 + EQUAL)).count();
             let group = &waves[first..first + same];
             variance += group.iter().map(|wave| wave[1]).sum::<f64>();
@@ -241,20 +240,20 @@ impl SlidingContact {
     }
 }
 
-/// The relative difference of wavenumbers that rounding makes.
+/// Relative difference of wavenumbers caused by rounding.
 const EQUAL: f64 = 1e-9;
 
-/// A search for a steady state.
+/// Search for a steady state.
 struct Search<'a> {
     sliding: &'a SlidingContact,
     budget: Budget,
-    /// The contact with the storage moduli, of the undeformed surface.
+    /// Contact of the undeformed surface with the storage moduli.
     storing: Contact,
     /// √A of each mode, with A = 1/Re S.
     root: Vec<f64>,
-    /// (G − A)/√A.
+    /// (G − A)/√A of each mode.
     rest: Vec<Complex64>,
-    /// G.
+    /// G of each mode.
     compliance: Vec<Complex64>,
     workspace: Workspace,
     spectrum: Vec<Complex64>,
@@ -284,7 +283,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// F⁻¹\[k F\[field\]\].
+    /// Computes F⁻¹\[k F\[field\]\].
     fn convolve<K: Copy + Into<Complex64>>(
         (transform, workspace, spectrum): (&Transform, &mut Workspace, &mut [Complex64]),
         kernel: &[K],
@@ -298,13 +297,13 @@ impl<'a> Search<'a> {
         out
     }
 
-    /// √A p of a pressure.
+    /// Computes √A p for a pressure.
     fn image(&mut self, pressure: &[f64]) -> Vec<f64> {
         self.effort.transform_pairs += 1.0;
         Self::convolve((&self.sliding.transform, &mut self.workspace, &mut self.spectrum), &self.root, pressure)
     }
 
-    /// The certified state of a pressure, from fresh transforms.
+    /// Computes the certified state of a pressure from fresh transforms.
     fn certify(&mut self, mut solution: Solution, load: Load) -> Solution {
         self.effort.transform_pairs += 1.0;
         let memory = (&*self.sliding.transform, &mut self.workspace, &mut self.spectrum[..]);
@@ -372,7 +371,7 @@ impl<'a> Search<'a> {
         solution
     }
 
-    /// The contact with the storage moduli and what the loss moduli of `x` add to the gap.
+    /// Solves the contact with the storage moduli; the loss moduli of `x` add to the gap.
     fn inner(
         &mut self,
         x: &[f64],
@@ -405,7 +404,7 @@ impl<'a> Search<'a> {
             Ok(solution) => (solution, false),
             Err(SolveError::Refused(refusal)) => return Err(refusal),
             Err(SolveError::Interrupted { state }) => (*state, true),
-            // The certificate of the whole decides.
+            // The certificate of the complete problem decides.
             Err(SolveError::NotConverged { state, .. } | SolveError::Detached { state, .. }) => (*state, false),
         };
         self.effort.iterations += solution.effort.iterations;
@@ -426,11 +425,11 @@ impl<'a> Search<'a> {
         };
         let mut warm = start.map(|start| start.solution.clone());
         let mut mixing = Anderson::new(DEPTH);
-        // An elastic contact is solved at once.
+        // An elastic contact needs a single solve.
         let is_elastic = self.rest.iter().all(|rest| *rest == Complex64::ZERO);
         let mut inner = if is_elastic { INNER * tolerance } else { FIRST.max(tolerance) };
         let mut best: Option<Solution> = None;
-        // The image with the least residual so far, and this residual.
+        // Image with the smallest difference from its argument so far, and this difference.
         let mut safe: Option<(Vec<f64>, f64)> = None;
         let (mut halved, mut since) = (f64::INFINITY, 0);
         loop {
@@ -462,7 +461,7 @@ impl<'a> Search<'a> {
             inner = (INNER * worst).clamp(INNER * tolerance, FIRST.max(tolerance));
             let apart: f64 = gfmd_vector::sum(x.len(), &|range| range.map(|i| (image[i] - x[i]).powi(2)).sum());
             match &safe {
-                // A mixture that is worse than the last image: the plain step from there is not.
+                // The mixed step is worse than the last image; restart from that image with a plain step.
                 Some((image, least)) if apart > *least => {
                     x.copy_from_slice(image);
                     mixing = Anderson::new(DEPTH);

@@ -1,4 +1,4 @@
-//! The relaxation of the stiffness of each wave, as branches of a Prony series.
+//! Relaxation of the stiffness of each wave, as Prony branches.
 
 use gfmd_contact::Refusal;
 use gfmd_field::Grid;
@@ -9,31 +9,31 @@ use crate::bulk::bulk;
 use crate::poles::poles;
 use crate::{Branch, Prony, Relaxes};
 
-/// The branches of the waves of a body, whose weights are relative to the long-term stiffness of the wave.
+/// Branches of the waves of a body; weights are relative to the long-term stiffness of the wave.
 #[derive(Clone, Debug)]
 pub(crate) enum Spectrum {
-    /// All waves have the same.
+    /// Common branches of all waves.
     Common(Vec<Branch>),
-    /// Each wave has its own.
+    /// Separate branches of each wave.
     Waves(Waves),
 }
 
-/// The branches of the waves of a slab whose bulk modulus is constant, `count` of them for each mode of a grid.
+/// Branches of the waves of a slab with constant bulk modulus, `count` of them for each mode of a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Waves {
     pub(crate) count: usize,
-    /// The times that all waves have.
+    /// Times common to all waves.
     times: Vec<f64>,
-    /// The times that each wave has of its own, mode by mode.
+    /// Times specific to each wave, mode by mode.
     own: Vec<f64>,
-    /// The weights, mode by mode.
+    /// Weights, mode by mode.
     weights: Vec<f64>,
-    /// The long-term stiffness of each mode, stress/length.
+    /// Long-term stiffness of each mode, stress/length.
     pub(crate) stiffness: Vec<f64>,
 }
 
 impl Waves {
-    /// The branches of a mode.
+    /// Returns the branches of a mode.
     pub(crate) fn of(&self, mode: usize) -> impl Iterator<Item = Branch> + '_ {
         let own = self.count - self.times.len();
         let times = self.times.iter().chain(&self.own[mode * own..][..own]);
@@ -41,7 +41,7 @@ impl Waves {
     }
 }
 
-/// The long-term stiffness of each mode, stress/length; infinite for a uniform one that the body does not have.
+/// Returns the long-term stiffness of each mode, stress/length; infinite for the uniform mode if the level is fixed.
 pub(crate) fn stiffness(body: &Body, grid: &Grid) -> Vec<f64> {
     let [_, level] = body.level_compliance();
     let of = |index: usize| {
@@ -52,10 +52,10 @@ pub(crate) fn stiffness(body: &Body, grid: &Grid) -> Vec<f64> {
 }
 
 impl Spectrum {
-    /// The spectrum of `body`, whose long-term moduli are given, on a periodic `grid`, or on a patch.
+    /// Computes the spectrum of `body`, given by its long-term moduli, on a periodic `grid` or on a patch.
     ///
     /// # Errors
-    /// The shear alone relaxes in a body, or with a boundary, for which its spectrum is not known.
+    /// Returns an error if only the shear modulus relaxes and the spectrum is not known for the body or boundary.
     pub(crate) fn new(
         body: &Body,
         grid: &Grid,
@@ -64,7 +64,7 @@ impl Spectrum {
         relaxes: Relaxes,
     ) -> Result<Self, Refusal> {
         let material = body.material();
-        // With a constant bulk modulus an incompressible body stays so: all of it relaxes alike.
+        // With a constant bulk modulus an incompressible body stays incompressible, so all of it relaxes alike.
         if relaxes == Relaxes::Both || material.poisson() == 0.5 && is_alone(body) {
             return Ok(Self::Common(prony.branches().to_vec()));
         }
@@ -80,14 +80,14 @@ impl Spectrum {
     }
 }
 
-/// True for a half-space or a slab on a rigid base.
+/// Returns true for a half-space or a slab on a rigid base, without a second body.
 fn is_alone(body: &Body) -> bool {
     body.second().is_none() && !matches!(body.base(), Base::Elastic(_))
 }
 
-/// E* = G + 9K/4 − (27/4) K²/(4G + 3K) of a half-space: 2n branches.
+/// Returns the 2n branches of E* = G + 9K/4 − (27/4) K²/(4G + 3K) of a half-space.
 fn of_half_space(material: &Material, prony: &Prony) -> Vec<Branch> {
-    // All moduli over the shear modulus.
+    // All moduli relative to the shear modulus.
     let k = bulk(material);
     let modulus = material.contact_modulus() / material.shear_modulus();
     let direct = prony.branches().iter().map(|branch| Branch { weight: branch.weight / modulus, ..*branch });
@@ -97,7 +97,7 @@ fn of_half_space(material: &Material, prony: &Prony) -> Vec<Branch> {
     direct.chain(of_bulk).collect()
 }
 
-/// 1/G_zz = a + b G − A₁/(G + ¾K) − A₂/(G + βK) of a slab on a bonded base: 3n branches for each wave.
+/// Computes the 3n branches per wave of 1/G_zz = a + b G − A₁/(G + ¾K) − A₂/(G + βK) of a slab on a bonded base.
 fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
     let (material, branches) = (body.material(), prony.branches());
     let (n, k) = (branches.len(), bulk(material));
@@ -115,7 +115,7 @@ fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
         }
         let q = mode.wavenumber();
         let stiffness = body.normal_stiffness(q);
-        // All moduli over the shear modulus, stiffnesses over the shear modulus times q.
+        // All moduli relative to the shear modulus, stiffnesses relative to the shear modulus times q.
         let unit = material.shear_modulus() * q / stiffness;
         let [b, beta, first, second] = coefficients(2.0 * q * height, k);
         let own = poles(branches, beta * k);
@@ -135,8 +135,8 @@ fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
     waves
 }
 
-/// [b, β, A₁, A₂] of a slab with x = 2qh, moduli over the shear modulus and stiffnesses over the shear modulus times q;
-/// `k` is the bulk modulus. Hyperbolic functions are scaled by e^{−x}.
+/// Returns [b, β, A₁, A₂] of a slab with x = 2qh, moduli relative to the shear modulus and stiffnesses relative to the
+/// shear modulus times q; `k` is the bulk modulus. Hyperbolic functions are scaled by e^{−x}.
 fn coefficients(x: f64, k: f64) -> [f64; 4] {
     let one = (-x).exp();
     let (sinh, cosh) = (0.5 * (1.0 - one * one), 0.5 * (1.0 + one * one));
@@ -154,7 +154,7 @@ fn coefficients(x: f64, k: f64) -> [f64; 4] {
     [b, beta, first, beta * k * k * bracket / (2.0 * den * (0.75 - beta))]
 }
 
-/// Σ x^i/i! over i = first, first + 2, ...
+/// Sums x^i/i! over i = first, first + 2, ...
 fn series(x: f64, first: u32) -> f64 {
     let start = (1..=first).fold(1.0, |term, i| term * x / f64::from(i));
     let mut term = start;
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn branches_add_up_to_the_stiffness_with_other_moduli() {
-        // At the Laplace variable s the shear modulus is G(s), with the same bulk modulus.
+        // At the Laplace variable s the shear modulus is G(s) and the bulk modulus is unchanged.
         let prony = three();
         let of = |branches: &mut dyn Iterator<Item = Branch>, s: f64| {
             1.0 + branches.map(|branch| branch.weight * s / (s + 1.0 / branch.time)).sum::<f64>()

@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use crate::history::History;
 
-/// A state of a viscoelastic contact at one time.
+/// State of a viscoelastic contact at one time.
 #[derive(Clone, Debug)]
 pub struct ViscoelasticState<S = Solution> {
     /// Pressure, displacement, gap and residuals.
@@ -15,18 +15,18 @@ pub struct ViscoelasticState<S = Solution> {
     pub elastic_energy: f64,
     /// Energy lost in the step to this state, per area, in stress × length: in the dashpots and, with a law, in jumps.
     pub dissipated: f64,
-    /// The difference between the work of the rigid surface in the step, by the trapezoidal rule, and the energy stored
-    /// and lost, in magnitude. It falls with the square of the length of the step, but it is no error of `dissipated`:
-    /// at a held approach it is 0 for steps of any length. It is 0 in a step of no time at a hard wall, and in the
-    /// first step with a law, whose work is unknown. In a step with a jump, whose loss is that difference, it is the
-    /// largest error of the rule for forces that change monotonically.
+    /// Magnitude of the difference between the work of the rigid surface in the step, by the trapezoidal rule, and the
+    /// energy stored and lost. It is of second order in the duration of the step, but is not the error of `dissipated`:
+    /// at a held approach it is 0 for any duration. It is 0 in an instantaneous step at a hard wall, and in the first
+    /// step with a law, where the work is unknown. In a step with a jump, this difference is the loss, and the value is
+    /// the largest error of the rule for forces that change monotonically.
     pub work_imbalance: f64,
     pub(crate) history: History,
 }
 
 impl<S: Fields> ViscoelasticState<S> {
-    /// The indentation −u_z, and the elongation of the spring of each branch, `[x, y]`, in length. They are all that a
-    /// body remembers.
+    /// Returns the complete memory of the body: the indentation −u_z and the spring elongation of each branch,
+    /// `[x, y]`, in length.
     pub fn memory(&self) -> Vec<Array2<f64>> {
         let (nx, ny) = self.solution.gap().dim();
         let field =
@@ -34,7 +34,7 @@ impl<S: Fields> ViscoelasticState<S> {
         match &self.history {
             History::Points { lengths, .. } => lengths.iter().map(|values| field(values.clone())).collect(),
             History::Waves(spectra) => {
-                // A transform does not know the lengths of the cell.
+                // The transform does not depend on the lengths of the cell.
                 let grid = Grid::new([nx, ny], [1.0; 2]).expect("a field has points");
                 let transform = Transform::new(grid);
                 let mut workspace = transform.workspace();

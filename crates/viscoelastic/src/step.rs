@@ -1,14 +1,13 @@
 use crate::Branch;
 
-/// The numbers of one branch over a step of the length Δ, in which the displacement is linear in time (theory.md,
-/// section 7.7).
+/// Coefficients of one branch in a step of duration Δ with a displacement linear in time (theory.md, section 7.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Decay {
-    /// c, the modulus over the long-term one.
+    /// c, the modulus relative to the long-term modulus.
     pub(crate) weight: f64,
-    /// e = exp(−Δ/τ), the part of an elongation that is left.
+    /// e = exp(−Δ/τ), the remaining fraction of an elongation.
     pub(crate) left: f64,
-    /// γ = (1 − e)/(Δ/τ), the part of a change of the displacement that the spring takes.
+    /// γ = (1 − e)/(Δ/τ), the fraction of a displacement change taken up by the spring.
     pub(crate) taken: f64,
     /// A, 2 B/a and C/a² with a = Δ/τ: the loss of the branch is c {A ⟨x, Sx⟩ + 2 B/a ⟨x, S Δd⟩ + C/a² ⟨Δd, S Δd⟩}.
     pub(crate) loss: [f64; 3],
@@ -26,7 +25,7 @@ impl Decay {
     }
 }
 
-/// C/a² = (a + 2 (e^{−a} − 1) − (e^{−2a} − 1)/2)/a², by its series where the closed form cancels.
+/// Returns C/a² = (a + 2 (e^{−a} − 1) − (e^{−2a} − 1)/2)/a², by its series where the closed form cancels.
 fn quadratic(a: f64, less: f64, first: f64) -> f64 {
     if a >= 0.5 {
         return (1.0 + (2.0 * less + first) / a) / a;
@@ -41,7 +40,7 @@ fn quadratic(a: f64, less: f64, first: f64) -> f64 {
     sum
 }
 
-/// m = 1 + Σ c γ, the modulus that acts in a step over the long-term one.
+/// Returns m = 1 + Σ c γ, the effective modulus in a step divided by the long-term modulus.
 pub(crate) fn stiffening(decays: impl Iterator<Item = Decay>) -> f64 {
     1.0 + decays.map(|decay| decay.weight * decay.taken).sum::<f64>()
 }

@@ -1,26 +1,26 @@
-/// The velocity of the rigid surface relative to the body, in length over the unit of the relaxation times.
+/// Velocity of the rigid surface relative to the body, length per time unit of the relaxation times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Velocity {
     speed: f64,
     direction: [f64; 2],
 }
 
-/// Error: a velocity without a size or a direction.
+/// Error: an invalid velocity.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum VelocityError {
-    /// A speed that is not positive.
+    /// Speed that is not positive and finite.
     #[error("the velocity is {0}; it must be positive and finite")]
     Speed(f64),
-    /// An angle that is not finite.
+    /// Angle that is not finite.
     #[error("the direction is {0} degrees; it must be finite")]
     Direction(f64),
 }
 
 impl Velocity {
-    /// A velocity of this size, in a direction of so many degrees from x.
+    /// Creates a velocity from its `speed` and its angle to x in degrees.
     ///
     /// # Errors
-    /// A size that is not positive and finite; an angle that is not finite.
+    /// Returns an error if the speed is not positive and finite, or if the angle is not finite.
     pub fn new(speed: f64, degrees: f64) -> Result<Self, VelocityError> {
         if !(speed.is_finite() && speed > 0.0) {
             return Err(VelocityError::Speed(speed));
@@ -29,7 +29,7 @@ impl Velocity {
             return Err(VelocityError::Direction(degrees));
         }
         let angle = degrees.to_radians();
-        // Along an axis it is exactly so, without the rounding error of a sine.
+        // Directions along an axis are exact, without the rounding error of a sine.
         let direction = match degrees.rem_euclid(360.0) {
             0.0 => [1.0, 0.0],
             90.0 => [0.0, 1.0],
@@ -40,17 +40,17 @@ impl Velocity {
         Ok(Self { speed, direction })
     }
 
-    /// The size.
+    /// Returns the speed.
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// The unit vector along it.
+    /// Returns the unit vector along the velocity.
     pub fn direction(&self) -> [f64; 2] {
         self.direction
     }
 
-    /// The scalar product with a wave vector.
+    /// Returns the scalar product with a wave vector.
     pub(crate) fn along(&self, [x, y]: [f64; 2]) -> f64 {
         self.speed * (x * self.direction[0] + y * self.direction[1])
     }

@@ -8,42 +8,42 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::WearState;
 
-/// A rigid rough surface that slides on an elastic one, with a hard wall, while either or both wear (theory.md, section
+/// Rigid rough surface that slides on an elastic one, with a hard wall, while either or both wear (theory.md, section
 /// 7.10).
 ///
-/// The depth w lost so far is added to the clearance. Over a sliding distance s it grows by ∂w/∂s = k p, with a
-/// coefficient k in 1/stress: Archard's, over the hardness. The pressure is that at the end of a step of the length Δs,
-/// so that the step is an ordinary contact: its compliance is G(q) + k Δs for every wave and for the uniform mode, its
-/// clearance has the depth before. The error of a step falls with the square of its length, and none is unstable.
+/// The depth w lost so far is added to the clearance. Over a sliding distance s it grows by ∂w/∂s = k p. The
+/// coefficient k, in 1/stress, is Archard's divided by the hardness. With the pressure at its end, a step of length Δs
+/// is an ordinary contact: its compliance is G(q) + k Δs for every wave and for the uniform mode, its clearance
+/// contains the depth before. The error of a step falls with the square of its length, and no step is unstable.
 #[derive(Clone, Debug)]
 pub struct WearContact {
     contact: Contact,
     coefficient: f64,
 }
 
-/// Surfaces of which a depth is lost.
+/// Contact of worn surfaces.
 struct Worn {
-    /// Their contact, whose approach counts from `touch`.
+    /// Contact with the approach measured from `touch`.
     contact: Contact,
-    /// Their first touch.
+    /// Approach at first touch.
     touch: f64,
 }
 
-/// The approach below which nothing touches, over the largest of the lengths of which it is a difference.
+/// Relative rounding error below which an approach counts as zero.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// The approach beyond a touch; `None` of surfaces that are apart.
+/// Returns the approach beyond first touch, or `None` if the surfaces are apart.
 fn beyond(approach: f64, touch: f64) -> Option<f64> {
     let beyond = approach - touch;
     (beyond > ROUNDING * approach.max(touch)).then_some(beyond)
 }
 
 impl WearContact {
-    /// A `contact` whose surfaces, unworn at first, lose the depth `coefficient` × pressure × distance. The
-    /// coefficient, in 1/stress, is that of both surfaces together.
+    /// Makes a wearing `contact` of surfaces that are unworn at first. They lose the depth `coefficient` × pressure ×
+    /// distance; the coefficient, in 1/stress, covers both surfaces together.
     ///
     /// # Errors
-    /// A coefficient that is not positive and finite; a hardness.
+    /// A coefficient that is not positive and finite; a contact with a hardness.
     pub fn new(contact: Contact, coefficient: f64) -> Result<Self, Refusal> {
         if contact.hardness().is_some() {
             return Err(Refusal::WearHardness);
@@ -54,21 +54,21 @@ impl WearContact {
         Ok(Self { contact, coefficient })
     }
 
-    /// The contact of the unworn surfaces.
+    /// Returns the contact of the unworn surfaces.
     pub fn contact(&self) -> &Contact {
         &self.contact
     }
 
-    /// The coefficient of wear, in 1/stress.
+    /// Returns the wear coefficient, in 1/stress.
     pub fn coefficient(&self) -> f64 {
         self.coefficient
     }
 
-    /// The state of `pressure` under `drive` on surfaces that have lost the `depth`, with its residuals from fresh
-    /// transforms. The numbers of the step to it are not known: they are NaN.
+    /// Computes the state of `pressure` under `drive` on surfaces that have lost `depth`, with its residuals from fresh
+    /// transforms. The energies of the step to this state are unknown: `dissipated` and `work_imbalance` are NaN.
     ///
     /// # Errors
-    /// Fields of another shape than the grid; a depth that is not finite.
+    /// Fields that differ in shape from the grid; a depth that is not finite.
     pub fn certify(
         &self,
         pressure: &ArrayRef2<f64>,
@@ -101,7 +101,7 @@ impl WearContact {
         })
     }
 
-    /// The contact after a depth is lost.
+    /// Returns the contact after the loss of `depth`.
     fn worn(&self, depth: &ArrayRef2<f64>) -> Result<Worn, Refusal> {
         let (clearance, values) = (self.contact.surface().clearance(), &*contiguous(depth));
         if clearance.len() != values.len() {
@@ -111,7 +111,7 @@ impl WearContact {
             range.fold(f64::INFINITY, |least, i| lower(least, clearance[i] + values[i]))
         };
         let touch = reduce(values.len(), &lowest, &lower);
-        // Wear without end would leave no digits of the roughness.
+        // Without the subtraction, endless wear would leave no digits of the roughness.
         Ok(Worn { contact: self.contact.worn(&depth.mapv(|w| w - touch))?, touch })
     }
 
@@ -124,7 +124,7 @@ impl WearContact {
         Array2::zeros(self.contact.surface().grid().points())
     }
 
-    /// The state after a step of the length `moved` from the depth `before`, at whose end there is this `pressure`.
+    /// Returns the state after a step of length `moved` from the depth `before`, with `pressure` at its end.
     fn end(
         &self,
         pressure: &Array2<f64>,
@@ -154,7 +154,7 @@ impl Equilibrium for WearContact {
         self.contact.solvers()
     }
 
-    /// Worn surfaces may approach each other by more than the mean clearance.
+    /// Accepts approaches beyond the mean clearance, which worn surfaces can reach.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         drive.check()?;
         Self::check_distance(drive.distance, None)?;
@@ -168,7 +168,7 @@ impl Equilibrium for WearContact {
         self.contact.check_resolution(drive, tolerance)
     }
 
-    /// Makes the step from `start`, or from first touch at the distance 0, by one solve.
+    /// Makes the step from `start`, or from first touch at distance 0, by one solve.
     fn equilibrate(
         &self,
         drive: Drive,

@@ -1,8 +1,8 @@
 //! Wear of a rigid rough surface that slides on an elastic body, or of the body: by Archard's law the depth lost grows
-//! with the sliding distance in proportion to the pressure.
+//! in proportion to the pressure and to the sliding distance.
 //!
-//! - [`WearContact`]: a hard wall that wears. A [`Drive`](gfmd_contact::Drive) has the distance at which its load, or
-//!   approach, is reached; the state before is the start. A step is implicit, and stable whatever its length.
+//! - [`WearContact`]: a hard wall that wears. A [`Drive`](gfmd_contact::Drive) gives the distance at which its load, or
+//!   approach, is reached; the previous state is the start. Steps are implicit and stable at any length.
 //! - [`WearState`]: the fields at one distance, the depth lost so far, and the energies.
 //!
 //! A wave runs in until the pressure is uniform:

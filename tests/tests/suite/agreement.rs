@@ -1,4 +1,4 @@
-//! All solvers find one contact, on random problems of every kind.
+//! All solvers find the same contact, on random problems of every kind.
 
 use gfmd_contact::{Load, Solution, Solver};
 use gfmd_field::Grid;
@@ -9,7 +9,7 @@ use gfmd_tests::{SOLVERS, press};
 
 const TOLERANCE: f64 = 1e-10;
 
-/// Pseudo-random numbers in [0, 1) that depend only on the problem.
+/// Returns a pseudo-random number in [0, 1) that depends only on the problem.
 fn spread(seed: u64, salt: u32) -> f64 {
     (seed as f64 * 0.618_034 + f64::from(salt) * 0.414_214).fract()
 }
@@ -46,7 +46,7 @@ fn all_methods_agree_on_random_problems() {
                         let found = solve(control, solver);
                         let worst = worst_difference(&found, &reference);
                         // The tolerance bounds residuals. The fields differ by more, up to 11 times over all cases
-                        // (measured on x86-64), since a small residual leaves soft modes less certain than stiff ones.
+                        // (measured on x86-64), since a small residual constrains soft modes less than stiff ones.
                         assert!(worst < 30.0 * TOLERANCE, "{case}, {solver:?}: {worst:e}");
                     }
                 }
@@ -55,7 +55,7 @@ fn all_methods_agree_on_random_problems() {
     }
 }
 
-/// The largest difference of the pressures over the largest pressure, or the relative difference of the approaches.
+/// Returns the larger of the relative pressure difference and the relative difference of the approaches.
 fn worst_difference(a: &Solution, b: &Solution) -> f64 {
     let peak = b.pressure.iter().copied().fold(0.0, f64::max);
     let pressure = a.pressure.iter().zip(&b.pressure).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak;

@@ -1,4 +1,4 @@
-//! Every check of every topic meets its bound: what `cargo xtask verify` prints.
+//! Every check of every topic meets its bound, as printed by `cargo xtask verify`.
 
 use gfmd_tests::{Reference, TOPICS, Topic, ValidationError};
 
@@ -13,7 +13,7 @@ fn holds(topic: &Topic) {
     assert!(failed.is_empty(), "{}:\n{}", topic.title, failed.join("\n"));
 }
 
-/// One test for each topic, so that they run side by side; and one that misses none.
+/// Defines one test per topic, so that they run in parallel, and one test that all topics are covered.
 macro_rules! topics {
     ($($name:ident),+) => {
         $(

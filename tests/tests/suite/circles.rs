@@ -1,12 +1,12 @@
-//! No circle of files: within a module, the modules that it consists of use each other in one direction. A module and
-//! what is inside of it count as one; tests within a file do not count.
+//! No circular dependencies: within a module, its submodules use each other in one direction. A module and its contents
+//! count as one; tests within a file do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 type Module = Vec<String>;
 
-/// The modules of a crate, with the text of each without comments and tests.
+/// Returns the modules of a crate, with the text of each without comments and tests.
 fn modules(src: &Path) -> BTreeMap<Module, String> {
     let mut found = BTreeMap::new();
     let mut folders = vec![src.to_path_buf()];
@@ -28,8 +28,7 @@ fn modules(src: &Path) -> BTreeMap<Module, String> {
     found
 }
 
-/// The paths that a text uses, from `crate` or `super`: those of `use`, with their braces opened, and those in the
-/// code.
+/// Returns the paths that a text uses, from `crate` or `super`: paths of `use` with expanded braces, and paths in code.
 fn paths(text: &str) -> Vec<Module> {
     let mut found = Vec::new();
     for start in ["crate::", "super::"].iter().flat_map(|word| text.match_indices(word).map(|(at, _)| at)) {
@@ -43,7 +42,7 @@ fn paths(text: &str) -> Vec<Module> {
     found
 }
 
-/// Opens `a::{b, c::d}`; ends where the first path ends.
+/// Expands `a::{b, c::d}`; ends at the end of the first path.
 fn open(before: &[String], text: &str, found: &mut Vec<Module>) {
     let mut path = before.to_vec();
     let mut rest = text;
@@ -78,7 +77,7 @@ fn open(before: &[String], text: &str, found: &mut Vec<Module>) {
     }
 }
 
-/// The module of a path that is written in `own`.
+/// Returns the module of a path that is written in `own`.
 fn target(own: &Module, path: &[String], all: &BTreeMap<Module, String>) -> Module {
     let up = path.iter().take_while(|part| *part == "super").count();
     let (mut place, rest) = match path {
@@ -95,10 +94,10 @@ fn target(own: &Module, path: &[String], all: &BTreeMap<Module, String>) -> Modu
     place
 }
 
-/// A circle among the places that use others, if there is one.
+/// Returns a circle among the places that use others, if there is one.
 fn circle(uses: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
     let mut left = uses.clone();
-    // Those that use none, or are used by none, are in no circle.
+    // Places that use no others, or are used by none, are in no circle.
     loop {
         let ends: Vec<String> =
             left.keys().filter(|place| left[*place].iter().all(|used| !left.contains_key(used))).cloned().collect();
@@ -109,7 +108,7 @@ fn circle(uses: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
     }
 }
 
-/// The circles of a crate.
+/// Returns the circles of a crate.
 fn circles(all: &BTreeMap<Module, String>) -> Vec<String> {
     let mut uses: BTreeMap<Module, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
     for (own, text) in all {

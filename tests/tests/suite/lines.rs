@@ -1,16 +1,16 @@
-//! No line of a source is longer than 120 characters (docs/style.md). Excepted are lines with an address, and rows of
+//! No source line is longer than 120 characters (docs/style.md). Exceptions are lines with an address and rows of
 //! tables in comments, which cannot be broken.
 
 use std::path::{Path, PathBuf};
 
-/// Characters of the longest line.
+/// Length of the longest line, in characters.
 const WIDTH: usize = 120;
 
 /// Folders of the repository with sources, and the endings of their names; scripts have none.
 const FOLDERS: [&str; 8] = [".ci", ".github", "crates", "data", "docs", "packaging", "tests", "xtask"];
 const ENDINGS: [&str; 9] = ["rs", "py", "pyi", "toml", "sh", "css", "js", "yml", "yaml"];
 
-/// The numbers, from 1, of the lines that are too long, with their lengths.
+/// Returns the numbers, from 1, of the lines that are too long, with their lengths.
 fn long_lines(text: &str) -> Vec<(usize, usize)> {
     let is_excepted = |line: &str| {
         let row = line.trim_start().strip_prefix("//").map(|comment| comment.trim_start_matches(['/', '!']));
@@ -21,13 +21,13 @@ fn long_lines(text: &str) -> Vec<(usize, usize)> {
     long.map(|(number, length, _)| (number, length)).collect()
 }
 
-/// Adds the sources in a folder, and in those inside of it.
+/// Adds the sources in a folder and its subfolders.
 fn collect(folder: &Path, sources: &mut Vec<PathBuf>) {
     for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         let name = path.file_name().unwrap().to_string_lossy();
         let ending = path.extension().map(|ending| ending.to_string_lossy());
         if path.is_dir() {
-            // Not what tools have left there: environments, caches, builds.
+            // Skips files left by tools: environments, caches, builds.
             if !name.starts_with(['.', '_']) && name != "target" {
                 collect(&path, sources);
             }

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-tests` as one program: those of one file by `cargo test -p gfmd-tests --test suite FILE::`.
+//! The tests of `gfmd-tests` as one program. To run one file: `cargo test -p gfmd-tests --test suite FILE::`.
 
 mod agreement;
 mod checks;

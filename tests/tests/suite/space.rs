@@ -1,8 +1,8 @@
-//! The whole space of parameters, at random: each problem is solved to its stated accuracy, which is recomputed here
-//! from the returned fields by direct Fourier sums, or it is refused by name. No NaN, no panic, no endless search.
+//! Random tests of the whole parameter space. Each problem is solved to its stated accuracy, which is recomputed here
+//! from the returned fields by direct Fourier sums, or it is refused with a reason: no NaN, panic or endless search.
 //!
-//! The default run takes some 1500 cases. `GFMD_SPACE=100000 cargo test -p gfmd-tests --test suite space:: --
-//! --nocapture` takes as many as it says and prints their count; `GFMD_SPACE_SEED` is the number of the first.
+//! `GFMD_SPACE=100000 cargo test -p gfmd-tests --test suite space:: -- --nocapture` runs that many cases instead of
+//! some 1500 and prints their count; `GFMD_SPACE_SEED` is the number of the first.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must not pass a comparison")]
 #![expect(clippy::print_stdout, reason = "the count of cases")]
@@ -26,23 +26,22 @@ use ndarray::{Array2, ArrayView2, Axis};
 
 use case::{Case, Random};
 
-/// The number of cases without `GFMD_SPACE`.
+/// Number of cases without `GFMD_SPACE`.
 const CASES: u64 = 1500;
 
-/// The longest time of a case on a busy machine, in a debug build.
+/// Time limit of a case on a busy machine, in a debug build.
 const LONGEST: Duration = Duration::from_secs(300);
 
 const TOLERANCE: f64 = 1e-7;
 
-/// The ratio of stiffnesses, as of a thin plate that nothing supports, above which a search may end without
-/// convergence.
+/// Stiffness ratio, as of an unsupported thin plate, above which a search may end without convergence.
 const ILL_CONDITIONED: f64 = 1e8;
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most, value| if value.is_nan() || value.abs() > most { value.abs() } else { most })
 }
 
-/// The outcome of a case, by kind, or a complaint.
+/// Outcome of a case, by kind, or a complaint.
 type Verdict = Result<&'static str, String>;
 
 /// Judges a refusal of a contact.
@@ -71,8 +70,8 @@ fn refused(refusal: &Refusal) -> Verdict {
     })
 }
 
-/// Checks gap, pressure and load of a state at a hard wall from its pressure and the displacement that follows. Parts
-/// of the displacement that cancel leave an error of `cancelled`.
+/// Checks gap, pressure and load of a state at a hard wall from its pressure and the resulting displacement. Parts of
+/// the displacement that cancel leave an error of `cancelled`.
 fn wall(
     case: &Case,
     load: Load,
@@ -145,7 +144,7 @@ fn hard_wall(case: &Case, random: &mut Random) -> Verdict {
     let own = case.normal_displacement(traction.view());
     let apart = largest(own.iter().zip(&state.displacement).map(|(a, b)| a - b));
     let size = largest(own.iter().copied());
-    // On thin plates long waves cancel, and leave an error that is small compared with the roughness.
+    // On thin plates long waves cancel and leave an error that is small compared with the roughness.
     let rms = (state.pressure.iter().map(|p| (p / state.mean_pressure).powi(2)).sum::<f64>()
         / state.pressure.len() as f64)
         .sqrt()
@@ -158,7 +157,7 @@ fn hard_wall(case: &Case, random: &mut Random) -> Verdict {
     checked.map(|()| "wall: solved").map_err(|text| format!("{solver} {load:?}: {text}"))
 }
 
-/// A law from a table of up to 12 random tractions behind a wall.
+/// Makes a law from a table of up to 12 random tractions behind a wall.
 fn table(case: &Case, random: &mut Random) -> Result<Box<dyn Law>, LawError> {
     let (energy, range) =
         (case.stress * case.length * random.decade(-5.0, 1.0), case.length * random.decade(-2.0, 1.0));
@@ -200,7 +199,7 @@ fn interface_state(case: &Case, law: &dyn Law, state: &State) -> Result<(), Stri
     if let Some(bad) = all.copied().find(|value| !value.is_finite()) {
         return Err(format!("a field contains {bad}"));
     }
-    // u_z follows from all tractions; without lateral ones from the normal one alone.
+    // u_z follows from all tractions; without lateral ones it follows from the normal traction alone.
     if z == 0 {
         let own = case.normal_displacement(traction);
         let found: Vec<f64> = state.displacement.iter().copied().collect();
@@ -221,7 +220,7 @@ fn interface_state(case: &Case, law: &dyn Law, state: &State) -> Result<(), Stri
         }
         if z == 0 && !(law.has_wall() && *g <= 0.0) {
             let response = law.response(*g, 0.0);
-            // The gap is rounded; a law that jumps, as that of Dugdale, has no slope at its range.
+            // The gap is rounded; a law with a jump, such as Dugdale's, has no slope at its range.
             let blur = 1e-13 * (g.abs() + state.approach.abs() + case.length);
             let near = [g - blur, g + blur].map(|g| law.response(g, 0.0).traction[0]);
             let room = 4.0 * TOLERANCE * scale + largest(near.map(|t| t - response.traction[0]));
@@ -282,7 +281,7 @@ fn with_friction(case: &Case, random: &mut Random) -> Verdict {
     checked.map(|()| "friction: solved").map_err(|text| format!("{limit:?} {drive:?}: {text}"))
 }
 
-/// All components of a vector field on the axes x, y, z.
+/// Returns all components of a vector field on the axes x, y, z.
 fn on_axes(grid: &Grid, field: &ndarray::Array3<f64>) -> [Vec<f64>; 3] {
     let mut fields = [0, 1, 2].map(|_| vec![0.0; grid.len()]);
     for (component, axis) in field.axis_iter(Axis(0)).zip(Components::of(grid).axes()) {
@@ -291,7 +290,7 @@ fn on_axes(grid: &Grid, field: &ndarray::Array3<f64>) -> [Vec<f64>; 3] {
     fields
 }
 
-/// The displacement of all components, by direct sums.
+/// Returns the displacement of all components, by direct sums.
 fn displacement(case: &Case, traction: &ndarray::Array3<f64>) -> [Vec<f64>; 3] {
     let line = case.grid.is_line();
     case.direct(&on_axes(&case.grid, traction), |mode| {
@@ -432,8 +431,8 @@ fn every_problem_is_solved_to_its_accuracy_or_refused_by_name() {
     assert!(bad.is_empty(), "{} of {cases} cases:\n{}", bad.len(), bad[..bad.len().min(40)].join("\n"));
 }
 
-/// Cases that once failed: rounding errors of thin plates and of nearly incompressible slabs, a first step that was
-/// 1e8 times too long, laws that overflow.
+/// Runs cases that once failed: rounding errors of thin plates and of nearly incompressible slabs, a first step that
+/// was 1e8 times too long, laws that overflow.
 #[test]
 fn cases_that_once_failed_pass() {
     for number in [2564, 6641, 11448, 19868, 21459, 24462, 27654, 38414, 61769, 70297, 72548, 82479, 83955] {

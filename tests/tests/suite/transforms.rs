@@ -1,5 +1,5 @@
-//! Transforms of large grids against `ndrustfft`, axis by axis. Here and not with gfmd-field, where its planners would
-//! be compiled at the highest level once more.
+//! Transforms of large grids against `ndrustfft`, axis by axis. They are not tested in gfmd-field, where its planners
+//! would be compiled a second time at the highest level.
 
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ fn grid(points: [usize; 2]) -> Grid {
     Grid::new(points, [1.5, 0.7]).unwrap()
 }
 
-/// Reproducible values without any regularity.
+/// Returns reproducible values without regularity.
 fn field(grid: &Grid) -> Vec<f64> {
     (0..grid.len()).map(|i| (0.618_034 * i as f64 + 0.01 * (i as f64).sqrt()).fract() - 0.3).collect()
 }
@@ -35,7 +35,7 @@ fn largest(differences: impl Iterator<Item = f64>) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The convolution K f axis by axis with `ndrustfft`; the kernel is laid out as in this crate, transposed.
+/// Computes the convolution K f axis by axis with `ndrustfft`; the kernel is laid out as in this crate, transposed.
 fn by_ndrustfft(grid: &Grid, kernel: &[f64], field: &[f64]) -> (Array2<Complex<f64>>, Array2<f64>) {
     let [nx, ny] = grid.points();
     let field = ArrayView2::from_shape((nx, ny), field).unwrap();

@@ -1,4 +1,4 @@
-//! The dynamics of a free surface against the eigenvalues of the update matrix of every mode, all components at once
+//! Dynamics of a free surface against the eigenvalues of the update matrix of every mode, all components at once
 //! (theory.md, sections 6.1 and 6.2).
 
 use std::sync::Mutex;
@@ -8,7 +8,7 @@ use gfmd_green::{Body, Material};
 use gfmd_relax::{Damping, Harmonic, Landscape, Method, ModeDamped, State, Verlet};
 use gfmd_response::{FullResponse, Operator};
 
-/// The operator with `f` of the stiffness of every mode.
+/// Returns the operator with `f` of the stiffness of every mode.
 fn function(stiffness: &Operator, f: impl Fn(f64) -> f64 + Sync) -> Operator {
     stiffness.beside(|mode| stiffness.matrices()[stiffness.grid().index_of(mode.number).unwrap()].function(&f))
 }

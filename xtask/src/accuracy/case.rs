@@ -1,4 +1,4 @@
-//! The contacts on which the errors are compared.
+//! Contacts for the comparison of errors.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -11,67 +11,67 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-/// The grid that has the exact value is finer by this factor.
+/// Refinement factor of the grid with the exact value.
 pub(super) const FINER: usize = 8;
 
-/// The Hurst exponents, of which the rough surfaces have one after the other.
+/// Hurst exponents, assigned to the rough surfaces in turn.
 const HURST: [f64; 3] = [0.0, 0.3, 0.8];
 
-/// The points on the shortest wave, of which the rough surfaces have one after the other.
+/// Numbers of points on the shortest wave, assigned to the rough surfaces in turn.
 const POINTS_PER_WAVE: [usize; 2] = [4, 8];
 
-/// The reduced pressures.
+/// Reduced pressures.
 const LOADS: [f64; 4] = [0.01, 0.05, 0.2, 0.5];
 
-/// The shortest waves over the length of the cell.
+/// Number of shortest waves along the cell.
 const WAVES: usize = 16;
 
-/// The mean pressures over E* on rough spheres with free boundaries, whose contacts stay inside of the patch. Reduced
-/// pressures would depend on the grid: the gradient of a patch is one of differences.
+/// Mean pressures divided by E* on rough spheres with free boundaries, for contacts that stay inside the patch. Reduced
+/// pressures would depend on the grid, since the gradient of a patch is computed by differences.
 const LOADS_OF_A_PATCH: [f64; 4] = [0.0007, 0.0015, 0.003, 0.007];
 
-/// The shortest waves over the length of a patch.
+/// Number of shortest waves along a patch.
 const WAVES_OF_A_PATCH: usize = 8;
 
-/// The height of the sphere of a patch over the middle of its sides, in lengths of the patch.
+/// Height of the sphere of a patch above the middle of its sides, divided by the length of the patch.
 const SPHERE: f64 = 0.05;
 
-/// The seeds of one kind of surface over those of the kind before.
+/// Offset between the seeds of successive kinds of surfaces.
 const APART: u64 = 1_000_000;
 
-/// The kinds of surfaces.
+/// Kind of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Kind {
-    /// Self-affine, periodic.
+    /// Periodic self-affine surface.
     Rough,
-    /// A rough sphere with free boundaries.
+    /// Rough sphere with free boundaries.
     Patch,
-    /// A sphere with free boundaries (Hertz 1882).
+    /// Sphere with free boundaries (Hertz 1882).
     Sphere,
-    /// A product, a sum, or three directions of waves.
+    /// Product, sum, or three directions of waves.
     Waves,
-    /// The summit of a wave under adhesion, with Dugdale's law (Maugis 1992) or an exponential one.
+    /// Summit of a wave under adhesion, with Dugdale's law (Maugis 1992) or an exponential law.
     Adhesive,
 }
 
-/// A surface, and the way in which its contact is solved.
+/// Surface and method of solution of its contact.
 #[derive(Serialize)]
 pub(super) struct Case {
     pub kind: Kind,
     pub seed: u64,
-    /// The Hurst exponent; NaN of a surface that is not rough.
+    /// Hurst exponent; NaN for a surface that is not rough.
     pub hurst: f64,
     /// Points along a side.
     pub n: usize,
-    /// Points on the shortest wave; 0 of a surface that is not rough.
+    /// Number of points on the shortest wave; 0 for a surface that is not rough.
     pub points_per_wave: usize,
-    /// A random place, in lengths of the cell, and further random numbers from 0 to 1.
+    /// Random place, in lengths of the cell, and further random numbers from 0 to 1.
     random: [f64; 5],
 }
 
 impl Case {
-    /// The surface of this kind with this number.
+    /// Makes surface `number` of this kind.
     pub(super) fn new(kind: Kind, number: u64, first_seed: u64) -> Self {
         let seed = first_seed + APART * kind as u64 + number;
         let mut source = Pcg64::seed_from_u64(seed);
@@ -88,7 +88,7 @@ impl Case {
         Self { kind, seed, hurst, n, points_per_wave, random }
     }
 
-    /// The surface in words, beside its load.
+    /// Returns the groups of the surface in words, without its load.
     pub(super) fn groups(&self) -> Vec<String> {
         match self.kind {
             Kind::Rough | Kind::Patch => {
@@ -99,7 +99,7 @@ impl Case {
         }
     }
 
-    /// The modes of `--grid-error` that are compared, with their names.
+    /// Returns the compared modes of `--grid-error` with their names.
     pub(super) fn modes(&self) -> &'static [(&'static str, &'static str)] {
         match self.kind {
             Kind::Rough => &[("estimate", "estimate"), ("refine", "refine")],
@@ -111,7 +111,7 @@ impl Case {
         }
     }
 
-    /// The loads, and the flag that gives them.
+    /// Returns the loads and the flag for them.
     pub(super) fn drives(&self) -> (&'static str, [f64; 4]) {
         match self.kind {
             Kind::Rough | Kind::Waves => ("p-star", LOADS),
@@ -124,7 +124,7 @@ impl Case {
         }
     }
 
-    /// The loads in words, alike on all surfaces of a kind.
+    /// Returns the loads in words, equal for all surfaces of a kind.
     pub(super) fn loads(&self) -> [String; 4] {
         match self.kind {
             Kind::Rough | Kind::Waves => LOADS.map(|load| format!("p* = {load}")),
@@ -134,14 +134,14 @@ impl Case {
         }
     }
 
-    /// The radii of the contacts of a sphere of radius 1 on a patch of length 1: from two points to near the rim.
+    /// Returns the contact radii of a sphere of radius 1 on a patch of length 1, from two points to near the rim.
     fn radii(&self) -> [f64; 4] {
         let least = 2.0 / self.n as f64;
         let most = least + self.random[2] * (0.4 - least);
         [0.4, 0.6, 0.8, 1.0].map(|part| least + part * (most - least))
     }
 
-    /// The closed form of a number of a contact, by its name; `None` without one.
+    /// Returns the closed form of a contact quantity by its name; `None` without one.
     pub(super) fn closed_form(&self, load: usize, name: &str) -> Option<f64> {
         let radius = (self.kind == Kind::Sphere).then(|| self.radii()[load])?;
         let (force, area, most) = (4.0 * radius.powi(3) / 3.0, PI * radius * radius, 2.0 * radius / PI);
@@ -158,27 +158,26 @@ impl Case {
         }
     }
 
-    /// The law of an adhesive summit.
+    /// Returns the law of an adhesive summit.
     fn law(&self) -> &'static str {
         if self.seed.is_multiple_of(2) { "dugdale" } else { "exponential" }
     }
 
-    /// The law at the summit of a wave: Johnson, Kendall and Roberts' contact has a radius of 4 to 16 points without a
-    /// load, and Tabor's parameter is 0.25 to 2.
+    /// Returns the law at the summit of a wave. The contact of Johnson, Kendall and Roberts has a radius of 4 to 16
+    /// points without a load, and Tabor's parameter is 0.25 to 2.
     fn adhesive(&self) -> Adhesive {
         const AMPLITUDE: f64 = 0.02;
         let curvature = 1.0 / (TAU * TAU * AMPLITUDE);
         let radius = (4.0 + 12.0 * self.random[2]) / self.n as f64;
         let energy = 2.0 * radius.powi(3) / (9.0 * PI * curvature.powi(2));
         let tabor = 0.25 + 1.75 * self.random[3];
-        // μ³ = R γ²/(E*² z₀³), and Dugdale's stress is γ/range with range = 0.97 z₀ where that of Lennard-Jones is the
-        // largest.
+        // μ³ = R γ²/(E*² z₀³), and Dugdale's stress is γ/range with range = 0.97 z₀, the largest Lennard-Jones stress.
         let range = 0.97 * (curvature * energy * energy).cbrt() / tabor;
         Adhesive { amplitude: AMPLITUDE, energy, range, pull_off: 1.5 * PI * energy * curvature }
     }
 
-    /// The flags of the surface on a grid that is finer by this factor; heights that the program does not generate are
-    /// written to `folder`.
+    /// Returns the flags of the surface on a grid that is `finer` by this factor. Heights that the program does not
+    /// generate are written to `folder`.
     pub(super) fn flags(&self, finer: usize, folder: &Path) -> Result<String, Failure> {
         let n = finer * self.n;
         let written = |heights: Array2<f64>| {
@@ -210,7 +209,7 @@ impl Case {
                 let kind = (3.0 * self.random[3]) as usize;
                 let heights = Array2::from_shape_fn((n, n), |(i, j)| {
                     let [x, y] = [at(i, 0), at(j, 1)];
-                    // Three directions are as near to those of a hexagon as a square cell allows.
+                    // Three directions, as close to a hexagon as a square cell allows.
                     let half = (0.5 * k).floor();
                     0.01 * match kind {
                         0 => wave(k * x) * wave(k * y),
@@ -230,7 +229,7 @@ impl Case {
         }
     }
 
-    /// A rough sphere on a grid of n × n points.
+    /// Returns a rough sphere on a grid of n × n points.
     fn rough_sphere(&self, n: usize) -> Result<Array2<f64>, Failure> {
         let failed = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
         let grid = Grid::square(n, 1.0).map_err(|error| failed(&error))?;
@@ -249,11 +248,11 @@ impl Case {
     }
 }
 
-/// The summit of a wave with Dugdale's law, E* = 1, in a cell of length 1.
+/// Summit of a wave with Dugdale's law, E* = 1, in a cell of length 1.
 struct Adhesive {
     amplitude: f64,
     energy: f64,
     range: f64,
-    /// The pull-off force of Johnson, Kendall and Roberts.
+    /// Pull-off force of Johnson, Kendall and Roberts.
     pull_off: f64,
 }

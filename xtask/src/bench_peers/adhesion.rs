@@ -1,4 +1,4 @@
-//! The comparison of loads with an exponential adhesion with Tamaas, load for load.
+//! Comparison with Tamaas under loads with an exponential adhesion, load by load.
 
 use std::fmt;
 use std::path::Path;
@@ -17,40 +17,40 @@ use super::table::{Table, write_beside};
 use super::{Args, Peer, RMS_GRADIENT, problems};
 use crate::results::filled;
 
-/// The place of the table in docs/benchmarks.md.
+/// Name of the table in docs/benchmarks.md.
 pub(super) const PLACE: &str = "adhesion";
 
-/// The loads, each from the last one, as reduced pressures.
+/// Loads as reduced pressures; each starts from the previous one.
 const LOADS: [f64; 9] = [0.002, 0.004, 0.006, 0.008, 0.01, 0.0075, 0.005, 0.0025, 0.0];
-/// The largest attraction over E* times the rms gradient.
+/// Largest attraction divided by E* times the rms gradient.
 const STRENGTH: f64 = 0.2;
-/// The part of the stiffness of the shortest wave of a grid that the slope of the law has, π n/2 in E* and cells.
+/// Slope of the law as a fraction of the stiffness of the shortest wave of a grid, π n/2 in units of E* and the cell.
 const SLOPE: f64 = 0.3;
-/// The tolerances of Tamaas over the bound on the residual, one after the other until the residual is within the bound.
+/// Tolerances of Tamaas divided by the residual bound, tried in turn until the residual is within the bound.
 const TOLERANCES: [f64; 4] = [1e3, 1e2, 10.0, 3.0];
-/// The largest number of iterations of Tamaas for a load.
+/// Largest number of iterations of Tamaas for a load.
 const MOST: u64 = 100_000;
 
-/// The result of `bench-peers --adhesion`.
+/// Result of `bench-peers --adhesion`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Adhesion {
     /// Date of the run.
     pub date: String,
     /// Processor, cores, operating system.
     pub machine: String,
-    /// Commit from which this program was built.
+    /// Commit of this program.
     pub commit: String,
     /// Version of Tamaas.
     pub tamaas: String,
-    /// The bound on the residuals.
+    /// Bound on the residuals.
     pub tolerance: f64,
     /// Time limit of Tamaas for all loads, s.
     pub patience: f64,
-    /// One for each surface.
+    /// One row per surface.
     pub rows: Vec<Row>,
 }
 
-/// The loads on one surface.
+/// Loads on one surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// Points along a side.
@@ -59,20 +59,20 @@ pub struct Row {
     pub hurst: f64,
     /// Number of threads.
     pub threads: usize,
-    /// This program.
+    /// Course by this program.
     pub own: Course,
-    /// Tamaas, to the smallest of its tolerances that it reached in time.
+    /// Course by Tamaas, to the smallest of its tolerances that it reached in time.
     pub theirs: Option<Course>,
-    /// The reason why there is no smaller residual.
+    /// Reason why there is no smaller residual.
     pub said: Option<String>,
 }
 
-/// The loads by one program.
+/// Loads solved by one program.
 #[derive(Clone, Debug, Serialize)]
 pub struct Course {
     /// Wall time of all loads, s.
     pub seconds: f64,
-    /// The largest residual of all loads.
+    /// Largest residual of all loads.
     pub residual: f64,
     /// Contact area of each load.
     pub areas: Vec<f64>,
@@ -90,7 +90,7 @@ struct TheirLoad {
     area: Option<f64>,
 }
 
-/// Runs the comparison, and writes the table into its page if it is asked for.
+/// Runs the comparison and writes the table into its page if requested.
 ///
 /// # Errors
 /// Tamaas is not installed; a failed run of this program; a file that cannot be written.
@@ -123,7 +123,7 @@ pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> 
     Ok(made)
 }
 
-/// The loads on one surface, by both programs.
+/// Loads on one surface, for both programs.
 struct Trial<'a> {
     args: &'a Args,
     environment: &'a Environment,
@@ -133,7 +133,7 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// Work of adhesion and range.
+    /// Returns work of adhesion and range.
     fn law(&self) -> [f64; 2] {
         let attraction = STRENGTH * RMS_GRADIENT;
         let range = attraction / (SLOPE * std::f64::consts::FRAC_PI_2 * self.problem.points as f64);
@@ -209,7 +209,7 @@ impl Trial<'_> {
 }
 
 impl Row {
-    /// The largest difference of the contact areas; NaN if a load has none.
+    /// Returns the largest difference of the contact areas; NaN if a load has none.
     fn differs(&self) -> f64 {
         let Some(theirs) = &self.theirs else { return f64::NAN };
         if theirs.areas.len() != self.own.areas.len() {

@@ -1,8 +1,7 @@
-//! `--any-load`: what every program reaches at any load, with each kind of boundary and with a hardness, and what
-//! fails.
+//! `--any-load`: results and failures of every program at any load, with each kind of boundary and with a hardness.
 //!
 //! Unlike the timed comparison, which needs certified results, this one shows failures: every pressure that a program
-//! returns is judged by one certificate, also one that the program itself calls not converged.
+//! returns is judged by one certificate, even if the program itself reports that it did not converge.
 
 mod page;
 
@@ -28,7 +27,7 @@ use super::{Args, Peer, RMS_GRADIENT, kept, problems};
 /// Reduced pressures, from first touch to full contact.
 pub(super) const LOADS: [f64; 9] = [1e-4, 1e-3, 0.01, 0.1, 0.3, 0.9, 0.99, 1.0, 3.0];
 
-/// The peers.
+/// Peers in the table.
 pub(super) const PEERS: [Peer; 7] = [
     Peer::Tamaas,
     Peer::TamaasRegistered,
@@ -39,28 +38,27 @@ pub(super) const PEERS: [Peer; 7] = [
     Peer::Hertzian,
 ];
 
-/// The largest number of iterations of a peer, and the number of solves to find a tolerance for which its result is
-/// certified.
+/// Largest number of iterations of a peer, and number of solves to find a tolerance with a certified result.
 const MOST_ITERATIONS: u64 = 20_000;
 const TRIALS: usize = 3;
 
-/// The part of the bound at which the tolerance after a result that is not certified aims, and the smallest factor.
+/// Fraction of the bound to aim at after a result that is not certified, and the smallest factor.
 const AIM: f64 = 0.3;
 const LEAST: f64 = 1e-3;
 
-/// A kind of contact.
+/// Kind of contact.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Kind {
-    /// The name in tables.
+    /// Name in tables.
     pub name: &'static str,
-    /// "periodic" or "free".
+    /// Boundary, "periodic" or "free".
     #[serde(with = "gfmd_problem::options::named")]
     pub boundary: Boundary,
-    /// Largest pressure over E*.
+    /// Largest pressure divided by E*.
     pub hardness: Option<f64>,
 }
 
-/// The kinds of contact. The hardness is E* times the rms gradient, so that p* = 1 is the largest load.
+/// Kinds of contact. The hardness is E* times the rms gradient, so that p* = 1 is the largest load.
 const KINDS: [Kind; 3] = [
     Kind { name: "periodic", boundary: Boundary::Periodic, hardness: None },
     Kind { name: "free", boundary: Boundary::Free, hardness: None },
@@ -68,7 +66,7 @@ const KINDS: [Kind; 3] = [
 ];
 
 impl Kind {
-    /// True if the table of this kind has the load.
+    /// Returns true if the table of this kind has the load.
     fn has(&self, p_star: f64) -> bool {
         match self.hardness {
             Some(hardness) => p_star * RMS_GRADIENT < hardness,
@@ -78,20 +76,20 @@ impl Kind {
     }
 }
 
-/// The table of all loads.
+/// Table of all loads.
 #[derive(Clone, Debug, Serialize)]
 pub struct AnyLoad {
     /// Date of the run.
     pub date: String,
     /// Processor, cores, operating system.
     pub machine: String,
-    /// Commit from which this program was built.
+    /// Commit of this program.
     pub commit: String,
     /// Versions of all programs and packages.
     pub versions: BTreeMap<String, String>,
     /// Points along a side.
     pub points: usize,
-    /// The bound on the certified residuals.
+    /// Bound on the certified residuals.
     pub tolerance: f64,
     /// Seed of the surfaces.
     pub seed: u64,
@@ -99,34 +97,34 @@ pub struct AnyLoad {
     pub patience: f64,
     /// True if times are reported.
     pub timed: bool,
-    /// One for each kind and Hurst exponent.
+    /// One block per kind and Hurst exponent.
     pub blocks: Vec<Block>,
     /// Notes for readers of the results.
     pub notes: Vec<String>,
-    /// The file of this table.
+    /// File of this table.
     pub kept: PathBuf,
 }
 
-/// The loads on one surface.
+/// Loads on one surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Block {
-    /// The kind of contact.
+    /// Kind of contact.
     pub kind: Kind,
     /// Hurst exponent.
     pub hurst: f64,
-    /// The contestants that have such contacts.
+    /// Contestants that solve such contacts.
     pub contestants: Vec<String>,
-    /// One for each load.
+    /// One row per load.
     pub rows: Vec<Row>,
 }
 
-/// The results of an interrupted run.
+/// Results of an interrupted run.
 #[derive(Default, Deserialize)]
 struct Interrupted {
     blocks: Vec<Resumed>,
 }
 
-/// A block of an interrupted run.
+/// Block of an interrupted run.
 #[derive(Deserialize)]
 struct Resumed {
     kind: Value,
@@ -141,37 +139,37 @@ impl Resumed {
     }
 }
 
-/// One load.
+/// Results for one load.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     /// Reduced pressure.
     pub p_star: f64,
-    /// Contact area fraction by the first contestant.
+    /// Contact area fraction of the first contestant.
     pub contact: Option<f64>,
-    /// The results of each contestant.
+    /// Results of each contestant.
     pub cells: Vec<Cell>,
 }
 
-/// The result of a contestant.
+/// Result of a contestant.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cell {
-    /// The tolerance that it was asked for, in its own measure.
+    /// Requested tolerance, in the measure of the program.
     pub tolerance: f64,
-    /// Wall time: the median of the repeats.
+    /// Wall time, the median of the repeats.
     pub seconds: Option<f64>,
-    /// Iterations of its solver.
+    /// Iterations of the solver.
     pub iterations: Option<u64>,
-    /// Transform pairs that it computed.
+    /// Transform pairs that the program computed.
     pub transform_pairs: Option<f64>,
-    /// The verdict on its pressure, if there is one.
+    /// Verdict on the pressure, if there is one.
     pub verdict: Option<Verdict>,
     /// True if the residual is within the bound.
     pub certified: bool,
-    /// The words of the program about a failure.
+    /// Message of the program about a failure.
     pub said: Option<String>,
 }
 
-/// Runs the comparison, and writes the page if it is asked for.
+/// Runs the comparison and writes the page if requested.
 ///
 /// # Errors
 /// An interruption; a file that cannot be written.
@@ -251,7 +249,7 @@ impl Trial<'_> {
         Ok(Row { p_star, contact, cells })
     }
 
-    /// The best result of a contestant in up to [`TRIALS`] solves, the first of which asks for the bound itself.
+    /// Returns the best result of a contestant in up to [`TRIALS`] solves. The first solve requests the bound itself.
     fn cell(&self, contestant: &Contestant, reference: &Contestant) -> Result<Cell, Ended> {
         let Self { args, problem, .. } = self;
         let mut best = Cell::default();
@@ -281,12 +279,12 @@ impl Trial<'_> {
         Ok(best)
     }
 
-    /// One solve, judged. Only an interruption is an error.
+    /// Performs one solve and judges it. Only an interruption is an error.
     fn solve(&self, contestant: &Contestant, reference: &Contestant, tolerance: f64) -> Result<Cell, Ended> {
         let Self { args, environment, session, problem } = *self;
         let threads = self.threads(contestant);
         let file = contestant.pressure_file(environment.scratch(), threads);
-        // A pressure of another load is not that of this one.
+        // A pressure left from another load must not be judged.
         let _ = std::fs::remove_file(&file);
         let failed = |said: String| Ok(Cell { tolerance, said: Some(said), ..Cell::default() });
         let solve = match contestant.solve(problem, tolerance, threads, Some(&file), self.place()) {
@@ -319,14 +317,14 @@ impl Trial<'_> {
 }
 
 impl Cell {
-    /// The certified residual; NaN without a pressure.
+    /// Returns the certified residual; NaN without a pressure.
     fn residual(&self) -> f64 {
         self.verdict.as_ref().map_or(f64::NAN, Verdict::worst)
     }
 }
 
 impl AnyLoad {
-    /// The blocks of an interrupted run with the settings of this one.
+    /// Returns the blocks of an interrupted run with the settings of this one.
     fn resumed(&self) -> Result<Interrupted, Failure> {
         kept::read(&self.kept, self, &["date", "blocks", "notes", "kept"])
     }

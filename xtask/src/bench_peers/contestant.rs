@@ -14,7 +14,7 @@ use super::python::{Environment, LONG, Script};
 use super::solve::Solve;
 use super::{Peer, TamaasFftw};
 
-/// A program with one of its solvers.
+/// Program with one of its solvers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contestant {
     /// This program with one of its solvers.
@@ -50,13 +50,13 @@ pub(super) struct Problem {
     pub(super) heights: PathBuf,
     pub(super) boundary: Boundary,
     pub(super) hardness: Option<f64>,
-    /// The largest number of iterations of a peer, if it is not left to it.
+    /// Largest number of iterations of a peer; `None` leaves it to the peer.
     pub(super) most_iterations: Option<u64>,
     /// File with the pressure of the first contestant.
     pub(super) answer: PathBuf,
 }
 
-/// The settings of a solve.
+/// Settings of a solve.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     pub(super) environment: &'a Environment,
@@ -66,7 +66,7 @@ pub(super) struct Place<'a> {
 }
 
 impl Contestant {
-    /// True if the contestant can use more than one thread.
+    /// Returns true if the contestant can use more than one thread.
     pub(super) fn is_threaded(&self, environment: &Environment) -> bool {
         match self {
             Self::Own(_) | Self::Peer(Peer::Aspher | Peer::AspherActive) => true,
@@ -75,7 +75,7 @@ impl Contestant {
         }
     }
 
-    /// True if the contestant solves contacts of this kind.
+    /// Returns true if the contestant solves contacts of this kind.
     pub(super) fn suits(&self, boundary: Boundary, hardness: Option<f64>) -> bool {
         match self {
             Self::Own(solver) => hardness.is_none() || matches!(solver, Solver::Auto | Solver::PreconditionedCg),
@@ -88,16 +88,16 @@ impl Contestant {
         }
     }
 
-    /// File of the final pressure. This program has one file, since its pressure does not depend on the number of
-    /// threads.
+    /// Returns the file of the final pressure. This program has one file, since its pressure does not depend on the
+    /// number of threads.
     pub(super) fn pressure_file(&self, folder: &Path, threads: usize) -> PathBuf {
         let name = self.to_string().replace([' ', ','], "-");
         let threads = if let Self::Own(_) = self { String::new() } else { format!("-{threads}") };
         folder.join(format!("{name}{threads}.npy"))
     }
 
-    /// Solves to `tolerance`, whose meaning depends on the contestant, and writes the final pressure to `out`, in .npy.
-    /// This program writes no file if `out` is `None`; peers need one.
+    /// Solves to `tolerance`, which has a meaning specific to the contestant, and writes the final pressure to `out`,
+    /// in .npy. This program writes no file if `out` is `None`; peers need one.
     pub(super) fn solve(
         &self,
         problem: &Problem,

@@ -1,4 +1,4 @@
-//! The comparison of creep tests with Tamaas's `MaxwellViscoelastic`, step for step.
+//! Comparison of creep tests with Tamaas's `MaxwellViscoelastic`, step by step.
 
 use std::fmt;
 use std::process::Command;
@@ -17,30 +17,30 @@ use super::{Args, Peer, problems};
 
 /// Relaxation times and fractions of the instantaneous modulus: one branch, and several.
 const MATERIALS: [&[[f64; 2]]; 2] = [&[[1.0, 0.5]], &[[0.1, 0.3], [1.0, 0.3], [10.0, 0.2]]];
-/// The length of a step, and their number.
+/// Length of a step, and number of steps.
 const STEP: f64 = 0.1;
 const STEPS: usize = 20;
 
-/// The result of `bench-peers --creep`.
+/// Result of `bench-peers --creep`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Creep {
     /// Date of the run.
     pub date: String,
     /// Processor, cores, operating system.
     pub machine: String,
-    /// Commit from which this program was built.
+    /// Commit of this program.
     pub commit: String,
     /// Version of Tamaas.
     pub tamaas: String,
-    /// The tolerance of both solvers.
+    /// Tolerance of both solvers.
     pub tolerance: f64,
-    /// The tests.
+    /// One row per test.
     pub rows: Vec<Row>,
     /// Notes for readers of the results.
     pub notes: Vec<String>,
 }
 
-/// One creep test.
+/// Result of one creep test.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// Points along a side.
@@ -51,15 +51,15 @@ pub struct Row {
     pub p_star: f64,
     /// Number of threads.
     pub threads: usize,
-    /// Wall time of all steps, of this program and of Tamaas: the medians of the repeats.
+    /// Wall times of all steps, for this program and Tamaas: medians of the repeats.
     pub seconds: [f64; 2],
-    /// Contact area after the last step, likewise.
+    /// Contact areas after the last step, for this program and Tamaas.
     pub area: [f64; 2],
     /// Transform pairs of this program.
     pub transform_pairs: f64,
-    /// Pressure of a wave in full contact after the last step of Tamaas, over that of the long-term modulus.
+    /// Pressure of a wave in full contact after the last step of Tamaas, relative to the long-term modulus.
     pub held: f64,
-    /// The same by backward Euler, the scheme that Tamaas names.
+    /// The same ratio by backward Euler, the scheme named by Tamaas.
     pub euler: f64,
 }
 
@@ -83,7 +83,7 @@ struct Theirs {
     held: Vec<f64>,
 }
 
-/// Runs the comparison, and writes the page if it is asked for.
+/// Runs the comparison and writes the page if requested.
 ///
 /// # Errors
 /// Tamaas is not installed; a failed run of a program; a file that cannot be written.
@@ -121,7 +121,7 @@ pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> 
     Ok(creep)
 }
 
-/// One creep test of both programs.
+/// One creep test, for both programs.
 struct Trial<'a> {
     args: &'a Args,
     environment: &'a Environment,
@@ -158,7 +158,7 @@ impl Trial<'_> {
         })
     }
 
-    /// The moduli of the branches over the long-term one, with their times.
+    /// Returns the moduli of the branches divided by the long-term modulus, with their times.
     fn weights(&self) -> Vec<[f64; 2]> {
         let left = 1.0 - self.branches.iter().map(|branch| branch[1]).sum::<f64>();
         self.branches.iter().map(|[time, fraction]| [*time, fraction / left]).collect()

@@ -1,4 +1,4 @@
-//! The figure of the page: time against the load, for each Hurst exponent, and against the number of points.
+//! Figure of the page: time against the load for each Hurst exponent, and against the number of points.
 
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use gfmd_run::failure::Failure;
@@ -7,8 +7,8 @@ use super::report::{Case, Report};
 use super::table::median;
 
 impl Report {
-    /// Seconds of every contestant on the first number of threads, as SVG. Loads are those of the largest grid; a point
-    /// of a size is the median over the loads that all contestants finished at all sizes.
+    /// Draws the seconds of every contestant on the first number of threads, as SVG. Loads are from the largest grid. A
+    /// point of a size is the median over the loads that all contestants finished at all sizes.
     pub(super) fn figure(&self) -> Result<String, Failure> {
         let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0);
         let hursts = distinct(self.cases.iter().map(|case| case.hurst));
@@ -34,7 +34,7 @@ impl Report {
         Ok(Chart::new(panels).svg()?)
     }
 
-    /// Seconds against what `place` gives of a case.
+    /// Draws the seconds against the `place` of a case.
     fn panel(&self, title: String, x: Axis, place: impl Fn(&Case) -> Option<f64>) -> Panel {
         let places = distinct(self.cases.iter().filter_map(&place));
         let series = |(hue, name): (usize, &String)| {
@@ -50,7 +50,7 @@ impl Report {
                 mark: Mark::JoinedPoints,
                 ..Series::points(name, hue, run.iter().flatten().copied().collect())
             };
-            // No line crosses what was left out.
+            // Lines do not bridge missing cases.
             let runs = found.split(Option::is_none).filter(|run| !run.is_empty());
             runs.map(joined).collect::<Vec<_>>()
         };
@@ -59,7 +59,7 @@ impl Report {
     }
 }
 
-/// The different values, in ascending order.
+/// Returns the distinct values in ascending order.
 fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

@@ -11,11 +11,11 @@ use super::contestant::Problem;
 use super::process::Ended;
 use super::python::{Environment, Script};
 
-/// The result of peers/certify.py for one pressure. Lengths are in units of the rms height, energies in units of mean
+/// Result of peers/certify.py for one pressure. Lengths are in units of the rms height, energies in units of mean
 /// pressure times rms height.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Verdict {
-    /// The residuals (docs/interface.md).
+    /// Residuals (docs/interface.md).
     pub residual: BTreeMap<String, f64>,
     /// Fraction of points with pressure.
     pub area_fraction: f64,
@@ -27,12 +27,12 @@ pub struct Verdict {
     pub differs: Difference,
 }
 
-/// The difference of two pressures.
+/// Difference of two pressures.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Difference {
     /// Number of points in contact in only one of the two.
     pub points: u64,
-    /// Rms difference over rms pressure.
+    /// Rms difference divided by rms pressure.
     pub pressure: f64,
 }
 
@@ -40,13 +40,13 @@ pub struct Difference {
 pub(super) const AGREEMENT: f64 = 1e-6;
 
 impl Verdict {
-    /// The largest residual; NaN if any is NaN.
+    /// Returns the largest residual; NaN if any is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.residual.values().copied())
     }
 
-    /// The reason why this pressure is rejected, if any. On small grids [`AGREEMENT`] is less than one point; one point
-    /// may differ in any case, since its pressure can be arbitrarily small.
+    /// Returns the reason why this pressure is rejected, if any. On small grids [`AGREEMENT`] is less than one point.
+    /// One point may differ in any case, since its pressure can be arbitrarily small.
     pub(super) fn objection(&self, tolerance: f64, points: usize) -> Option<String> {
         let worst = self.worst();
         let exceeds = |found: f64, allowed: f64| found.is_nan() || found > allowed;
@@ -69,8 +69,8 @@ impl Verdict {
     }
 }
 
-/// Judges the pressures in the files `fields`, by contestant, and compares them with that of `reference`. One that is
-/// no number, or carries no load, has no verdict.
+/// Judges the pressures in the files `fields`, by contestant, and compares them with `reference`. A pressure that is
+/// not a number or carries no load has no verdict.
 pub(super) fn judge(
     problem: &Problem,
     fields: &BTreeMap<String, PathBuf>,

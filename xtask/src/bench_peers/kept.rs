@@ -1,4 +1,4 @@
-//! The results of a run that was interrupted, to continue it.
+//! Results of an interrupted run, to continue it.
 
 use std::path::Path;
 
@@ -7,11 +7,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// The results of an earlier run in `file`.
+/// Reads the results of an earlier run from `file`.
 ///
 /// # Errors
-/// A file that cannot be read; an earlier run that differs from `now`, which has no results yet, in anything but
-/// `results`.
+/// A file that cannot be read; an earlier run that differs from `now`, without results yet, in more than `results`.
 pub(super) fn read<T: DeserializeOwned>(file: &Path, now: &impl Serialize, results: &[&str]) -> Result<T, Failure> {
     let refused = |why: String| Failure::Input(format!("--resume: {}: {why}", file.display()));
     let parsed = |text: &str| serde_json::from_str(text).map_err(|error| refused(error.to_string()));

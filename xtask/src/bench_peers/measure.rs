@@ -17,23 +17,23 @@ use super::solve::Solve;
 use super::table::{in_words, median};
 use super::tolerance::{MARGIN, loosest};
 
-/// The largest grid on which solves are repeated, in points along a side.
+/// Largest grid with repeated solves, in points along a side.
 const REPEATED: usize = 1024;
 
-/// Short solves are repeated until their total time reaches WORTHWHILE seconds or their number OFTEN.
+/// Total time in seconds, and largest number, of repeats of short solves.
 const WORTHWHILE: f64 = 2.0;
 const OFTEN: usize = 9;
 
-/// A solve of a peer longer than this, in seconds, in the search for its tolerance also counts as a timing.
+/// Time in seconds above which a solve of a peer in the search for its tolerance also counts as a timing.
 const LENGTHY: f64 = 20.0;
 
-/// A peer that finished within the limit before may exceed it by this factor.
+/// Factor by which a peer that finished within the limit before may exceed it.
 const INDULGENCE: f64 = 5.0;
 
-/// The time of a peer grows with about this power of the points along a side.
+/// Approximate exponent of the time of a peer as a function of the points along a side.
 const GROWTH: f64 = 3.0;
 
-/// The result of a peer on a smaller grid.
+/// Result of a peer on a smaller grid.
 #[derive(Clone, Copy)]
 struct Known {
     points: usize,
@@ -55,7 +55,7 @@ pub(super) struct Bench<'a> {
     resumed: Vec<Case>,
 }
 
-/// A contestant that takes part in a case.
+/// Contestant that takes part in a case.
 struct Starter {
     contestant: Contestant,
     /// Tolerance given to the solver.
@@ -77,7 +77,7 @@ impl<'a> Bench<'a> {
         Self { args, threads, environment, session, contestants: args.contestants(), known: HashMap::new(), resumed }
     }
 
-    /// The case of an interrupted run; the tolerances of its peers are those to begin with on larger grids.
+    /// Returns the case of an interrupted run. The tolerances of its peers become the first ones on larger grids.
     pub(super) fn finished(&mut self, problem: &Problem) -> Option<Case> {
         let case = self.resumed.iter().find(|case| case.is_of(problem, &self.threads))?.clone();
         for entry in case.timings.first().into_iter().flat_map(|timing| &timing.entries) {
@@ -113,7 +113,7 @@ impl<'a> Bench<'a> {
         self.compare(problem, &name, starters)
     }
 
-    /// The settings of a solve with a time limit of `patience` times that of the user.
+    /// Returns the settings of a solve with a time limit of `patience` times the limit of the user.
     fn place(&self, patience: f64) -> Place<'a> {
         let limit = Duration::from_secs_f64(patience * self.args.patience());
         Place { environment: self.environment, session: self.session, limit }
@@ -244,7 +244,7 @@ impl<'a> Bench<'a> {
         Ok(Case { n: points, hurst, p_star, mean_pressure, timings })
     }
 
-    /// The number of threads that a contestant uses if it may use `threads`.
+    /// Returns the number of threads that a contestant uses if it may use `threads`.
     fn used(&self, contestant: &Contestant, threads: usize) -> usize {
         if contestant.is_threaded(self.environment) { threads } else { 1 }
     }
@@ -267,7 +267,7 @@ impl<'a> Bench<'a> {
     /// Judges all contestants.
     ///
     /// # Errors
-    /// A result that is not certified or does not agree with that of the first contestant.
+    /// A result that is not certified or does not agree with the first contestant.
     fn verdicts(
         &self,
         problem: &Problem,
@@ -299,7 +299,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Median time of one pair over both measurements, and the smallest share of the processor.
+/// Returns the median time of one pair over both measurements, and the smallest share of the processor.
 fn yardstick(before: &[Yardstick], after: &[Yardstick], threads: usize) -> (f64, f64) {
     let looks = || before.iter().chain(after).filter(|look| look.threads == threads);
     let seconds: Vec<f64> = looks().flat_map(|look| look.seconds.iter().copied()).collect();

@@ -20,7 +20,7 @@ pub(super) enum Ended {
 }
 
 impl Ended {
-    /// The failure of a program that the command cannot do without.
+    /// Returns the failure of a program that the command cannot do without.
     pub(super) fn failure(self, what: &str) -> Failure {
         match self {
             Self::Interrupted => Failure::Interrupted(format!("interrupted: {what}")),

@@ -1,4 +1,4 @@
-//! The Python environment of the peers, created once with pinned versions, and the scripts that run in it.
+//! Python environment of the peers, created once with pinned versions, and the scripts that run in it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,13 +18,13 @@ use super::{Args, Peer, TamaasFftw};
 
 const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
 
-/// Package that is installed if the system has no FFTW.
+/// Package to install if the system has no FFTW.
 const PYFFTW: &str = "pyFFTW==0.15.1";
 
 /// Time limit of installation, planning, judging and solves of this program.
 pub(super) const LONG: Duration = Duration::from_secs(3600);
 
-/// The scripts.
+/// Script of the environment.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Script {
     Adhesion,
@@ -80,10 +80,10 @@ impl Script {
     }
 }
 
-/// The part that the scripts share.
+/// Module shared by the scripts.
 const MODULE: (&str, &str) = ("peak_memory.py", include_str!("../../peers/peak_memory.py"));
 
-/// An FFTW with vector code: names or paths of its libraries.
+/// FFTW with vector code: names or paths of its libraries.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Fftw {
     pub(super) library: String,
@@ -96,17 +96,17 @@ pub(super) struct Fftw {
 struct Description {
     python: String,
     fftw: Option<Fftw>,
-    /// Versions of the packages of the peers that are there.
+    /// Versions of the installed packages of peers.
     versions: BTreeMap<String, String>,
 }
 
-/// A measurement of the yardstick at one size and number of threads.
+/// Measurement of the yardstick at one size and number of threads.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct Yardstick {
     pub(super) threads: usize,
     /// Mean time of one pair in each batch.
     pub(super) seconds: Vec<f64>,
-    /// Processor time over the product of wall time and number of threads.
+    /// Processor time divided by the product of wall time and number of threads.
     pub(super) share: f64,
 }
 
@@ -116,7 +116,7 @@ struct Yardsticks {
     pairs: Vec<Yardstick>,
 }
 
-/// A Python with the peers installed.
+/// Python with the peers installed.
 pub(super) struct Environment {
     python: PathBuf,
     python_version: String,
@@ -172,12 +172,12 @@ impl Environment {
         Ok(environment)
     }
 
-    /// A temporary folder for surfaces and pressures, deleted when this value is dropped.
+    /// Returns a temporary folder for surfaces and pressures, deleted when this value is dropped.
     pub(super) fn scratch(&self) -> &Path {
         self.scratch.path()
     }
 
-    /// Versions of the packages, of Python and of this program.
+    /// Returns the versions of the packages, of Python and of this program.
     pub(super) fn versions(&self) -> BTreeMap<String, String> {
         let mut versions = self.packages.clone();
         versions.insert("Python".into(), self.python_version.clone());
@@ -185,18 +185,18 @@ impl Environment {
         versions
     }
 
-    /// True if the package of a peer is there.
+    /// Returns true if the package of a peer is installed.
     pub(super) fn has(&self, peer: Peer) -> bool {
         self.packages.contains_key(peer.package())
     }
 
-    /// The FFTW of the yardstick.
+    /// Describes the FFTW of the yardstick.
     pub(super) fn fftw_in_words(&self) -> String {
         let threads = if self.fftw.threads.is_some() { "" } else { ", without threads" };
         format!("{} ({}{threads})", self.fftw_version, self.fftw.source)
     }
 
-    /// The FFTW that replaces that in the package of Tamaas.
+    /// Returns the FFTW that replaces the one in the package of Tamaas.
     pub(super) fn preloaded(&self) -> Option<&Fftw> {
         (self.tamaas_fftw != TamaasFftw::Own).then_some(&self.fftw)
     }
@@ -205,7 +205,7 @@ impl Environment {
         self.preloaded().is_some_and(|fftw| fftw.threads.is_some())
     }
 
-    /// Times the yardstick, for about `seconds` per size and number of threads. More than one thread needs an FFTW with
+    /// Times the yardstick for about `seconds` per size and number of threads; several threads need an FFTW with
     /// threads.
     pub(super) fn yardstick(
         &self,
@@ -271,7 +271,7 @@ fn run<T: DeserializeOwned>(
     session: &Session,
 ) -> Result<T, Ended> {
     let mut command = Command::new(python);
-    // Isolated from the packages and settings of the user.
+    // Isolates the script from the packages and settings of the user.
     command.args(["-E", "-s"]).arg(scratch.join(script.name())).args(task.map(ToString::to_string));
     command.current_dir(scratch).envs(settings.iter().map(|(name, value)| (name, value)));
     let printed = output(&mut command, limit, session)?;
@@ -279,7 +279,7 @@ fn run<T: DeserializeOwned>(
         .map_err(|error| Ended::Failed(format!("the output of {} is no valid JSON: {error}", script.name())))
 }
 
-/// The Python of the environment in `venv`, with all packages installed that can be, and remarks on the others.
+/// Returns the Python of the environment in `venv`, with all packages that could be installed, and remarks on others.
 fn install(program: &Path, venv: &Path, session: &Session) -> Result<(PathBuf, Vec<String>), Failure> {
     let python = venv.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     // This file is written last: without it, or with other contents, the environment is incomplete.
@@ -296,7 +296,7 @@ fn install(program: &Path, venv: &Path, session: &Session) -> Result<(PathBuf, V
     let packages: Vec<&str> = REQUIREMENTS.lines().collect();
     let mut notes = Vec::new();
     if let Err(Failure::Computation(_)) = pip(&python, &packages, session) {
-        // One that cannot be built here does not keep the others out.
+        // A package that cannot be built here does not block the others.
         for package in packages {
             match pip(&python, &[package], session) {
                 Err(Failure::Computation(said)) => notes.push(format!("{package} is not installed: {said}")),

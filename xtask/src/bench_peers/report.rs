@@ -1,4 +1,4 @@
-//! The report of the measurements as JSON, as text tables, and as a page of the documentation.
+//! Report of the measurements as JSON, as text tables, and as a page of the documentation.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -14,38 +14,38 @@ use super::kept;
 use super::table::{Table, in_words, median, write_beside};
 use super::{adhesion, rows};
 
-/// The result of `bench-peers`.
+/// Result of `bench-peers`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Date of the run.
     pub date: String,
     /// Processor, cores, operating system.
     pub machine: String,
-    /// Commit from which this program was built.
+    /// Commit of this program.
     pub commit: String,
     /// Versions of all programs and packages.
     pub versions: BTreeMap<String, String>,
-    /// The FFTW of the yardstick.
+    /// FFTW of the yardstick.
     pub fftw: String,
-    /// The FFTW used by Tamaas.
+    /// FFTW used by Tamaas.
     pub tamaas_fftw: TamaasFftw,
-    /// The contestants; the first is the reference of the comparisons.
+    /// Names of the contestants; the first is the reference of the comparisons.
     pub contestants: Vec<String>,
-    /// The surroundings of the surfaces.
+    /// Boundary of the surfaces.
     pub boundary: &'static str,
-    /// The bound on the certified residuals.
+    /// Bound on the certified residuals.
     pub tolerance: f64,
     /// Seed of the surfaces.
     pub seed: u64,
-    /// The measurements.
+    /// One case per load and surface.
     pub cases: Vec<Case>,
     /// Notes for readers of the results.
     pub notes: Vec<String>,
-    /// The file of this report.
+    /// File of this report.
     pub kept: PathBuf,
 }
 
-/// The measurements of one load on one surface.
+/// Measurements of one load on one surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Case {
     /// Points along a side.
@@ -56,25 +56,25 @@ pub struct Case {
     pub p_star: f64,
     /// Mean pressure in units of E*.
     pub mean_pressure: f64,
-    /// Timings, one for each number of threads.
+    /// Timings, one per number of threads.
     pub timings: Vec<Timing>,
 }
 
-/// The timings of all contestants at one number of threads.
+/// Timings of all contestants at one number of threads.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Timing {
     /// Number of threads allowed.
     pub threads: usize,
     /// Wall time of one pair of transforms by FFTW on this number of threads.
     pub yardstick_seconds: f64,
-    /// Processor time of the yardstick over the product of its wall time and threads. A value below 1 on one thread
-    /// means that other processes were running.
+    /// Processor time of the yardstick divided by the product of its wall time and threads. A value below 1 on one
+    /// thread means that other processes were running.
     pub processor_share: f64,
-    /// The contestants.
+    /// One entry per contestant.
     pub entries: Vec<Entry>,
 }
 
-/// The measurements of one contestant.
+/// Measurements of one contestant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
     /// Name of the contestant.
@@ -87,19 +87,19 @@ pub struct Entry {
     pub all_seconds: Vec<f64>,
     /// `seconds` in pairs of the yardstick.
     pub cost: f64,
-    /// `seconds` over those of the first contestant.
+    /// `seconds` divided by `seconds` of the first contestant.
     pub slower: f64,
-    /// Iterations of its solver.
+    /// Iterations of the solver.
     pub iterations: Option<u64>,
-    /// Transform pairs that it computed.
+    /// Transform pairs that the contestant computed.
     pub transform_pairs: Option<f64>,
-    /// Largest resident memory of its process.
+    /// Largest resident memory of the process.
     pub peak_bytes: u64,
-    /// `peak_bytes` less the memory of the program with all packages loaded and without a surface.
+    /// `peak_bytes` minus the memory of the program with all packages loaded and without a surface.
     pub own_bytes: u64,
     /// Tolerance given to the solver, in the measure of the solver.
     pub tolerance: f64,
-    /// The verdict on the final pressure.
+    /// Verdict on the final pressure.
     pub verdict: Verdict,
 }
 
@@ -111,17 +111,17 @@ impl fmt::Display for Entry {
 }
 
 impl Case {
-    /// True if the case is that of `problem`, on these numbers of threads.
+    /// Returns true if the case belongs to `problem` on these numbers of threads.
     pub(super) fn is_of(&self, problem: &Problem, threads: &[usize]) -> bool {
         (self.n, self.hurst, self.p_star) == (problem.points, problem.hurst, problem.p_star)
             && self.timings.iter().map(|timing| timing.threads).eq(threads.iter().copied())
     }
 }
 
-/// The figure of the page.
+/// Figure of the page.
 const FIGURE: &str = "images/benchmarks.svg";
 
-/// The results of an interrupted run.
+/// Results of an interrupted run.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Interrupted {
     pub(super) cases: Vec<Case>,
@@ -138,12 +138,12 @@ impl Report {
         write_beside(&self.kept, &(text + "\n"))
     }
 
-    /// The cases and notes of an interrupted run with the settings of this one.
+    /// Returns the cases and notes of an interrupted run with the settings of this one.
     pub(super) fn resumed(&self) -> Result<Interrupted, Failure> {
         kept::read(&self.kept, self, &["date", "cases", "notes", "kept"])
     }
 
-    /// The failure with the name of the file with the finished cases.
+    /// Returns the failure with the name of the file with the finished cases.
     pub(super) fn keep_after(&self, failure: Failure) -> Failure {
         if self.cases.is_empty() {
             return failure;
@@ -152,8 +152,8 @@ impl Report {
         failure.with(&kept)
     }
 
-    /// Writes the page of the documentation, and its figure to the folder `images` beside it.
-    /// The tables of `bench-rows` and of `--adhesion` stay on the page.
+    /// Writes the page of the documentation, and its figure to the folder `images` beside it. The tables of
+    /// `bench-rows` and of `--adhesion` stay on the page.
     pub(super) fn write_page(&self, file: &Path) -> Result<(), Failure> {
         let figure = file.with_file_name(FIGURE);
         let unmade = |error| Failure::Computation(format!("cannot make the folder of {}: {error}", figure.display()));
@@ -166,7 +166,7 @@ impl Report {
         self.cases.first().map_or_else(Vec::new, |case| case.timings.iter().map(|timing| timing.threads).collect())
     }
 
-    /// A table with a row per case and a column per contestant.
+    /// Returns a table with a row per case and a column per contestant.
     fn by_case(&self, threads: usize, title: String, cell: impl Fn(&Entry) -> String) -> Table {
         let head = ["n", "H", "p*", "pair, ms"].map(str::to_owned).into_iter().chain(self.contestants.iter().cloned());
         let row = |case: &Case| {
@@ -201,7 +201,7 @@ impl Report {
         })
     }
 
-    /// The largest certified residual and the largest differences from the first contestant, in words.
+    /// Describes the largest certified residual and the largest differences from the first contestant.
     fn certificate(&self) -> String {
         let timings = self.cases.iter().flat_map(|case| &case.timings);
         let verdicts: Vec<&Verdict> = timings.flat_map(|timing| &timing.entries).map(|entry| &entry.verdict).collect();
@@ -216,7 +216,7 @@ impl Report {
         )
     }
 
-    /// A table of the largest memory of each contestant at each size and number of threads.
+    /// Returns a table of the largest memory of each contestant at each size and number of threads.
     fn memory(&self) -> Table {
         let mut rows = Vec::new();
         let mut sizes: Vec<usize> = self.cases.iter().map(|case| case.n).collect();
@@ -246,7 +246,7 @@ impl Report {
         }
     }
 
-    /// A table of the smallest, median and largest time ratios at each size and number of threads.
+    /// Returns a table of the smallest, median and largest time ratios at each size and number of threads.
     fn ratios(&self) -> Table {
         let mut rows = Vec::new();
         let mut sizes: Vec<usize> = self.cases.iter().map(|case| case.n).collect();
@@ -281,7 +281,7 @@ impl Report {
         [self.ratios(), self.costs(first), self.work(first), self.memory()]
     }
 
-    /// A warning if other processes used the processor during the run.
+    /// Returns a warning if other processes used the processor during the run.
     fn disturbance(&self) -> Option<String> {
         let timings = self.cases.iter().flat_map(|case| &case.timings).filter(|timing| timing.threads == 1);
         let least = timings.map(|timing| timing.processor_share).fold(f64::INFINITY, f64::min);
@@ -294,7 +294,7 @@ impl Report {
         })
     }
 
-    /// The page, with the tables that it keeps.
+    /// Returns the page with the tables that it keeps.
     pub(super) fn page(&self, kept: &str) -> String {
         let Self { date, machine, commit, fftw, seed, tolerance, boundary, .. } = self;
         let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();

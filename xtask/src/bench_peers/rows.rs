@@ -1,4 +1,4 @@
-//! `bench-rows`: the time and memory of what people run, over those of the solution alone.
+//! `bench-rows`: time and memory of typical runs, divided by time and memory of the solution alone.
 //!
 //! The two sides of a ratio are measured in turns, so that other work on the machine affects both.
 
@@ -16,7 +16,7 @@ use super::table::{Table, in_words, median, write_beside};
 use crate::results::filled;
 use measure::Trial;
 
-/// The place of the tables in docs/benchmarks.md.
+/// Name of the tables in docs/benchmarks.md.
 pub(super) const PLACE: &str = "rows";
 
 /// Flags of `bench-rows`.
@@ -62,7 +62,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// The arguments with the values of `--quick` filled in.
+    /// Returns the arguments with the values of `--quick` filled in.
     fn resolved(&self) -> Result<Self, Failure> {
         let mut args = self.clone();
         if self.quick {
@@ -79,7 +79,7 @@ impl Args {
     }
 }
 
-/// The result of the command.
+/// Result of the command.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rows {
     /// Date of the run.
@@ -88,51 +88,51 @@ pub struct Rows {
     pub machine: String,
     /// Version of this program.
     pub version: String,
-    /// Commit from which it was built.
+    /// Commit of this program.
     pub commit: String,
     /// Hurst exponent of the surfaces.
     pub hurst: f64,
     /// Number of repetitions.
     pub repeats: usize,
-    /// The rows.
+    /// Ratios that were measured.
     pub rows: Vec<Row>,
 }
 
-/// A ratio.
+/// Measured ratio.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The two sides of the ratio.
+    /// Description of the two sides of the ratio.
     pub what: String,
-    /// The value that the ratio should reach, if there is one.
+    /// Value that the ratio should reach, if there is one.
     pub bar: Option<f64>,
     /// True if the ratio should be at least the bar, false if at most.
     pub at_least: bool,
-    /// The measurements; none if the row could not be measured.
+    /// Measurements; none if the row could not be measured.
     pub cases: Vec<Case>,
-    /// The reason why there are none.
+    /// Reason why there are no measurements.
     pub left_out: Option<String>,
 }
 
-/// The measurements of one problem.
+/// Measurements of one problem.
 #[derive(Clone, Debug, Serialize)]
 pub struct Case {
     /// Size and load.
     pub of: String,
     /// Threads.
     pub threads: usize,
-    /// The numerator of the ratio in each repetition: seconds, or bytes.
+    /// Numerator of the ratio in each repetition: seconds, or bytes.
     pub found: Vec<f64>,
-    /// The denominator in the same repetitions: seconds, or the bytes of a field.
+    /// Denominator in the same repetitions: seconds, or the bytes of a field.
     pub over: Vec<f64>,
 }
 
 impl Case {
-    /// The ratio of the smallest values.
+    /// Returns the ratio of the smallest values.
     pub fn of_minima(&self) -> f64 {
         least(&self.found) / least(&self.over)
     }
 
-    /// The median of the ratios of the repetitions.
+    /// Returns the median of the ratios of the repetitions.
     pub fn ratio(&self) -> f64 {
         median(&self.found.iter().zip(&self.over).map(|(found, over)| found / over).collect::<Vec<_>>())
     }
@@ -143,13 +143,13 @@ fn least(values: &[f64]) -> f64 {
 }
 
 impl Row {
-    /// The ratio of the case that is farthest from the bar.
+    /// Returns the ratio of the case that is farthest from the bar.
     pub fn worst(&self) -> Option<f64> {
         let ratios = self.cases.iter().map(Case::ratio);
         ratios.reduce(|a, b| if self.at_least == (a < b) { a } else { b })
     }
 
-    /// True if a ratio reaches the bar; `None` without a bar.
+    /// Returns true if a ratio reaches the bar; `None` without a bar.
     pub fn is_met_by(&self, ratio: f64) -> Option<bool> {
         self.bar.map(|bar| if self.at_least { ratio >= bar } else { ratio <= bar })
     }
@@ -184,7 +184,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Rows, Failure> {
     Ok(rows)
 }
 
-/// The tables in a place of a page, and the place; an empty place if there is no such page.
+/// Returns the tables in a place of a page with the markers of the place. The place is empty if there is no such page.
 pub(super) fn section(page: &Path, place: &str) -> String {
     let (start, end) = (format!("<!-- results: {place} -->\n"), "<!-- end -->\n");
     let text = std::fs::read_to_string(page).unwrap_or_default();
@@ -253,7 +253,7 @@ impl Rows {
     }
 }
 
-/// Seconds, or megabytes, to four digits.
+/// Formats seconds, or megabytes, to four digits.
 fn amount(value: f64) -> String {
     if value > 1e5 { format!("{:.0}", value / 1e6) } else { format!("{value:.4}") }
 }

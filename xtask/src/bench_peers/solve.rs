@@ -1,4 +1,4 @@
-//! `bench-solve`: one solve by this program, measured as those of peers are.
+//! `bench-solve`: one solve by this program, measured as the solves of peers.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -43,10 +43,10 @@ pub struct Args {
     pub out: Option<PathBuf>,
 }
 
-/// The measurements of one solve.
+/// Measurements of one solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solve {
-    /// Wall time of the solve without set-up, and without anything that follows it, such as the stiffness.
+    /// Wall time of the solve, without set-up and without later work such as the stiffness.
     pub seconds: f64,
     /// Iterations, if the program reports them.
     pub iterations: Option<u64>,
@@ -56,13 +56,13 @@ pub struct Solve {
     pub peak_bytes: u64,
     /// Resident memory before the surface was read.
     pub baseline_bytes: u64,
-    /// The reason why the program itself says that it has not reached its tolerance.
+    /// Reason given by the program for not reaching its tolerance.
     #[serde(default)]
     pub failure: Option<String>,
 }
 
 impl Solve {
-    /// This solve, unless the program itself says that it has not reached its tolerance.
+    /// Returns this solve, unless the program reports that it has not reached its tolerance.
     pub(super) fn converged(self) -> Result<Self, Ended> {
         match self.failure {
             Some(failure) => Err(Ended::Failed(failure)),
@@ -77,10 +77,10 @@ impl fmt::Display for Solve {
     }
 }
 
-/// Solves the contact, and writes its pressure, also without success.
+/// Solves the contact and writes its pressure, even without convergence.
 ///
 /// # Errors
-/// Files that cannot be read or written, a problem that is refused.
+/// Files that cannot be read or written; an invalid problem.
 pub fn run(args: &Args) -> Result<Solve, Failure> {
     let baseline_bytes = peak_bytes();
     let heights: Array2<f64> =

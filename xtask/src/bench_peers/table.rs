@@ -1,4 +1,4 @@
-//! Tables of a report, and the files it goes to.
+//! Tables of a report, and their files.
 
 use std::fmt;
 use std::fs::File;
@@ -25,7 +25,7 @@ impl Table {
         (0..self.head.len()).map(|column| width(column).unwrap_or(0)).collect()
     }
 
-    /// The table as a section of a page.
+    /// Returns the table as a section of a page.
     pub(super) fn markdown(&self) -> String {
         let widths = self.widths();
         let row = |cells: &Vec<String>| {
@@ -67,7 +67,7 @@ pub(super) fn in_words(threads: usize) -> String {
     if threads == 1 { "1 thread".into() } else { format!("{threads} threads") }
 }
 
-/// The median of the values; NaN if there are none.
+/// Returns the median of the values; NaN if there are none.
 pub(super) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

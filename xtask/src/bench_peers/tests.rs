@@ -167,11 +167,11 @@ fn no_line_crosses_what_was_left_out() {
     };
     assert_eq!(lines([true; 5]), 2);
     assert_eq!(lines([true, true, false, true, true]), 3);
-    // A point alone has no line.
+    // A single point has no line.
     assert_eq!(lines([true, true, true, false, true]), 2);
 }
 
-/// The title of the times against the size.
+/// Title of the panel of times against the size.
 const BY_SIZE: &str = "loads that all finished, median";
 
 #[test]
@@ -203,7 +203,7 @@ fn the_page_has_every_number_in_its_place() {
     assert!(rows.contains(&["1024", "0.8", "0.05", "1.000", "100", "-"].map(str::to_owned).to_vec()));
     assert!(rows.contains(&["512", "2", "10.0 (50)", "10.0 (50)"].map(str::to_owned).to_vec()), "{page}");
     assert!(rows.contains(&["512", "0.8", "0.05", "1.000", "27 / ?", "27 / ?"].map(str::to_owned).to_vec()));
-    // All lines of a table have equal numbers of columns.
+    // All lines of a table have the same number of columns.
     for lines in page.split("## ") {
         let mut widths: Vec<usize> =
             lines.lines().filter(|l| l.starts_with('|')).map(|l| l.matches('|').count()).collect();
@@ -257,7 +257,7 @@ fn contestants_solve_the_contacts_that_they_have() {
     assert_eq!(suits(Contestant::Peer(Peer::NoRestart)), [true, false, false]);
 }
 
-/// A table with a contestant that is certified, one that is wrong, one that says so, and one without a pressure.
+/// Returns a table with contestants that are certified, wrong, failed by their own report, and without a pressure.
 fn any_load() -> AnyLoad {
     let good = Cell {
         tolerance: 1e-8,

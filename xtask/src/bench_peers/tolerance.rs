@@ -1,12 +1,11 @@
-//! Search for the loosest tolerance of a program for which its result is certified: its meaning differs between
-//! programs.
+//! Search for the loosest tolerance of a program with a certified result, since its meaning differs between programs.
 
-/// A solve that was certified.
+/// Solve that was certified.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found<T> {
     /// Tolerance given to the program.
     pub(super) tolerance: f64,
-    /// The certified residual.
+    /// Certified residual.
     pub(super) residual: f64,
     /// Result of the solve.
     pub(super) solve: T,
@@ -15,25 +14,25 @@ pub(super) struct Found<T> {
 /// Factor on the bound in the search for the tolerance of a peer: residuals of repeated solves differ by rounding.
 pub(super) const MARGIN: f64 = 0.98;
 
-/// A residual between this fraction of the target and the target is accepted: one order of magnitude costs these
-/// methods about a tenth of their iterations.
+/// Smallest accepted residual as a fraction of the target: one order of magnitude costs these methods about a tenth of
+/// their iterations.
 const CLOSE: f64 = 0.3;
 
 /// Fraction of the target at which the next guess aims.
 const AIM: f64 = 0.7;
 
-/// Ratio of a tolerance that fails to one that passes at which the search ends.
+/// Ratio of the smallest failing to the largest passing tolerance at which the search ends.
 const NARROW: f64 = 1.3;
 
 /// Largest ratio of the next guess to the last one after a second failure: since iterations are discrete, many
-/// tolerances may give one residual.
+/// tolerances may give the same residual.
 const STRIDE: f64 = 0.2;
 
-/// Largest number of solves; after them the loosest tolerance that passed is taken.
+/// Largest number of solves, after which the loosest passing tolerance is taken.
 const TRIALS: usize = 12;
 
 /// Searches from `first`. `solve` maps a tolerance to the certified residual and a result; residuals are roughly
-/// proportional to tolerances. `None` if no result was certified.
+/// proportional to tolerances. Returns `None` if no result was certified.
 pub(super) fn loosest<T, E>(
     target: f64,
     first: f64,
@@ -53,7 +52,7 @@ pub(super) fn loosest<T, E>(
             tolerance *= factor;
         } else {
             let again = failed.replace(tolerance).is_some();
-            // `min` also handles a residual that is NaN.
+            // `min` also handles a NaN residual.
             tolerance *= factor.min(if again { STRIDE } else { 1.0 });
         }
         if let (Some(passed), Some(failed)) = (&passed, failed) {

@@ -1,4 +1,4 @@
-//! The distribution of pressure: the parts of a surface whose pressure is high.
+//! Pressure distribution: fractions of a surface with high pressure.
 
 use gfmd_contact::{Contact, Equilibrium as _, Load};
 use gfmd_field::Grid;
@@ -8,13 +8,13 @@ use gfmd_surface::{Discretisation, SelfAffine};
 
 use super::{EPS_T_INV, REDUCED, RMS_GRADIENT};
 
-/// Pressures over E* ḡ.
+/// Pressures divided by E* ḡ.
 pub const PRESSURES: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 1.5];
 
-/// The parts of a surface with more than each of the pressures, over p/(E* ḡ).
+/// Fractions of a surface above each of the pressures, divided by p/(E* ḡ).
 pub(super) type Parts = [f64; PRESSURES.len()];
 
-/// The parts of a surface for each reduced pressure.
+/// Computes the fractions of a surface for each reduced pressure.
 pub(super) fn parts(hurst: f64, (eps_f_inv, points): (usize, usize), seed: u64) -> Result<Vec<Parts>, Failure> {
     let fail = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
     let grid = Grid::square(points * EPS_T_INV * eps_f_inv, 1.0).map_err(|error| fail(&error))?;

@@ -1,13 +1,13 @@
-//! The figures: what the thesis shows, and the commands that make them.
+//! Figures: their content in the thesis, and the commands that make them.
 
-/// A figure of the thesis.
+/// Figure of the thesis.
 pub(super) struct Figure {
     pub(super) number: &'static str,
-    /// The content of the figure in the thesis, in its caption's words where the caption is right.
+    /// Content of the figure in the thesis, in the words of its caption where the caption is right.
     pub(super) source: &'static str,
-    /// The content of our figure.
+    /// Content of our figure.
     pub(super) here: &'static str,
-    /// The error of the caption, or of the comparison, if there is one.
+    /// Error of the caption or of the comparison, if there is one.
     pub(super) erratum: &'static str,
     pub(super) work: Work,
 }
@@ -20,12 +20,12 @@ pub(super) enum Work {
     Dampings,
 }
 
-/// A picture that a command draws.
+/// Picture drawn by a command.
 pub(super) struct Picture {
     pub(super) command: &'static str,
-    /// Its file, without the ending.
+    /// File name without extension.
     pub(super) file: &'static str,
-    /// The words that distinguish it from other pictures of the figure.
+    /// Words that distinguish it from other pictures of the figure.
     pub(super) suffix: &'static str,
 }
 
@@ -34,30 +34,30 @@ const fn picture(command: &'static str, file: &'static str, suffix: &'static str
 }
 
 impl Figure {
-    /// The name of the file of a picture.
+    /// Returns the file name of a picture.
     pub(super) fn file(&self, suffix: &str) -> String {
         format!("figure-{}{suffix}.svg", self.number)
     }
 
-    /// True if its commands read the file of the punch.
+    /// Returns true if its commands read the file of the punch.
     pub(super) fn is_below_the_punch(&self) -> bool {
         matches!(self.work, Work::Commands(pictures) if pictures.iter().any(|p| p.command.contains("punch.h5")))
     }
 }
 
-/// The runs whose files others read.
+/// Runs that write files for other commands.
 pub(super) const PREPARATION: [&str; 1] = ["punch --tol 1e-10 --out punch.h5"];
 
-/// The comparison on the surface: figures 4.3 to 4.6.
+/// Comparison on the surface: figures 4.3 to 4.6.
 pub(super) const SURFACE: &str = "punch --tol 1e-10 --compare data/reference/punch3d_elements/u_n128.npy --plots top";
 
-/// The comparison below the surface, on y = L/2 and on x = L/2: figures 4.7 to 4.11.
+/// Comparison below the surface, on y = L/2 and on x = L/2: figures 4.7 to 4.11.
 pub(super) const ALONG_X: &str = "body --surface punch.h5 --levels 65 --slice y=0.635 \
      --compare data/reference/punch3d_elements/section_y.npy --draw ux,sxx,sxz --plots along-x";
 pub(super) const ALONG_Y: &str = "body --surface punch.h5 --levels 65 --slice x=0.635 \
      --compare data/reference/punch3d_elements/section_x.npy --draw ux,uy,uz,sxx,sxz --plots along-y";
 
-/// The wave of figure 3.2 on a slab.
+/// Expands to the command for the wave of figure 3.2 on a slab.
 macro_rules! wave {
     ($rest:literal) => {
         concat!("body --wave 1,1,z,0.5 --wave 1,-1,z,0.5 --young 1 --poisson 0.33 --height 1 ", $rest)
@@ -73,7 +73,7 @@ pub(super) const SPACE: &str =
 pub(super) const PLANE: &str =
     "body --wave 1,0,z,1 --n 64,1 --young 1 --poisson 0.33 --height 1 --levels 65 --draw ux,uz --plots plane";
 
-/// The figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics.
+/// All figures except the schematics 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2.
 pub(super) const FIGURES: [Figure; 19] = [
     Figure {
         number: "3.3",

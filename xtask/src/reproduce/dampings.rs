@@ -9,14 +9,14 @@ use serde_json::Value;
 use super::Runs;
 use super::free_slab::FreeSlab;
 
-/// The damping over the critical one.
+/// Damping divided by the critical damping.
 const FACTORS: [(&str, f64); 4] = [("0.1", 0.1), ("0.3", 0.3), ("1", 1.0), ("3", 3.0)];
 
-/// Steps of figure 4.1a, and the one at which figure 4.1b is taken.
+/// Number of steps of figure 4.1a, and step of figure 4.1b.
 const STEPS: usize = 400;
 const SNAPSHOT: usize = 100;
 
-/// Every so many points of the line y = L/2 are drawn.
+/// Stride of the drawn points of the line y = L/2.
 const EVERY: usize = 2;
 
 const LENGTH: f64 = 1.27;
@@ -27,7 +27,7 @@ const YOUNG: f64 = 70.0;
 const POISSON: f64 = 0.33;
 const HEIGHT: f64 = 1.0;
 
-/// The command of the punch with one factor, as it stands on the page.
+/// Returns the command of the punch with one factor, as it appears on the page.
 pub(super) fn command(factor: &str) -> String {
     format!(
         "punch --solver verlet-critical --damping {factor} --max-iter {STEPS} --tol 1e-15 --history \
@@ -35,7 +35,7 @@ pub(super) fn command(factor: &str) -> String {
     )
 }
 
-/// The pictures with what their file names end with.
+/// Draws the pictures; returns them with the suffixes of their file names.
 pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, String)>, Failure> {
     let points: String = (0..POINTS as usize)
         .step_by(EVERY)
@@ -58,7 +58,7 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
     }
     let svg = |chart: Chart| chart.svg().map_err(Failure::from);
     if number == "4.1b" {
-        // The displacement of the converged state, from the file that the figures below the punch read.
+        // Reads the displacement of the converged state from the file of the figures below the punch.
         runs.run(super::PREPARATION[0])?;
         let file = gfmd_files::Reader::open(runs.folder.path().join("punch.h5"));
         let file = file.map_err(|error| Failure::Computation(error.to_string()))?;

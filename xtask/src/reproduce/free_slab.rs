@@ -43,7 +43,7 @@ impl FreeSlab {
     /// One point is displaced in all components and released from rest.
     ///
     /// # Errors
-    /// As of [`damping`](Self::damping); a step that is not finite.
+    /// As [`damping`](Self::damping); a step that is not finite.
     pub(super) fn relax(&self, factor: f64, steps: usize) -> Result<Vec<f64>, RelaxError> {
         let [_, stiffest] = self.response.stiffness_range();
         let verlet = Verlet::new(self.damping(factor)?, stiffest)?;

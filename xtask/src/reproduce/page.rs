@@ -1,4 +1,4 @@
-//! The page about the figures.
+//! Page about the figures.
 
 use std::fmt::Write;
 
@@ -33,11 +33,11 @@ E* = 1, and 0.23 with E = 1; this program takes a quarter of the limit (docs/sol
 - **Section 5.2**: the range \"p from 0.001 to 0.01\" has no unit. p/E* would be p* = 0.1 to 1 at ḡ = 0.01, where the \
 area is not proportional to the load; p/(E* ḡ) is meant by eq. 5.2, and is what the preset `thesis` takes.\n";
 
-/// Where stresses of elements differ most.
+/// Sentence on the location of the largest stress differences from finite elements.
 const AT_THE_SURFACE: &str = "Largest are the differences on the surface, where the stress of elements at a node is a \
 one-sided difference, and at the edge of the punch, where it is singular.";
 
-/// The text of the page.
+/// Returns the text of the page.
 pub(super) fn text(runs: &mut Runs) -> Result<String, Failure> {
     let mut text = String::from(HEAD);
     let _ = write!(text, "\nThe fields below the punch start from one run:\n\n```text\ngfmd {}\n```\n", PREPARATION[0]);
@@ -82,7 +82,7 @@ fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Fa
     Ok(())
 }
 
-/// The words about a figure by the numbers of the runs.
+/// Describes the results of a figure from the output of the runs.
 fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
     let compared = |command: &str, name: &str, unit: &str, runs: &mut Runs| -> Result<String, Failure> {
         let report = runs.run(command)?;

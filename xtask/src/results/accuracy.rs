@@ -1,4 +1,4 @@
-//! The errors of the grid that contacts tell, beside those that they have.
+//! Estimated grid errors of contacts compared with the true errors.
 
 use std::fmt::Write as _;
 
@@ -8,8 +8,8 @@ use gfmd_run::failure::Failure;
 use super::summary::Summaries;
 use crate::accuracy::Coverage;
 
-/// The share of the contacts whose interval holds the exact value; the least of all groups of surfaces and loads behind
-/// it.
+/// Formats the fraction of contacts with the exact value inside the interval, followed by the smallest fraction of all
+/// groups of surfaces and loads.
 fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage) -> usize) -> String {
     let part = |found: &Coverage| of(found) as f64 / found.told as f64;
     let all = groups.get("all").map_or(f64::NAN, part);
@@ -20,7 +20,7 @@ fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage
     )
 }
 
-/// All numbers, for each boundary and mode.
+/// Returns the table of all quantities, for each boundary and mode.
 pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     let report = summaries.accuracy()?;
     let mut text = String::from(
@@ -48,7 +48,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The error of the limits against that of the numbers.
+/// Draws the error of the limits against the error of the quantities.
 pub(super) fn figure(summaries: &Summaries) -> Result<String, Failure> {
     let report = summaries.accuracy()?;
     let mut series: Vec<Series> = (report.modes.iter().enumerate())

@@ -80,7 +80,7 @@ pub(super) fn surfaces(summaries: &Summaries) -> Result<String, Failure> {
 
 const PROFILES: [&str; 3] = ["0.0", "0.5", "0.8"];
 
-/// The reduced pressures of a summary, ascending.
+/// Returns the reduced pressures of a summary in ascending order.
 fn loads(summary: &Summary) -> Vec<f64> {
     let mut loads: Vec<f64> = summary.points.iter().map(|point| point.p_star).collect();
     loads.sort_by(f64::total_cmp);

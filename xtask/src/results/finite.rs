@@ -1,4 +1,4 @@
-//! Surfaces of finite spectra: what they have besides κ.
+//! Surfaces of finite spectra: properties other than κ.
 
 use std::fmt::Write as _;
 
@@ -8,12 +8,12 @@ use gfmd_run::failure::Failure;
 use super::summary::Summaries;
 use crate::finite::{Kind, Known, Numbers, PRESSURES};
 
-/// A number with its error, to the second digit of that.
+/// Formats a value with its error, to the second digit of the error.
 fn with_error(known: Option<Known>) -> String {
     known.map_or_else(
         || "–".into(),
         |[value, error]| {
-            // All surfaces at one step of a ramp.
+            // All surfaces are at the same step of a ramp.
             if error < 1e-9 * value.abs() {
                 return format!("{value:.3}");
             }
@@ -23,12 +23,12 @@ fn with_error(known: Option<Known>) -> String {
     )
 }
 
-/// κ, mean gap, stiffness and pressure of a load, as cells of a table.
+/// Returns κ, mean gap, stiffness and pressure of a load as cells of a table.
 fn cells(Numbers { kappa, gap, stiffness, rms_pressure, .. }: &Numbers) -> String {
     [kappa, gap, stiffness, rms_pressure].map(|known| with_error(*known)).join(" | ")
 }
 
-/// Under given reduced pressures, with κ by the formula and its relative difference.
+/// Returns the table for given reduced pressures, with κ by the formula and its relative difference.
 pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
         "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n\
@@ -54,7 +54,7 @@ pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The distribution of pressure, with Persson's for light loads.
+/// Returns the table of the pressure distribution, with Persson's for light loads.
 pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     let heads = PRESSURES.map(|pressure| format!("p > {pressure} E\\* ḡ")).join(" | ");
     let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
@@ -71,14 +71,14 @@ pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The part of the surface above a pressure by Persson's theory, over p\*; both over E\* ḡ, whose half is the standard
-/// deviation in full contact.
+/// Returns the fraction of the surface above a pressure by Persson's theory, divided by p\*. Load and pressure are in
+/// units of E\* ḡ; the standard deviation in full contact is half of it.
 fn of_persson(load: f64, pressure: f64) -> f64 {
     let upper = |x: f64| 0.5 * libm::erfc(x * std::f64::consts::SQRT_2);
     (upper(pressure - load) - upper(pressure + load)) / load
 }
 
-/// Under given loads of the long waves.
+/// Returns the table for given loads of the long waves.
 pub(super) fn of_long_waves(summaries: &Summaries) -> Result<String, Failure> {
     let mut text =
         String::from("| H | 1/ε_f | P | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |\n|---|---|---|---|---|---|---|\n");
@@ -90,7 +90,7 @@ pub(super) fn of_long_waves(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Where contacts begin to percolate, and how high the surfaces are.
+/// Returns the table of the onset of percolation and of the surface heights.
 pub(super) fn percolation(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
         "| H | 1/ε_f | surfaces | h_rms/(λ_l ḡ) | p\\* at percolation | area fraction |\n|---|---|---|---|---|---|\n",

@@ -1,4 +1,4 @@
-//! The limits of kappa: data/results/limits.json, and the tables and the sentence that are made from it.
+//! Limits of kappa: data/results/limits.json, and the tables and the sentence made from it.
 
 use std::fmt::Write;
 
@@ -11,32 +11,32 @@ use super::summary::{Fit, Summaries, Summary};
 
 pub(super) const HURSTS: [f64; 4] = [0.0, 0.3, 0.5, 0.8];
 
-/// Half of a 95 % interval over the standard error.
+/// Half of a 95 % interval divided by the standard error.
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
-/// The load of the result.
+/// Load of the result.
 pub(super) const P_STAR: f64 = 0.02;
 
-/// kappa in the limit, with its interval and the parts of its error, each half of a 95 % interval.
+/// kappa in the limit, with its interval and the contributions to its error, each half of a 95 % interval.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Limit {
     pub(super) hurst: f64,
     pub(super) p_star: f64,
     pub(super) kappa: f64,
-    /// All errors together.
+    /// Interval with all errors together.
     pub(super) ci95: [f64; 2],
     statistical: f64,
     form: f64,
     edge: f64,
 }
 
-/// The file of the limits.
+/// File of the limits.
 #[derive(Debug, Serialize)]
 struct Limits {
     limits: Vec<Limit>,
 }
 
-/// A number with the digits of the file.
+/// Rounds a value to the digits of the file.
 fn rounded(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
@@ -58,33 +58,33 @@ impl Limit {
         })
     }
 
-    /// Half of the interval.
+    /// Returns half of the interval.
     pub(super) fn half(&self) -> f64 {
         0.5 * (self.ci95[1] - self.ci95[0])
     }
 }
 
-/// The limits of a sweep from counted areas, load by load and H by H.
+/// Returns the limits of a sweep from counted areas, by load and H.
 pub(super) fn limits(sweep: &Summary) -> Vec<Limit> {
     let mut found: Vec<Limit> = sweep.fits.iter().filter(|fit| fit.area == "raw").filter_map(Limit::of).collect();
     found.sort_by(|one, other| one.p_star.total_cmp(&other.p_star).then(one.hurst.total_cmp(&other.hurst)));
     found
 }
 
-/// The limit at one H and load.
+/// Returns the limit at one H and load.
 pub(super) fn at(limits: &[Limit], hurst: f64, p_star: f64) -> Result<Limit, Failure> {
     let found = limits.iter().find(|limit| limit.hurst == hurst && limit.p_star == p_star);
     found.copied().ok_or_else(|| Failure::Input(format!("there is no limit for H = {hurst} at p* = {p_star}")))
 }
 
-/// The text of data/results/limits.json, one limit a line.
+/// Returns the text of data/results/limits.json, one limit per line.
 pub(super) fn file(summaries: &Summaries) -> Result<String, Failure> {
     let all = Limits { limits: limits(&summaries.read("ladders")?) };
     let text = serde_json::to_string(&all).map_err(|error| Failure::input("limits.json", &error))?;
     Ok(text.replace("[{", "[\n{").replace("},{", "},\n{").replace("}]}", "}\n]}\n"))
 }
 
-/// The result.
+/// Returns the table of the result.
 pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     let limits = limits(&summaries.read("ladders")?);
     let mut text = String::from(
@@ -110,7 +110,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The sentence of the README.
+/// Returns the sentence of the README.
 pub(super) fn sentence(summaries: &Summaries) -> Result<String, Failure> {
     let limits = limits(&summaries.read("ladders")?);
     let one = |hurst: f64| -> Result<String, Failure> {
@@ -121,7 +121,7 @@ pub(super) fn sentence(summaries: &Summaries) -> Result<String, Failure> {
     Ok(format!("**κ** at p\\* = {P_STAR} in the limit: {all} (95 %, everything included).\n"))
 }
 
-/// The limits at all loads, with half of the interval, and the formula.
+/// Returns the table of the limits at all loads, with half of the interval, and the formula.
 pub(super) fn loads(summaries: &Summaries) -> Result<String, Failure> {
     let limits = limits(&summaries.read("ladders")?);
     let mut loads: Vec<f64> = limits.iter().map(|limit| limit.p_star).collect();
@@ -140,14 +140,14 @@ pub(super) fn loads(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The fit of counted areas at one H and load.
+/// Returns the fit of counted areas at one H and load.
 pub(super) fn fit(sweep: &Summary, hurst: f64, p_star: f64) -> Result<&Fit, Failure> {
     let wanted = |fit: &&Fit| fit.hurst == hurst && fit.p_star == p_star && fit.area == "raw";
     let missing = || Failure::Input(format!("a summary has no fit for H = {hurst} at p* = {p_star}"));
     sweep.fits.iter().find(wanted).ok_or_else(missing)
 }
 
-/// Both sets of surfaces, and chi² of their differences, by their scatter and by all errors.
+/// Returns the table of both sets of surfaces, and χ² of their differences, by their scatter and by all errors.
 pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
     const LOADS: [f64; 3] = [0.002, 0.02, 0.2];
     let [main, other] = [summaries.read("ladders")?, summaries.read("ladders-2")?];
@@ -186,7 +186,7 @@ pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The limits of the Hurst exponents for which the formula was not fitted, beside the formula.
+/// Returns the table of limits at the Hurst exponents outside the fit of the formula, beside the formula.
 pub(super) fn between(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("between")?;
     let mut text =
@@ -214,13 +214,13 @@ pub(super) fn between(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Root mean square and largest magnitude, in per cent.
+/// Returns root mean square and largest magnitude, in per cent.
 fn spread(errors: &[f64]) -> (f64, f64) {
     let squares = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
     (100.0 * squares.sqrt(), 100.0 * errors.iter().fold(0.0, |most: f64, error| most.max(error.abs())))
 }
 
-/// kappa composed by the first closure, less the edge, ladder by ladder.
+/// Returns the table of kappa composed by the first closure, minus the edge, ladder by ladder.
 pub(super) fn ladders(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("ladders")?;
     let bands = [16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0];
@@ -247,7 +247,7 @@ pub(super) fn ladders(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The parts of the error of the form at the load of the result, and the exponent and the edge of the fit.
+/// Returns the table of the form error at the load of the result, with the exponent and the edge of the fit.
 pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
     const FORMS: [(&str, &str); 5] = [
         ("least-alpha-f", "least α from 1 − H that χ² allows"),

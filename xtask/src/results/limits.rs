@@ -7,7 +7,7 @@ use gfmd_run::failure::Failure;
 use super::kappa;
 use super::summary::Summaries;
 
-/// A row of that table: authors, H, kappa, 1/eps_c, 1/eps_f, 1/eps_t as printed; the conditions for which ours stands.
+/// Row of that table: authors, H, kappa, 1/eps_c, 1/eps_f, 1/eps_t as printed; the conditions of our result.
 struct Row {
     authors: &'static str,
     hurst: &'static str,
@@ -16,13 +16,13 @@ struct Row {
     ours: Ours,
 }
 
-/// Our result that stands beside.
+/// Our result beside the printed one.
 enum Ours {
     /// In all limits, for these Hurst exponents.
     Limit(&'static [f64]),
     /// In the limit of eps_c, at these 1/eps_f.
     Bands(&'static [f64], &'static [f64]),
-    /// Words.
+    /// A remark in words.
     Words(&'static str),
 }
 

@@ -1,4 +1,4 @@
-//! kappa against Nayak's parameter, of surfaces with H = 1, and the area on finer grids.
+//! kappa of surfaces with H = 1 against Nayak's parameter, and the area on finer grids.
 
 use std::f64::consts::{LN_2, PI};
 use std::fmt::Write;
@@ -9,7 +9,7 @@ use gfmd_run::failure::Failure;
 use super::kappa::HURSTS;
 use super::summary::{Point, Summaries};
 
-/// Nayak's parameter of an isotropic surface whose spectrum falls like q^(-2(1+H)) over a ratio `band` of wavelengths.
+/// Returns Nayak's parameter of an isotropic surface with a spectrum ∝ q^(-2(1+H)) over a ratio `band` of wavelengths.
 fn nayak(hurst: f64, band: f64) -> f64 {
     let moment = |power: f64| {
         let exponent = power - 2.0 * hurst;
@@ -18,7 +18,7 @@ fn nayak(hurst: f64, band: f64) -> f64 {
     1.5 * moment(0.0) * moment(4.0) / moment(2.0).powi(2)
 }
 
-/// kappa (perimeter corrected) on the finest grids of each ratio of wavelengths: H, 1/eps_f, Nayak's parameter, the
+/// Returns kappa (perimeter corrected) on the finest grids of each ratio of wavelengths: H, 1/eps_f, Nayak's parameter,
 /// cell.
 fn by_band(summaries: &Summaries) -> Result<Vec<(f64, f64, f64, Point)>, Failure> {
     let powers = summaries.read("hurst")?;
@@ -53,7 +53,7 @@ pub(super) fn nayak_figure(summaries: &Summaries) -> Result<String, Failure> {
     Ok(Chart::new(vec![Panel { x, y, series: series.collect(), ..Panel::default() }]).svg()?)
 }
 
-/// kappa of surfaces with H = 1 against the ratio of their wavelengths.
+/// Returns the table of kappa of surfaces with H = 1 against the ratio of their wavelengths.
 pub(super) fn one(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("one")?;
     let mut loads: Vec<f64> = sweep.points.iter().map(|point| point.p_star).collect();
@@ -75,7 +75,7 @@ pub(super) fn one(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The area of the same surfaces on finer and finer grids, counted, and corrected by its perimeter.
+/// Returns the table of the area of the same surfaces on finer and finer grids, counted and perimeter corrected.
 pub(super) fn edge(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("edge")?;
     let mut cells: Vec<&Point> = sweep.points.iter().collect();

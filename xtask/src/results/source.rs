@@ -1,4 +1,4 @@
-//! The protocol of the thesis: table 5.2 and figure 5.1.
+//! Protocol of the thesis: table 5.2 and figure 5.1.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use gfmd_run::failure::Failure;
 
 use super::summary::{Protocol, Summaries, Summary, or_none};
 
-/// The cells about which the thesis extrapolates, with its C_c, alpha_c, C_f, alpha_f, kappa_TFC.
+/// Cells that the thesis extrapolates, with its C_c, alpha_c, C_f, alpha_f, kappa_TFC.
 const PRINTED: [([f64; 2], [f64; 5]); 2] = [
     ([256.0, 4.0], [2.640_09, 0.991_761, 10.24, 1.0, 2.2]),
     ([256.0, 8.0], [2.640_09, 0.991_761, 9.310_12, 0.965_235, 2.0]),
@@ -50,7 +50,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// A line on the limit along one axis, and on the finest cell as the others predict it.
+/// Returns a line on the limit along one axis, and on the finest cell as predicted by the others.
 fn limits(protocol: &Protocol, axis: &str, letter: &str) -> String {
     let Some(arm) = protocol.arm(axis) else { return String::new() };
     let (Some(finest), Some(kappa)) = (arm.eps_inv.last(), arm.kappa.last()) else { return String::new() };
@@ -62,7 +62,7 @@ fn limits(protocol: &Protocol, axis: &str, letter: &str) -> String {
     text + ".\n"
 }
 
-/// All cells of the sweep.
+/// Returns the table of all cells of the sweep.
 pub(super) fn cells(summaries: &Summaries) -> Result<String, Failure> {
     let Summary { points, .. } = summaries.read("source")?;
     let mut text = String::from("| 1/ε_t | 1/ε_f | n | 1/ε_c = 2 | 4 | 8 | 16 |\n|---|---|---|---|---|---|---|\n");
@@ -81,7 +81,7 @@ pub(super) fn cells(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Figure 5.1: κ against eps_c for each spectral width, and against eps_f for each eps_c.
+/// Draws figure 5.1: κ against eps_c for each spectral width, and against eps_f for each eps_c.
 pub(super) fn figure(summaries: &Summaries) -> Result<String, Failure> {
     let Summary { points, protocol, .. } = summaries.read("source")?;
     let size = points.iter().map(|point| point.eps_t_inv).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! The summaries of sweeps: what `kappa-sweep --json` printed.
+//! Summaries of sweeps: the output of `kappa-sweep --json`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,12 +8,12 @@ use serde::de::DeserializeOwned;
 
 use crate::accuracy::Report;
 
-/// The folder of the summaries.
+/// Folder of the summaries.
 pub(super) struct Summaries {
     folder: PathBuf,
 }
 
-/// One sweep.
+/// Summary of one sweep.
 #[derive(Debug, Deserialize)]
 pub(super) struct Summary {
     pub(super) points: Vec<Point>,
@@ -40,7 +40,7 @@ pub(super) struct Point {
     pub(super) kappa_composed_sem: Option<f64>,
 }
 
-/// A joint fit.
+/// Joint fit.
 #[derive(Debug, Deserialize)]
 pub(super) struct Fit {
     pub(super) hurst: f64,
@@ -59,7 +59,7 @@ pub(super) struct Fit {
     pub(super) degrees_of_freedom: usize,
 }
 
-/// The edge of the grid in a fit.
+/// Edge of the grid in a fit.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub(super) struct Edge {
     pub(super) factor: f64,
@@ -79,7 +79,7 @@ pub(super) struct Term {
     pub(super) exponent: f64,
 }
 
-/// One axis at a time about a reference cell.
+/// Fits along one axis at a time about a reference cell.
 #[derive(Debug, Deserialize)]
 pub(super) struct Protocol {
     pub(super) reference: [f64; 3],
@@ -110,17 +110,17 @@ impl Summaries {
         Self { folder: folder.into() }
     }
 
-    /// The summary `NAME.json` of a sweep.
+    /// Reads the summary `NAME.json` of a sweep.
     pub(super) fn read(&self, name: &str) -> Result<Summary, Failure> {
         self.parsed(name)
     }
 
-    /// The summary of `accuracy`.
+    /// Reads the summary of `accuracy`.
     pub(super) fn accuracy(&self) -> Result<Report, Failure> {
         self.parsed("accuracy")
     }
 
-    /// The summary of `finite`.
+    /// Reads the summary of `finite`.
     pub(super) fn finite(&self) -> Result<crate::finite::Report, Failure> {
         self.parsed("finite")
     }
@@ -134,7 +134,7 @@ impl Summaries {
 }
 
 impl Summary {
-    /// The only cell of a sweep at one discretisation and load.
+    /// Returns the only cell of a sweep at one discretisation and load.
     pub(super) fn cell(&self) -> Result<&Point, Failure> {
         self.points.first().ok_or_else(|| Failure::Input("a summary has no points; it must have one".into()))
     }
@@ -147,7 +147,7 @@ impl Protocol {
 }
 
 impl Point {
-    /// kappa ± its standard error.
+    /// Formats kappa ± its standard error.
     pub(super) fn shown(&self) -> String {
         match self.kappa_sem {
             Some(error) => format!("{:.3} ± {error:.3}", self.kappa),
@@ -157,7 +157,7 @@ impl Point {
 }
 
 impl Point {
-    /// kappa of the perimeter-corrected area ± its standard error.
+    /// Formats kappa of the perimeter-corrected area ± its standard error.
     pub(super) fn shown_corrected(&self) -> String {
         match (self.kappa_corrected, self.kappa_corrected_sem) {
             (Some(kappa), Some(error)) => format!("{kappa:.3} ± {error:.3}"),
@@ -168,7 +168,7 @@ impl Point {
 }
 
 impl Number {
-    /// The value and its interval.
+    /// Formats the value and its interval.
     pub(super) fn shown(&self) -> String {
         match self.ci95 {
             Some([low, high]) => format!("{:.2} [{low:.2}, {high:.2}]", self.value),
@@ -177,7 +177,7 @@ impl Number {
     }
 }
 
-/// A number that may be missing.
+/// Formats a value that may be missing.
 pub(super) fn or_none(number: Option<&Number>) -> String {
     number.map_or_else(|| "none".into(), Number::shown)
 }

@@ -1,4 +1,4 @@
-//! The document docs/validation.md: tables of the checks, and figures.
+//! Document docs/validation.md: tables of the checks, and figures.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

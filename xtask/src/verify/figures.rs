@@ -1,4 +1,4 @@
-//! The figures of docs/validation.md, modelled on those of the thesis.
+//! Figures of docs/validation.md, modelled on the figures of the thesis.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ pub(super) fn draw(prefix: &Path, reference: &Reference) -> Result<Vec<PathBuf>,
     Ok(files)
 }
 
-/// The entries of K in units of C44/zm, and their limits.
+/// Draws the entries of K in units of C44/zm, and their limits.
 fn stiffness(slab: &Body) -> Chart {
     let material = *slab.material();
     let (shear, s) = (material.shear_modulus(), material.s());
@@ -99,7 +99,7 @@ fn stiffness(slab: &Body) -> Chart {
     }])
 }
 
-/// Amplitudes of u_z and u_x at all heights, relative to u_z at the surface.
+/// Draws the amplitudes of u_z and u_x at all heights, relative to u_z at the surface.
 fn decay(slab: &Body) -> Result<Chart, Failure> {
     let mut panels = [("*u*_z", 2), ("*u*_x", 0)].map(|(label, _)| Panel {
         x: Axis::linear("height *z*/*z*_m"),

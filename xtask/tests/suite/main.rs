@@ -1,4 +1,4 @@
-//! The tests of `gfmd-xtask` as one program: those of one file by `cargo test -p gfmd-xtask --test suite FILE::`.
+//! The tests of `gfmd-xtask` as one program. To run one file: `cargo test -p gfmd-xtask --test suite FILE::`.
 
 mod help;
 mod reproduce;

@@ -23,7 +23,7 @@ fn a_figure_is_drawn_as_it_is_committed() {
     for name in ["figure-3.5.svg", "figure-3.5-level.svg", "figure-4.9.svg"] {
         let fresh = std::fs::read_to_string(folder.path().join("figures").join(name)).unwrap();
         let committed = std::fs::read_to_string(root().join("docs/source").join(name)).unwrap();
-        // Colours may differ by rounding on another processor, axes and words do not.
+        // Colours may differ by rounding on another processor; axes and words do not.
         let words = |svg: &str| svg.matches("<text").count();
         assert_eq!((words(&fresh), fresh.len() / 1000), (words(&committed), committed.len() / 1000), "{name}");
     }

@@ -1,4 +1,4 @@
-//! A base that moves: against the matrix of a layer with two faces, and inside.
+//! Moving base: comparison with the matrix of a layer with two faces, and interior fields.
 
 use gfmd_body::{BaseField, Interior, InteriorError};
 use gfmd_field::Grid;
@@ -34,7 +34,7 @@ fn near(found: &[f64], wanted: &[f64], bound: f64) {
     }
 }
 
-/// The outward tractions on both faces of a layer, mode by mode, from the displacements.
+/// Computes the outward tractions on both faces of a layer from their displacements, mode by mode.
 fn tractions(layer: &Layer, top: &[f64], bottom: &[f64]) -> [Vec<f64>; 2] {
     let grid = grid();
     let transform = gfmd_field::Transform::new(grid);
@@ -79,8 +79,7 @@ fn the_faces_of_a_plate_bear_the_given_tractions() {
     let body = Body::slab(material(), 0.4).unwrap().on(Base::FREE).unwrap();
     let given = without_mean(noise(3 * N * N, 2));
     let lifted = BaseField::Traction(given.clone()).surface_displacement(&body, grid()).unwrap();
-    // The lower face follows from both tractions by reciprocity with the upper one: here by the same plate upside down,
-    // loaded on its top.
+    // The displacement of the lower face, from the same plate upside down, loaded on its top.
     let mirror = |field: &[f64]| -> Vec<f64> {
         field.iter().enumerate().map(|(k, value)| if k < 2 * N * N { *value } else { -value }).collect()
     };

@@ -1,4 +1,4 @@
-//! Relations of the fields inside every body: equilibrium, Hooke's law, the base, energy, limits.
+//! Relations between the fields inside every body: equilibrium, Hooke's law, the base, energy, limits.
 
 use approx::assert_relative_eq;
 use gfmd_body::{Interior, InteriorError, State};
@@ -21,7 +21,7 @@ fn slab(poisson: f64, height: f64) -> Body {
     Body::slab(Material::from_young(3.0, poisson).unwrap(), height).unwrap()
 }
 
-/// The derivative ∂f/∂x or ∂f/∂y of a field on a grid without Nyquist modes.
+/// Computes the derivative ∂f/∂x or ∂f/∂y of a field on a grid without Nyquist modes.
 fn derivative(transform: &Transform, field: &[f64], axis: usize) -> Vec<f64> {
     let grid = transform.grid();
     let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
@@ -34,7 +34,7 @@ fn derivative(transform: &Transform, field: &[f64], axis: usize) -> Vec<f64> {
     out
 }
 
-/// The displacements along x, y, z (zero along y on a line) and the states at one depth.
+/// Displacements along x, y, z (zero along y on a line) and states at one depth.
 type Plane = ([Vec<f64>; 3], Vec<State>);
 
 fn inside(interior: &Interior, depth: f64) -> Plane {
@@ -64,8 +64,8 @@ fn poisson() -> impl Strategy<Value = f64> {
     prop_oneof![4 => -0.9..0.5, 1 => Just(0.5), 1 => 0.499..0.5]
 }
 
-/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement with zero mean u_z;
-/// on a coating with zero mean.
+/// A body about as high as its cell is wide, a grid without Nyquist modes, and a rough displacement. Its mean u_z is
+/// zero; on a coating, all means are zero.
 fn case() -> impl Strategy<Value = Case> {
     let points = prop_oneof![Just([5, 7]), Just([7, 3]), Just([9, 1])];
     (poisson(), poisson(), 0.3..1.5, 0..5, points, 0..1000usize).prop_map(
@@ -82,7 +82,7 @@ fn case() -> impl Strategy<Value = Case> {
             let grid = Grid::new(points, [1.0, 1.2]).unwrap();
             let components = if grid.is_line() { 2 } else { 3 };
             let mut surface = noise(components * grid.len(), seed);
-            // The uniform shear of a coating goes on in the half-space, without end and without displacement.
+            // The uniform shear of a coating continues without end in the half-space, and gives no displacement.
             let first = if kind == 4 { 0 } else { components - 1 };
             for component in surface[first * grid.len()..].chunks_exact_mut(grid.len()) {
                 let mean = component.iter().sum::<f64>() / grid.len() as f64;
@@ -93,7 +93,7 @@ fn case() -> impl Strategy<Value = Case> {
     )
 }
 
-/// The points and weights of Gauss quadrature on (−1, 1).
+/// Points and weights of Gauss quadrature on (−1, 1).
 const GAUSS: [(f64, f64); 5] = [
     (0.0, 0.568_888_888_888_888_9),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -144,7 +144,7 @@ proptest! {
             }
         }
         for state in states {
-            // Hooke's law for the deviators, which holds at ν = 1/2, too, and for the volume.
+            // Hooke's law for the deviators, which also holds at ν = 1/2, and for the volume.
             let [xx, yy, zz, ..] = state.stress;
             let (pressure, dilation) = ((xx + yy + zz) / 3.0, state.strain[..3].iter().sum::<f64>());
             for k in 0..3 {
@@ -163,7 +163,7 @@ proptest! {
         }
     }
 
-    /// At depth zero the fields are the given displacement and the traction K u.
+    /// At depth zero, the fields are the given displacement and the traction K u.
     #[test]
     fn the_surface_is_met_at_depth_zero(case in case()) {
         let Case { body, grid, surface } = case;
@@ -185,7 +185,7 @@ proptest! {
         }
     }
 
-    /// The energy inside is the work of the traction, ∫ ½ σ:ε dV = ½ ∫ t·u dA, integrated layer by layer.
+    /// The energy inside equals the work of the traction, ∫ ½ σ:ε dV = ½ ∫ t·u dA, integrated layer by layer.
     #[test]
     fn the_work_of_the_surface_is_the_energy_inside(case in case()) {
         let Case { body, grid, surface } = case;
@@ -195,7 +195,7 @@ proptest! {
         let mut faces = vec![0.0];
         let mut layer = Some(&body);
         while let Some(body) = layer {
-            // A half-space counts as deep as its longest wave reaches, 2 q·depth = 60.
+            // A half-space is cut where its longest wave has decayed, 2 q·depth = 60.
             let (thickness, below) = match (body.height(), body.base()) {
                 (Height::Infinite, _) => (6.0, None),
                 (Height::Finite(thickness), Base::Elastic(below)) => (thickness, Some(&**below)),
@@ -207,7 +207,7 @@ proptest! {
         let mut ws = interior.workspace();
         let mut energy = 0.0;
         for layer in faces.windows(2) {
-            // Points are closer near the surface, where short waves decay.
+            // Points are denser near the surface, where short waves decay.
             let edge = |k: usize| layer[0] + (layer[1] - layer[0]) * (k as f64 / 24.0).powi(3);
             for panel in 0..24 {
                 let (middle, half) = (0.5 * (edge(panel) + edge(panel + 1)), 0.5 * (edge(panel + 1) - edge(panel)));
@@ -345,7 +345,7 @@ fn what_cannot_be_is_refused_in_words() {
     assert!(matches!(interior.deformation(0.1, &mut other.workspace()), Err(InteriorError::Shape(_))));
 }
 
-/// The mean pressure passes through all layers, strains each, and nothing below them moves.
+/// The mean pressure passes through all layers and strains each; nothing below them moves.
 #[test]
 fn a_mean_pressure_strains_every_layer_on_every_base() {
     let material = |young, poisson| Material::from_young(young, poisson).unwrap();
@@ -378,7 +378,7 @@ fn a_mean_pressure_strains_every_layer_on_every_base() {
     }
 }
 
-/// The first of two bodies takes the displacement by its own compliance under the traction that both bear.
+/// The first of two bodies is displaced according to its own compliance under the common traction.
 #[test]
 fn the_first_of_two_bodies_takes_its_part() {
     let material = |young, poisson| Material::from_young(young, poisson).unwrap();

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-body` as one program: those of one file by `cargo test -p gfmd-body --test suite FILE::`.
+//! Tests of `gfmd-body` as one program; run one file with `cargo test -p gfmd-body --test suite FILE::`.
 
 mod base;
 mod fields;

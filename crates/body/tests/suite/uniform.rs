@@ -1,5 +1,5 @@
-//! The mean traction of a surface inside every body, and fields below tractions, against sums of waves on a half-space
-//! that are written here.
+//! Mean traction inside every body, and fields below tractions, compared with an independent sum of waves on a
+//! half-space.
 
 use gfmd_body::{BaseField, Interior, InteriorError, State};
 use gfmd_field::Grid;
@@ -26,17 +26,17 @@ fn states(interior: &Interior, depth: f64) -> Vec<State> {
     (0..deformation.len()).map(|i| deformation.at(i)).collect()
 }
 
-/// The numbers of the waves of `n` points with their weights: of an even number of points the shortest wave is one half
-/// of either sign.
+/// Returns the wave numbers of `n` points with their weights. For even `n`, the shortest wave is split into halves of
+/// either sign.
 fn numbers(n: usize) -> Vec<(i64, f64)> {
     let half = n as i64 / 2;
     let weight = |m: i64| if n > 1 && n.is_multiple_of(2) && m.abs() == half { 0.5 } else { 1.0 };
     (-half..=half).map(|m| (m, weight(m))).collect()
 }
 
-/// The stresses xx, yy, zz, yz, xz, xy at one depth of a half-space under the tractions (xz, yz, zz) on its surface, as
-/// a sum over waves (Boussinesq, Cerruti): Airy's functions (c + c' q depth) e^(-q depth) in the plane of the wave and
-/// the normal, and an antiplane wave. The mean of the tractions gives the uniform state without lateral strain.
+/// Computes the stresses xx, yy, zz, yz, xz, xy at one depth of a half-space under surface tractions (xz, yz, zz) as a
+/// sum over waves (Boussinesq, Cerruti): Airy functions (c + c' q depth) e^(-q depth) in the plane of wave and normal,
+/// and an antiplane wave. The mean of the tractions gives the uniform state without lateral strain.
 fn half_space(poisson: f64, grid: &Grid, traction: [&[f64]; 3], depth: f64) -> Vec<[f64; 6]> {
     let ([nx, ny], [lx, ly]) = (grid.points(), grid.lengths());
     let turn = |m: i64, k: i64, i: usize, j: usize| {
@@ -81,7 +81,7 @@ fn half_space(poisson: f64, grid: &Grid, traction: [&[f64]; 3], depth: f64) -> V
     stress
 }
 
-/// u_z of a half-space by a pressure, 2 p/(E* q) wave by wave, and zero in the mean.
+/// Computes u_z of a half-space under a pressure: 2 p/(E* q) for each wave, with zero mean.
 fn sunk(material: &Material, grid: &Grid, pressure: &[f64]) -> Vec<f64> {
     let table = gfmd_green::normal_stiffness_table(&Body::half_space(*material), grid, 0.0);
     let compliance: Vec<f64> = table.iter().map(|k| if *k > 0.0 { -1.0 / k } else { 0.0 }).collect();
@@ -99,8 +99,8 @@ fn near(found: &[State], wanted: &[[f64; 6]], what: &str) {
     }
 }
 
-/// Below a pressure on some points all stresses are those of the sum of waves, and open points bear none, on even grids
-/// too.
+/// All stresses below a pressure on some points equal the sum of waves, and open points bear no stress, also on even
+/// grids.
 #[test]
 fn below_a_pressure_the_stresses_are_those_of_the_sum_of_waves() {
     for poisson in [-0.5, 0.3, 0.5] {
@@ -127,14 +127,14 @@ fn below_a_pressure_the_stresses_are_those_of_the_sum_of_waves() {
             for (state, pressure) in states(&interior, 0.0).iter().zip(&pressure) {
                 assert!((state.stress[2] + pressure).abs() < 1e-12, "{} {pressure}", state.stress[2]);
             }
-            // Far below, the strain is uniform, and the points rise by it against the surface.
+            // Far below, the strain is uniform, and the points rise by it relative to the surface.
             let strain = (1.0 + poisson) * (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson)) * -mean;
             let far = &states(&interior, 9.0)[0];
             assert!((far.strain[2] - strain).abs() < 1e-12 && far.strain[0].abs() < 1e-12, "{far:?}");
             let mut ws = interior.workspace();
             let u = *interior.displacement(9.0, &mut ws).unwrap().last().unwrap();
             assert!((u + 9.0 * strain).abs() < 1e-12, "{u} {strain}");
-            // The uniform strain has the density of energy of a confined column.
+            // The uniform strain has the energy density of a confined column.
             assert!((far.energy_density() + 0.5 * mean * strain).abs() < 1e-12);
             let mises = mean * (1.0 - 2.0 * poisson) / (1.0 - poisson);
             assert!((far.von_mises() - mises).abs() < 1e-12, "{} {mises}", far.von_mises());
@@ -184,8 +184,8 @@ fn bodies() -> Vec<Body> {
     ]
 }
 
-/// Below a pressure every body has the fields of the traction 0, 0, −p where all waves have a sine. On any grid it has
-/// the fields of its own normal displacement.
+/// Fields below a pressure equal the fields of the traction (0, 0, −p) on grids without Nyquist modes, and on any grid
+/// the fields of the resulting normal displacement.
 #[test]
 fn below_a_pressure_the_fields_are_those_of_its_traction() {
     for (number, body) in bodies().iter().enumerate() {
@@ -220,15 +220,14 @@ fn below_a_pressure_the_fields_are_those_of_its_traction() {
     }
 }
 
-/// The mean of σ_xz, σ_yz, σ_zz is that of the surface at every depth of every body, and that of all other stresses and
-/// strains the one of a column that is confined laterally; displacements are the integral of the strains.
+/// σ_xz, σ_yz, σ_zz have the mean of the surface at every depth of every body. All other mean stresses and strains
+/// equal those in a laterally confined column; displacements are the integral of the strains.
 #[test]
 fn the_mean_traction_is_the_same_at_every_depth() {
     let traction = [0.03, -0.02, -0.1];
     for body in bodies() {
         let grid = Grid::new([6, 5], [1.0, 1.2]).unwrap();
-        // A displacement of the surface whose mean is the compression of all layers of both bodies, none of a
-        // half-space.
+        // The mean surface displacement is the compression of all layers of both bodies; a half-space adds nothing.
         let thickness = |body: &Body| body.total_height().min(1e9);
         let column = |body: &Body, axis: usize| -> f64 {
             let mut edges = body.interfaces();
@@ -292,7 +291,7 @@ fn the_mean_traction_is_the_same_at_every_depth() {
     }
 }
 
-/// An incompressible slab on a base that moves as a whole bears its load, and no more.
+/// An incompressible slab on a moving base bears exactly its load.
 #[test]
 fn an_incompressible_slab_on_a_base_that_moves_bears_the_mean_pressure() {
     let body = Body::slab(material(2.0, 0.5), 0.4).unwrap();

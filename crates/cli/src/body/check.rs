@@ -1,4 +1,4 @@
-//! The check of a file of fields below a surface.
+//! Check of a file of fields below a surface.
 
 use std::path::{Path, PathBuf};
 
@@ -40,19 +40,19 @@ impl Checked for Args {
         Ok(())
     }
 
-    /// The problem of a file, if the displacement of the surface is at hand.
+    /// Returns the problem of a file, if the displacement of the surface is available.
     fn repeated(Checking { reader, config, session, .. }: Checking) -> Result<Option<Self>, Failure> {
         let mut named = toml::Table::new();
         // Waves have no file.
         if let Some(surface) = config.file() {
-            // The words of an array and of a contact of a caller, which have no checksum.
+            // Names used for an array or a contact in memory, which have no checksum.
             if matches!(surface, "array" | "contact") && reader.text("/input", "file").is_err() {
                 let text = "the input was in memory, so that the fields cannot be computed again";
                 session.warn("input-missing", text);
                 return Ok(None);
             }
             let (file, input) = (file_of(surface), reader.text("/input", "file")?);
-            // Only the input that has a checksum is opened, as the regular file that it was.
+            // Only the input with a checksum is opened, and only as a regular file.
             if file != input {
                 let text = format!("surface is {file:?}; it must be the input {input:?} of the file");
                 return Err(Failure::input("config of the file", text));

@@ -1,4 +1,4 @@
-//! Comparison of the values on a section with those of a file.
+//! Comparison of the values on a section with those in a file.
 
 use gfmd_field::Grid;
 use gfmd_files::{Reader, npy};
@@ -10,41 +10,41 @@ use super::quantity::Quantity;
 use super::volume::archive_components;
 use gfmd_run::failure::Failure;
 
-/// The differences from another solution.
+/// Differences from another solution.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Comparison {
     pub reference: String,
-    /// Points along the two axes of the section that both have.
+    /// Points along the two axes of the section that both solutions have.
     pub compared_points: [usize; 2],
     pub components: Vec<Difference>,
 }
 
-/// The difference of one component.
+/// Difference of one component.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Difference {
     pub name: &'static str,
     pub rms_difference: f64,
     pub largest_difference: f64,
-    /// The largest absolute value of the reference.
+    /// Largest absolute value of the reference.
     pub largest_reference: f64,
 }
 
 /// Values of one quantity in a file, level by level from above, point by point.
 struct Stored {
     quantity: Quantity,
-    /// Its components, in the order of the file.
+    /// Component indices in file order.
     components: Vec<usize>,
     levels: usize,
-    /// Points of a row, or along x and y of a level.
+    /// Points of a row, or points along x and y of a level.
     points: Vec<usize>,
-    /// The depths of the levels, if the file has them.
+    /// Depths of the levels, if the file has them.
     depths: Option<Vec<f64>>,
     values: Vec<f64>,
 }
 
-/// Compares all components of `pictures`, at `depths`, that the file has.
+/// Compares all components of `pictures` at `depths` that the file has.
 pub(super) fn compare(
     name: &str,
     pictures: &Pictures,
@@ -107,7 +107,7 @@ fn one(
         return Err(format!("a value is {value}; all values must be finite"));
     }
     let full = pictures.shape(grid);
-    // Points repeat periodically; levels have both ends.
+    // Points are periodic; levels include both ends.
     let intervals = |axis: usize, count: usize| if axis == 1 && !is_level { count.saturating_sub(1) } else { count };
     let mut steps = [[1; 2]; 2];
     for axis in 0..2 {
@@ -135,7 +135,7 @@ fn one(
     Ok(Compared { component, shape, reference, common, difference })
 }
 
-/// True if two depths are equal but for rounding.
+/// Returns true if two depths are equal up to rounding.
 fn is_near(a: f64, b: f64, depths: &[f64]) -> bool {
     (a - b).abs() <= 1e-9 * depths.iter().copied().fold(0.0, f64::max)
 }
@@ -173,7 +173,7 @@ fn archive(
         return Err(format!("it has {}; it must have {}", word(slice), word(asked)));
     }
     let found: Vec<f64> = reader.values("/fields/depth").map_err(words)?;
-    // The upper side of a plane between two layers, which comes first, is drawn.
+    // Keep the upper side of a plane between two layers; it comes first.
     let mut kept: Vec<usize> =
         (0..found.len()).filter(|&level| depths.iter().any(|depth| is_near(*depth, found[level], depths))).collect();
     kept.dedup_by(|a, b| found[*a] == found[*b]);

@@ -1,15 +1,15 @@
-//! The components of quantities, which are drawn and compared.
+//! Components of quantities to draw and compare.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::quantity::Quantity;
 use super::rows::Slice;
 
-/// A component of a quantity, with its name in files and in the figure.
+/// Component of a quantity, with its name in files and its label in figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Component {
     pub(super) quantity: Quantity,
-    /// Its index in the vector or tensor; 0 of a scalar.
+    /// Index in the vector or tensor; 0 for a scalar.
     pub(super) index: usize,
     pub(super) name: &'static str,
     pub(super) label: &'static str,
@@ -19,7 +19,7 @@ const fn component(quantity: Quantity, index: usize, name: &'static str, label: 
     Component { quantity, index, name, label }
 }
 
-/// The axes of the components of a tensor.
+/// Axes of the components of a tensor.
 const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
 
 impl Component {
@@ -43,15 +43,15 @@ impl Component {
         component(Quantity::EnergyDensity, 0, "energy", "elastic energy density"),
     ];
 
-    /// Parses a name; the help lists all.
+    /// Returns a parser of names; the help lists all.
     pub(super) fn parser() -> impl TypedValueParser<Value = Self> {
         PossibleValuesParser::new(Self::ALL.map(|component| component.name)).try_map(|name| {
             Self::ALL.into_iter().find(|component| component.name == name).ok_or("it is not a component")
         })
     }
 
-    /// The components of `quantities` that lie in the plane of a slice (of a row along x without one); all on a plane
-    /// of constant height.
+    /// Returns the components of `quantities` in the plane of a slice (without one, of a row along x); on a plane of
+    /// constant height, all components.
     pub(super) fn in_plane(quantities: &[Quantity], slice: Option<Slice>) -> Vec<Self> {
         let across = slice.map_or(1, Slice::axis);
         let lies_in = |component: &Self| match component.quantity {
@@ -63,7 +63,7 @@ impl Component {
         Self::ALL.into_iter().filter(drawn).collect()
     }
 
-    /// True if it vanishes in plane strain.
+    /// Returns true if the component vanishes in plane strain.
     pub(super) fn is_out_of_plane(self) -> bool {
         match self.quantity {
             Quantity::Displacement => self.index == 1,

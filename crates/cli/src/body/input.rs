@@ -1,4 +1,4 @@
-//! The displacement of a surface, from a file or from memory.
+//! Displacement of a surface, from a file or from memory.
 
 use gfmd_field::Grid;
 use gfmd_files::input::MOST_BYTES;
@@ -13,58 +13,58 @@ use gfmd_run::lower::{LowerArgs, is_stored};
 use gfmd_run::memory;
 use gfmd_unit::Units;
 
-/// The field that a file has.
+/// Field stored in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// The displacement x, y, z, or x, z on a line.
+    /// Displacement x, y, z, or x, z on a line.
     Full,
-    /// The displacement z alone, of a frictionless surface.
+    /// Displacement z alone, of a frictionless surface.
     Normal,
-    /// The traction xz, yz, zz, or xz, zz on a line.
+    /// Traction xz, yz, zz, or xz, zz on a line.
     Traction,
-    /// The pressure on a surface without shear traction of a body that relaxes: it gives the stress, while
+    /// Pressure on the surface, without shear traction, of a relaxing body: it determines the stress, while
     /// displacement, strain and energy depend on all earlier loads.
     Pressure,
 }
 
-/// The displacement of a surface, or the traction on it, and the run that made it.
+/// Displacement of a surface, or traction on it, with the configuration of its run.
 #[derive(Debug)]
 pub(super) struct Surface {
     pub(super) grid: Grid,
     pub(super) kind: Kind,
-    /// Component after component.
+    /// Values, component after component.
     pub(super) values: Vec<f64>,
-    /// The mean traction xz, yz, zz, if the file has it.
+    /// Mean traction xz, yz, zz, if the file has it.
     pub(super) mean_traction: Option<[f64; 3]>,
-    /// The configuration of the run that made it; empty if there is none.
+    /// Configuration of the run; empty if there is none.
     pub(super) record: toml::Table,
     pub(super) load: Option<usize>,
     pub(super) unit: String,
     pub(super) description: String,
-    /// The scan that was pressed on the body, and what was done to it, if the heights came from a file.
+    /// Scan pressed on the body and its preparation, if the heights came from a file.
     pub(super) scan: Option<String>,
-    /// The SHA-256 of the file that was read, if there is one.
+    /// SHA-256 of the input file, if there is one.
     pub(super) checksum: Option<String>,
 }
 
 impl Surface {
-    /// The units of lengths and stresses, as far as they are known.
+    /// Returns the units of lengths and stresses, as far as they are known.
     pub(super) fn units(&self) -> Units {
         let length = Some(self.unit.as_str()).filter(|unit| *unit != "length");
         Units::new(length, text_of(&self.record, "stress_unit").as_deref())
     }
 }
 
-/// A text of a configuration.
+/// Returns a text of a configuration.
 fn text_of(record: &toml::Table, key: &str) -> Option<String> {
     record.get(key).and_then(toml::Value::as_str).map(str::to_owned)
 }
 
-/// The datasets in files of gfmd, in the order of preference.
+/// Datasets in files of gfmd, in order of preference.
 const FULL: &str = "/fields/displacement";
 const NORMAL: &str = "/fields/displacement_z";
 
-/// An array of a file with its description, before its shape is checked.
+/// Array of a file with its description, before its shape is checked.
 struct Found {
     shape: Vec<usize>,
     values: Vec<f64>,
@@ -75,17 +75,17 @@ struct Found {
     record: toml::Table,
     load: Option<usize>,
     scan: Option<String>,
-    /// The SHA-256 of the file.
+    /// SHA-256 of the file.
     checksum: Option<String>,
 }
 
-/// The name of the input in messages.
+/// Returns the name of the input in messages.
 pub(super) fn name(given: &ArrayOption) -> &str {
     given.file().unwrap_or("surface")
 }
 
 impl Surface {
-    /// Reads `FILE.npy` or `FILE.h5[:/dataset]`, or takes what is in memory.
+    /// Reads `FILE.npy` or `FILE.h5[:/dataset]`, or takes the input in memory.
     pub(super) fn read(given: &ArrayOption, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
         let name = name(given);
         let refuse = |reason: String| Failure::input(name, reason);
@@ -140,7 +140,7 @@ impl Surface {
 }
 
 impl Surface {
-    /// Makes the displacement by waves on a grid of `n` points, [nx] or [nx, ny]; a line if ny is 1.
+    /// Creates the displacement by waves on a grid of `n` points, [nx] or [nx, ny]; a line if ny is 1.
     pub(super) fn of_waves(waves: &[Wave], n: &[usize], length: &[f64]) -> Result<Self, Failure> {
         let points = match n {
             [] => [POINTS; 2],
@@ -168,14 +168,14 @@ impl Surface {
     }
 }
 
-/// Points along each axis, if nothing is said.
+/// Default number of points along each axis.
 const POINTS: usize = 64;
 
-/// The sides of the cell: those that are given, those of the file, or 1 along x and equal spacings.
+/// Returns the sides of the cell: the given ones, else the stored ones, else 1 along x and equal spacings.
 fn cell(length: &[f64], of_file: Option<[f64; 2]>, [nx, ny]: [usize; 2]) -> [f64; 2] {
     match length {
         [] => of_file.unwrap_or([1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]),
-        // A single length is the length along x; the spacing along y is equal to that along x.
+        // A single length is the length along x; both axes have the same spacing.
         [x] => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
         [x, y, ..] => [*x, *y],
     }
@@ -190,7 +190,7 @@ fn array(path: &str) -> Result<Found, String> {
 }
 
 impl Found {
-    /// The displacement of an array.
+    /// Wraps an array as a displacement.
     fn array(shape: &[usize], values: Vec<f64>, checksum: Option<String>) -> Self {
         Self {
             shape: shape.to_vec(),
@@ -206,8 +206,8 @@ impl Found {
         }
     }
 
-    /// The normal displacement of a contact with what stands beside it: the `field`s of its surface and the `number`s
-    /// of its load.
+    /// Completes the normal displacement of a contact with the other stored `field`s of its surface and `number`s of
+    /// its load.
     fn beside(
         self,
         [nx, ny]: [usize; 2],
@@ -228,7 +228,7 @@ impl Found {
         }
         let held = self.record.get("components").and_then(toml::Value::as_str) == Some("held");
         let lateral = match held {
-            // The lateral displacement of other surfaces is that of a pressure alone, unless it is there.
+            // Held surfaces have no lateral displacement; other surfaces use the stored one, if any.
             true => Some(vec![vec![0.0; self.values.len()]; axes]),
             false => lateral(["displacement_x", "displacement_y"])?,
         };
@@ -254,10 +254,10 @@ impl Found {
     }
 }
 
-/// The keys of contacts with a shear traction.
+/// Configuration keys of contacts with a shear traction.
 const FRICTION: [&str; 2] = ["friction", "shear_strength"];
 
-/// The reason against stresses without the shear traction.
+/// Reason for refusing stresses without the shear traction.
 const NO_SHEAR: &str =
     "of this contact causes a shear traction, which the result does not have; the stress inside is not available";
 
@@ -266,7 +266,7 @@ fn relaxes(record: &toml::Table) -> bool {
     record.contains_key("prony")
 }
 
-/// The displacement of a contact in memory.
+/// Returns the displacement of a contact in memory.
 fn in_memory(load: &StoredLoad) -> Result<Found, String> {
     check_inside(&load.config, LowerArgs::NAMES.iter().any(|key| load.config.contains_key(*key)))?;
     if BaseArgs::NAMES.iter().any(|key| load.config.contains_key(*key)) {
@@ -281,7 +281,7 @@ fn in_memory(load: &StoredLoad) -> Result<Found, String> {
     found.beside(points, field, |name| Ok(load.values.get(name).and_then(|number| number.first().copied())))
 }
 
-/// Refuses a contact below whose surface there are no fields.
+/// Refuses a contact without fields below its surface.
 fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
     let boundary = record.get("boundary").and_then(toml::Value::as_str).unwrap_or("periodic");
     if boundary != "periodic" {
@@ -291,7 +291,7 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
         return Err("the body of this contact is a table of compliances; the fields inside are not known".into());
     }
     if relaxes(record) {
-        // At a constant Poisson's ratio, the stress of a given traction does not depend on the moduli.
+        // At a constant Poisson's ratio, the stress for a given traction does not depend on the moduli.
         if let Some(moduli) = text_of(record, "relaxes").filter(|moduli| moduli != "both") {
             let text = "of this contact relaxes, so that Poisson's ratio depends on time; the stress inside is not \
                         available";
@@ -301,7 +301,7 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
             let text = "of this contact moves and its body relaxes; the stress inside is not available";
             return Err(format!("the {} {text}", key.replace('_', " ")));
         }
-        // The friction of the interface makes heat; its shear traction is not part of the contact.
+        // The interface friction makes heat; its shear traction is not part of the contact.
         if let Some(key) = FRICTION.iter().find(|key| record.contains_key(**key)) {
             return Err(format!("the {} {NO_SHEAR}", key.replace('_', " ")));
         }
@@ -312,7 +312,7 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses a displacement in another unit than the coordinates beside it: strains would be wrong by the ratio.
+/// Refuses a displacement in another unit than its coordinates: strains would be wrong by the ratio.
 fn check_units(reader: &Reader, dataset: &str, has_y: bool) -> Result<(), String> {
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let unit = |path: &str| {
@@ -361,7 +361,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     if lengths.is_some() {
         check_units(&reader, dataset, points[1] > 1)?;
     }
-    // Only the heights of a file have a format.
+    // Only heights from a file have a format.
     let scan = reader.text("/surface", "format").and_then(|_| reader.text("/surface", "description"));
     let scan = scan.ok().map(|scan| line(&scan));
     let checksum = reader.checksum().map_err(words)?;
@@ -376,7 +376,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     }
 }
 
-/// The fields beside the displacement of a surface, in its group and of its load.
+/// Fields stored beside the displacement of a surface, in its group and for its load.
 struct Beside<'a> {
     reader: &'a Reader,
     group: &'a str,
@@ -385,7 +385,7 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// A field of all points, if the file has it.
+    /// Reads a field of all points, if the file has it.
     fn field(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
         let path = format!("{}/{name}", self.group);
         let [nx, ny] = self.points;
@@ -403,7 +403,7 @@ impl Beside<'_> {
         }
     }
 
-    /// A number of the load, if the file has it.
+    /// Reads a number of the load, if the file has it.
     fn number(&self, name: &str) -> Result<Option<f64>, String> {
         let path = format!("/loads/{name}");
         let Some(load) = self.load.filter(|_| self.reader.contains(&path)) else { return Ok(None) };
@@ -411,7 +411,7 @@ impl Beside<'_> {
         Ok(Some(of_loads.get(load).copied().unwrap_or(f64::NAN)))
     }
 
-    /// The mean of the tractions beside a displacement of `count` values, if the file has them.
+    /// Reads the mean of the tractions beside a displacement of `count` values, if the file has them.
     fn traction(&self, count: usize) -> Result<Option<[f64; 3]>, String> {
         let path = format!("{}/traction", self.group);
         let components = count / (self.points[0] * self.points[1]).max(1);

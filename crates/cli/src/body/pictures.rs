@@ -1,4 +1,4 @@
-//! The values on a section, as maps and for a comparison: a row of points from the deepest level upwards, or one level.
+//! Values on a section as maps and for a comparison: a row of points from the deepest level upwards, or one level.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use gfmd_report::figures::{Drawn, about_zero, field, named};
 use gfmd_run::failure::Failure;
 use gfmd_unit::Units;
 
-/// The values on one section, filled level by level.
+/// Values on one section, filled level by level.
 pub(super) struct Pictures {
     pub(super) rows: Rows,
     levels: usize,
@@ -22,13 +22,13 @@ pub(super) struct Pictures {
     buffer: Vec<f64>,
 }
 
-/// A component of the reference with its difference from ours, as they are drawn.
+/// Component of the reference and its difference from ours, as drawn.
 pub(super) struct Compared {
     pub(super) component: Component,
     pub(super) shape: [usize; 2],
     pub(super) reference: Vec<f64>,
     pub(super) common: [usize; 2],
-    /// Ours less the reference, on the common points.
+    /// Our values minus the reference, on the common points.
     pub(super) difference: Vec<f64>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// The label of a component, with its unit where it is known.
+    /// Returns the label of a component, with its unit if known.
     fn label(&self, component: Component) -> String {
         let kind = component.quantity.kind();
         let unit = self.units.name(kind);
@@ -56,22 +56,22 @@ impl Pictures {
         Self { rows, levels, maps, buffer: Vec::new() }
     }
 
-    /// The points of a map along its two axes.
+    /// Returns the number of points of a map along its two axes.
     pub(super) fn shape(&self, grid: &Grid) -> [usize; 2] {
         if self.rows.is_level() { grid.points() } else { [self.rows.points.len(), self.levels] }
     }
 
-    /// The components with their values, row-major in the order of [`shape`](Self::shape).
+    /// Returns the components with their values, row-major in the order of [`shape`](Self::shape).
     pub(super) fn values(&self) -> impl Iterator<Item = (Component, &[f64])> {
         self.maps.iter().map(|(component, values)| (*component, &values[..]))
     }
 
-    /// True if a component of this family is wanted.
+    /// Returns true if a component of this family is wanted.
     pub(super) fn wants(&self, family: Family) -> bool {
         self.maps.iter().any(|(component, _)| component.quantity.family() == family)
     }
 
-    /// Takes the values at depth number `level`.
+    /// Stores the values at depth number `level`.
     pub(super) fn take(&mut self, family: Family, level: usize, fields: &Fields) {
         for (component, map) in self.maps.iter_mut().filter(|(component, _)| component.quantity.family() == family) {
             fields.values(component.quantity, &[component.index], &self.rows.points, &mut self.buffer);
@@ -81,7 +81,7 @@ impl Pictures {
         }
     }
 
-    /// Draws every component: `PREFIX-name.svg`, `.png`; beside those that were `compared` the reference and the
+    /// Draws every component as `PREFIX-name.svg`, `.png`; for `compared` components also the reference and the
     /// difference.
     pub(super) fn draw(&self, prefix: &Path, place: &Place, compared: &[Compared]) -> Result<Vec<PathBuf>, Failure> {
         let shape = self.shape(place.grid);
@@ -143,7 +143,7 @@ impl Pictures {
     }
 }
 
-/// Draws some quantities on the section through the middle of a body: `PREFIX-name.svg`, `.png`.
+/// Draws `quantities` on the section through the middle of a body: `PREFIX-name.svg`, `.png`.
 pub fn draw_middle(
     interior: &Interior,
     quantities: &[Quantity],
@@ -163,8 +163,8 @@ pub fn draw_middle(
     pictures.draw(prefix, &Place { grid: interior.grid(), deepest, unit, units: &Units::default() }, &[])
 }
 
-/// The range of the values without two per mille at either end, if it is much narrower than the full range: near
-/// singular edges a few values are far from all others.
+/// Returns the range of the values without two per mille at either end, if it is much narrower than the full range:
+/// near singular edges a few values are far from all others.
 fn central(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -173,7 +173,7 @@ fn central(values: &[f64]) -> Option<[f64; 2]> {
     (most > 0.0 && whole > 1.5 * most).then(|| [at(2), at(998)])
 }
 
-/// The range of all values, unless they are equal.
+/// Returns the range of all values, unless they are equal.
 fn whole(values: &[f64]) -> Option<[f64; 2]> {
     let (least, most) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (v.min(least), v.max(most)));

@@ -1,4 +1,4 @@
-//! The quantities that can be computed, and their components.
+//! Quantities that can be computed, and their components.
 
 use clap::ValueEnum;
 use gfmd_body::{Deformation, Interior, InteriorError, State, Workspace};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Plane, Side};
 
-/// A quantity at every point of a body.
+/// Quantity at every point of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -22,23 +22,23 @@ pub enum Quantity {
     EnergyDensity,
 }
 
-/// The families of quantities that are computed together.
+/// Families of quantities that are computed together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     Displacement,
     Deformation,
 }
 
-/// The axes of a vector, and the indices of the axes of a line.
+/// Axes of a vector, and the indices of the axes of a line.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const AXES_OF_A_LINE: [usize; 2] = [0, 2];
 
-/// The components of a tensor, and the indices of the components that do not vanish in plane strain.
+/// Components of a tensor, and the indices of the components that do not vanish in plane strain.
 pub(super) const TENSOR: [&str; 6] = ["xx", "yy", "zz", "yz", "xz", "xy"];
 pub(super) const TENSOR_OF_A_LINE: [usize; 4] = [0, 1, 2, 4];
 
 impl Quantity {
-    /// The kind of its unit.
+    /// Returns the kind of its unit.
     pub(super) fn kind(self) -> &'static str {
         match self {
             Self::Displacement => "length",
@@ -54,17 +54,17 @@ impl Quantity {
         if self == Self::Displacement { Family::Displacement } else { Family::Deformation }
     }
 
-    /// True if the traction on the surface determines it, whatever the moduli (at one Poisson's ratio).
+    /// Returns true if the surface traction determines it, for any moduli with the same Poisson's ratio.
     pub(super) fn is_of_traction(self) -> bool {
         matches!(self, Self::Stress | Self::VonMises)
     }
 
-    /// True if it has one component.
+    /// Returns true if the quantity has one component.
     pub(super) fn is_scalar(self) -> bool {
         matches!(self, Self::VonMises | Self::EnergyDensity)
     }
 
-    /// Name in a file.
+    /// Returns the name in a file.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement",
@@ -75,7 +75,7 @@ impl Quantity {
         }
     }
 
-    /// Meaning in words.
+    /// Returns a description.
     pub(super) fn long_name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement, z upwards",
@@ -87,7 +87,7 @@ impl Quantity {
     }
 }
 
-/// The displacement on one plane, component after component.
+/// Displacement on one plane, component after component.
 pub(super) struct Displacement<'w> {
     axes: &'static [usize],
     values: &'w [f64],
@@ -107,7 +107,7 @@ impl Displacement<'_> {
     }
 }
 
-/// The fields of one family on one plane.
+/// Fields of one family on one plane.
 pub(super) enum Fields<'w> {
     Displacement(Displacement<'w>),
     Deformation(Deformation<'w>),
@@ -132,8 +132,8 @@ impl<'w> Fields<'w> {
         })
     }
 
-    /// Writes the given components of a quantity at the given points, point by point; a scalar is its own component 0.
-    /// A quantity of another family has no values here.
+    /// Writes the given components of a quantity at the given points, point by point; a scalar has component 0. A
+    /// quantity of another family has no values here.
     pub(super) fn values(&self, quantity: Quantity, components: &[usize], points: &[usize], out: &mut Vec<f64>) {
         out.clear();
         match self {

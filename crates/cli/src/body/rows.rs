@@ -1,4 +1,4 @@
-//! The points of a plane that are kept: all, or one row.
+//! Points of a plane to keep: all, or one row.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::quantity::AXES;
 use gfmd_run::failure::Failure;
 
-/// A plane across an axis (x is 0, y is 1, z is 2), and its position: x or y of a row of points, or the height z.
+/// Plane across an axis (0 is x, 1 is y, 2 is z) and its position: x or y of a row of points, or the height z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     axis: usize,
@@ -18,12 +18,12 @@ pub struct Slice {
 }
 
 impl Slice {
-    /// The axis across which the plane lies.
+    /// Returns the axis normal to the plane.
     pub(super) fn axis(self) -> usize {
         self.axis
     }
 
-    /// The height of a plane z = const.
+    /// Returns the height of a plane z = const.
     pub(super) fn height(self) -> Option<f64> {
         (self.axis == 2).then_some(self.position)
     }
@@ -59,14 +59,14 @@ impl Serialize for Slice {
     }
 }
 
-/// Some points of a plane, and the axes along which they lie.
+/// Points of a plane, and the axes along which they lie.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
-    /// The row, with the position of its points, or the plane; `None` for all points, or a line.
+    /// Row with the position of its points, or plane; `None` for all points or a line.
     pub(super) slice: Option<Slice>,
-    /// The axes along which the points lie: 0 is x, 1 is y.
+    /// Axes along which the points lie: 0 is x, 1 is y.
     pub(super) axes: Vec<usize>,
-    /// The indices of the points in a field.
+    /// Indices of the points in a field.
     pub(super) points: Vec<usize>,
 }
 
@@ -93,7 +93,7 @@ impl Rows {
         Ok(Self::row(slice.axis, index, grid))
     }
 
-    /// The row in the middle, along x.
+    /// Returns the middle row along x.
     pub(super) fn middle(grid: &Grid) -> Self {
         Self::row(1, grid.points()[1] / 2, grid)
     }
@@ -107,22 +107,22 @@ impl Rows {
         Self { slice: Some(Slice { axis, position }), axes: vec![1 - axis], points }
     }
 
-    /// The row on which `--slice` lies, if it selects one.
+    /// Returns the row on which `--slice` lies, if it selects one.
     pub(super) fn selected(&self) -> Option<Slice> {
         self.slice.filter(|slice| slice.height().is_none())
     }
 
-    /// True if the points are those of one plane of constant height.
+    /// Returns true if the points are a plane of constant height.
     pub(super) fn is_level(&self) -> bool {
         self.slice.is_some_and(|slice| slice.height().is_some())
     }
 
-    /// The number of points kept along x and y.
+    /// Returns the number of points kept along x and y.
     pub(super) fn shape(&self, grid: &Grid) -> [usize; 2] {
         [0, 1].map(|axis| if self.axes.contains(&axis) { grid.points()[axis] } else { 1 })
     }
 
-    /// The position of the first point along x and y.
+    /// Returns the position of the first point along x and y.
     pub(super) fn origin(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.slice.filter(|slice| slice.axis == axis).map_or(0.0, |slice| slice.position))
     }

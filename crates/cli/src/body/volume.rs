@@ -1,4 +1,4 @@
-//! The file of the fields, written plane by plane.
+//! File of the fields, written plane by plane.
 
 use std::path::PathBuf;
 
@@ -12,21 +12,21 @@ use super::{Plane, Side};
 use gfmd_run::failure::Failure;
 use gfmd_unit::Units;
 
-/// The positions of the values.
+/// Positions of the values.
 pub(super) struct Planes<'a> {
-    /// The mean traction on the surface, by component.
+    /// Mean traction on the surface, by component.
     pub(super) mean_traction: &'a [f64],
     pub(super) grid: &'a Grid,
     pub(super) rows: &'a Rows,
     pub(super) below: &'a [Plane],
     /// True if the depths are evenly spaced, from the surface downwards.
     pub(super) even: bool,
-    /// The height of a slab.
+    /// Height of a slab.
     pub(super) height: Option<f64>,
     pub(super) units: &'a Units,
 }
 
-/// A file of fields that is being written: HDF5 by depth, or VTK image data by height.
+/// File of fields during writing: HDF5 by depth, or VTK image data by height.
 pub(super) struct Volume<'a> {
     sink: Sink<'a>,
     arrays: Vec<(Quantity, &'static [usize])>,
@@ -149,7 +149,7 @@ fn archive<'a>(
     Ok(Sink::Archive(archive))
 }
 
-/// The components of a quantity, for tensors in the order of ParaView.
+/// Returns the components of a quantity, for tensors in the order of ParaView.
 fn image_components(quantity: Quantity) -> &'static [usize] {
     match quantity {
         Quantity::Displacement => &[0, 1, 2],

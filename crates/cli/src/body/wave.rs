@@ -12,14 +12,14 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::quantity::AXES;
 use gfmd_run::failure::Failure;
 
-/// A displacement a cos 2π(m x/Lx + n y/Ly) of one component.
+/// Displacement a cos 2π(m x/Lx + n y/Ly) of one component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
-    /// m and n.
+    /// Wave numbers m and n.
     numbers: [i32; 2],
-    /// The component: 0 is x, 1 is y, 2 is z.
+    /// Displaced component: 0 is x, 1 is y, 2 is z.
     axis: usize,
-    /// a, length.
+    /// Amplitude a, length.
     amplitude: f64,
 }
 
@@ -60,7 +60,7 @@ impl<'de> Deserialize<'de> for Wave {
     }
 }
 
-/// The displacement of the surface by all `waves`, component after component.
+/// Returns the displacement of the surface by all `waves`, component after component.
 pub(super) fn displacement(waves: &[Wave], grid: &Grid) -> Result<Vec<f64>, Failure> {
     let [nx, ny] = grid.points();
     let axes = Components::of(grid).axes();
@@ -81,7 +81,7 @@ pub(super) fn displacement(waves: &[Wave], grid: &Grid) -> Result<Vec<f64>, Fail
             return Err(Failure::value("--wave", wave, allowed));
         }
         let turns = |number: i32, i: usize, points: usize| {
-            // Whole turns are left out, so that equal values have equal bits.
+            // Leave out whole turns, so that equal values have equal bits.
             let step = i64::from(number) * i as i64;
             step.rem_euclid(points as i64) as f64 / points as f64
         };

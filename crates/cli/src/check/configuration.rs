@@ -1,4 +1,4 @@
-//! Tests of the configurations of results, of all commands.
+//! Tests of the result configurations of all commands.
 
 use gfmd_contact::Boundary;
 use gfmd_problem::options::flags::{self, keys as keys_of};
@@ -32,7 +32,7 @@ fn a_configuration_is_a_problem_and_flags() {
     words.sort();
     assert_eq!(words, wanted);
     assert!(found.has("surface") && !found.has("plots"));
-    // Files are named by what stands in the result alone.
+    // Files come from the result alone.
     let (young, surface) = ("young".to_owned(), Table::from_iter([("surface".to_owned(), "r.h5:/h".into())]));
     let problem = |stored: Table| found.problem::<contact::Args>(std::slice::from_ref(&young), stored).unwrap();
     let table = |stored: Table| Table::try_from(problem(stored)).unwrap();

@@ -1,4 +1,4 @@
-//! The check of the file of a contact.
+//! Check of a contact file.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use gfmd_run::session::Session;
 use gfmd_run::statistics;
 
 impl Checked for Args {
-    /// Recomputes every load of a file from its surface, body and pressure, or gap: fields, residuals, area, energy.
+    /// Recomputes every load of a file from its surface, body and pressure or gap: fields, residuals, area, energy.
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
         let Checking { reader, session, .. } = checking;
         let args: Self = checking.problem(|args: &Self| args.problem.boundary, comparison)?;
@@ -66,8 +66,8 @@ impl Checked for Args {
     }
 }
 
-/// Compares all loads with the states that the contact makes of their fields, and then the statistics. Returns the
-/// records and the statistics of the loads.
+/// Compares all loads with the states computed from their fields, then the statistics. Returns the records and the
+/// statistics of the loads.
 fn compare(
     stored: &Stored,
     (args, loads): (&Args, &Loads),
@@ -83,7 +83,7 @@ fn compare(
         let stiffness =
             if at.has_converged() { stiffness(stored.contact, &state, tolerance, |_| {}) } else { Err(NOT_SOLVED) };
         let at = At { stiffness: stiffness.map_err(Into::into), ..at };
-        // From the fields of the file: a number that rounding moves to another bin would be a difference.
+        // Use the fields of the file: a number moved to another bin by rounding would be a difference.
         let field = |name: &str, made: ArrayView2<f64>| -> Result<Array2<f64>, Failure> {
             let is_stored = reader.contains(&format!("/fields/{name}"));
             if is_stored { stored.field(name, index) } else { Ok(made.to_owned()) }

@@ -1,4 +1,4 @@
-//! The conductance of the points in contact, which `--statistics` measures of each load.
+//! Conductance of the points in contact, measured by `--statistics` for each load.
 
 use std::sync::OnceLock;
 
@@ -13,37 +13,37 @@ use super::Args;
 use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
 
-/// The source of the conductance of the loads of a contact.
+/// Source of the conductance of the loads of a contact.
 pub(super) struct Conducting {
     way: Way,
     boundary: Boundary,
     grid: Grid,
     height: Height,
-    /// Made when they are first needed.
+    /// Created on first use.
     conductors: OnceLock<Conductors>,
 }
 
-/// The way to the conductance.
+/// Method for the conductance.
 enum Way {
-    /// Over the stiffness: it is that of the same points, with a compliance in proportion to the resistance.
+    /// From the stiffness of the same points, times this factor: their resistance is proportional to the compliance.
     OfStiffness(f64),
-    /// By a solve of its own.
+    /// By a separate solve.
     Solved,
-    /// None, and the reason.
+    /// Undefined, with the reason.
     Undefined(&'static str),
 }
 
-/// The reason why a load that did not converge has no conductance.
+/// Reason why a load that did not converge has no conductance.
 const NOT_CONVERGED: &str = "the load did not converge";
 
-/// The reason why full contact has no conductance.
+/// Reason why full contact has no conductance.
 const ALL_TOUCH: &str = "all points touch, which leaves no resistance but that of the bulk";
 
 impl Conducting {
-    /// The conductance of contacts with these flags.
+    /// Creates the source of the conductance for these flags.
     ///
     /// # Errors
-    /// A depth of the electrodes that cannot be had, or is given without `--statistics`.
+    /// Returns an error if the electrode depth is invalid or given without `--statistics`.
     pub(super) fn new(args: &Args, body: &Body, surface: &Surface) -> Result<Self, Failure> {
         let (height, Surface { grid, boundary, .. }) = (args.conductor_height, surface);
         if let (Height::Finite(height), false) = (height, args.statistics) {
@@ -74,17 +74,17 @@ impl Conducting {
         if let (true, Way::Solved, Boundary::Free, Height::Finite(_)) =
             (args.statistics, &conducting.way, boundary, height)
         {
-            // An electrode that is not deep enough is refused before the first load.
+            // Refuse an electrode that is not deep enough before the first load.
             conducting.conductors().map_err(|error| refuse(&error))?;
         }
         Ok(conducting)
     }
 
-    /// Measures the conductance of the points that are repelled, of a load that has `converged` to this stiffness, if
-    /// it has one: the conductance, or the reason why there is none, and the words of a warning, if it is not exact.
+    /// Measures the conductance of the repelled points of a load. `converged` and `stiffness` describe the load.
+    /// Returns the conductance, or the reason why there is none, and a warning if it is not exact.
     ///
     /// # Errors
-    /// A conductance that cannot be computed.
+    /// Returns an error if the conductance cannot be computed.
     pub(super) fn measure(
         &self,
         repulsion: &ArrayRef2<f64>,
@@ -110,7 +110,7 @@ impl Conducting {
                 value
             }
         };
-        // In full contact there is no stiffness either.
+        // Full contact has no stiffness either.
         Ok((if value.is_finite() { Ok(value) } else { Err(ALL_TOUCH) }, warning))
     }
 

@@ -1,4 +1,4 @@
-//! The figures of a contact.
+//! Figures of a contact.
 
 use std::path::{Path, PathBuf};
 
@@ -16,9 +16,9 @@ use gfmd_run::failure::Failure;
 use gfmd_run::hardness::GivenHardness;
 use gfmd_run::source::Surface;
 
-/// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, and of a lower surface `PREFIX-lower-map` and
-/// so on; and `PREFIX-area` if there are several loads of a hard wall. `variance` is that of the pressure in full
-/// contact.
+/// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, for a lower surface also `PREFIX-lower-map`
+/// etc.; and `PREFIX-area` if there are several loads of a hard wall. `variance` is the variance of the pressure in
+/// full contact.
 pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f64) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for scene in scenes {
@@ -29,7 +29,7 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
         let mut chart = areas(&loads.collect::<Vec<_>>(), report.head.n[1] == 1);
         if let (Some(panel), Some(GivenHardness::Number(hardness))) = (chart.panels.first_mut(), &report.head.hardness)
         {
-            // Without the hardness Persson's line hides below that with it.
+            // Persson's line without the hardness would be hidden below the line with it.
             panel.series.retain(|series| series.label != "Persson");
             panel.series.extend(plastic(report, *hardness, variance));
         }
@@ -38,7 +38,7 @@ pub(super) fn draw(prefix: &Path, report: &Report, scenes: &[Scene], variance: f
     Ok(files)
 }
 
-/// The points at the hardness, and both areas of Persson's theory with a hardness, against the reduced pressure.
+/// Returns the points at the hardness and both areas of Persson's theory with a hardness, against reduced pressure.
 fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
     let unit = report.head.e_star * report.head.rms_gradient;
     let loads = || report.loads.iter().map(|load| load.number("p_star"));
@@ -59,13 +59,13 @@ fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
     ]
 }
 
-/// The largest number of loads whose distributions are drawn.
+/// Largest number of loads for which distributions are drawn.
 const MOST_LOADS: usize = 4;
 
-/// The least flux that is drawn, over the largest.
+/// Smallest flux drawn, relative to the largest.
 const LEAST_FLUX: f64 = 1e-8;
 
-/// The map of a flux on a logarithmic scale.
+/// Returns the map of a flux on a logarithmic scale.
 fn flux<'v>(surface: &Surface, values: &'v [f64], axis: &str) -> Drawn<'v> {
     let highest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let least = (LEAST_FLUX * highest).max(f64::MIN_POSITIVE);
@@ -77,7 +77,7 @@ fn flux<'v>(surface: &Surface, values: &'v [f64], axis: &str) -> Drawn<'v> {
     drawn
 }
 
-/// Up to four of so many loads, from the lowest to the highest.
+/// Returns up to four of `count` loads, from the lowest to the highest.
 fn chosen(report: &Report, count: usize) -> Vec<usize> {
     let mut sorted: Vec<usize> = (0..count).collect();
     sorted.sort_by(|a, b| report.loads[*a].number("p_star").total_cmp(&report.loads[*b].number("p_star")));
@@ -85,9 +85,9 @@ fn chosen(report: &Report, count: usize) -> Vec<usize> {
     (0..drawn).map(|k| sorted[if drawn == 1 { count - 1 } else { k * (count - 1) / (drawn - 1) }]).collect()
 }
 
-/// Draws what `--statistics` and `--flow` have measured: `PREFIX-patches` and `PREFIX-flow` of the last load,
-/// `PREFIX-pressures`, `PREFIX-gaps` and `PREFIX-spectrum` of up to four loads. `variance` is that of the pressure in
-/// full contact.
+/// Draws the measurements of `--statistics` and `--flow`: `PREFIX-patches` and `PREFIX-flow` of the last load,
+/// `PREFIX-pressures`, `PREFIX-gaps` and `PREFIX-spectrum` of up to four loads. `variance` is the variance of the
+/// pressure in full contact.
 pub(super) fn measured(
     prefix: &Path,
     report: &Report,
@@ -109,7 +109,7 @@ pub(super) fn measured(
     }
     if !grid.is_line() {
         let found = patches(*repulsion, surface.boundary);
-        // Neighbours in the order of their numbers get distant colours, by steps of the golden section.
+        // Patches with successive numbers get distant colours, in steps of the golden section.
         let colour =
             |label: &u32| if *label == 0 { 0.0 } else { 0.05 + 0.95 * (f64::from(*label) * 0.618_033_988_75).fract() };
         let values: Vec<f64> = found.labels.iter().map(colour).collect();
@@ -130,7 +130,7 @@ pub(super) fn measured(
         let positive = bins.filter(|(_, density)| **density > 0.0);
         let densities = positive.map(|(p, density)| (p / scale, density * scale));
         pressures.push(Series::line(&label(load), hue, densities));
-        // The theory is one of elastic bodies that do not attract each other.
+        // The theory holds for elastic bodies without attraction.
         if report.head.hardness.is_none() && !report.loads[load].has("interface_energy") {
             let mean = report.loads[load].number("mean_pressure");
             let density = |p: &f64| (p / scale, persson_pressure(*p, mean, variance) * scale);

@@ -1,4 +1,4 @@
-//! The result of a contact.
+//! Result of a contact.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use gfmd_run::convergence::NotConverged;
 use gfmd_run::series::Head;
 use gfmd_run::trace::Trace;
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
@@ -23,7 +23,7 @@ pub struct Report {
     pub loads: Vec<Record>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<Trace>,
-    /// Along x and along y.
+    /// Thresholds along x and along y.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flow_threshold: Option<[Option<Threshold>; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -31,29 +31,29 @@ pub struct Report {
     pub peak_bytes: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
-    /// The file of VTK.
+    /// VTK file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vtk: Option<PathBuf>,
     pub plots: Vec<PathBuf>,
 }
 
-/// The grids that were used for an accuracy, as printed.
+/// Printed grids used to reach an accuracy.
 #[derive(Clone, Debug, Serialize)]
 pub struct Accurate {
-    /// The largest relative error that was asked for.
+    /// Largest relative error allowed.
     pub asked: f64,
-    /// The grids, one after the other.
+    /// Grids in the order of use.
     pub grids: Vec<GridUsed>,
 }
 
-/// A grid that was used for an accuracy, as printed.
+/// Printed grid used to reach an accuracy.
 #[derive(Clone, Debug, Serialize)]
 pub struct GridUsed {
     /// Points along each side.
     pub n: [usize; 2],
     /// Wall time, s.
     pub seconds: f64,
-    /// The number that is farthest from the accuracy.
+    /// Number farthest from the accuracy.
     #[serde(flatten)]
     pub worst: Option<Worst>,
 }

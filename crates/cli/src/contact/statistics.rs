@@ -1,4 +1,4 @@
-//! The parts of a load that `--statistics` and `--flow` add: patches, distributions, spectra, flow through the gap.
+//! Parts of a load added by `--statistics` and `--flow`: patches, distributions, spectra, flow through the gap.
 
 use gfmd_contact::Fields as _;
 use gfmd_flow::Flow;
@@ -15,18 +15,18 @@ use gfmd_run::memory;
 use gfmd_run::series::Prepared;
 use gfmd_run::source::Surface;
 
-/// The results of the loads of one contact beside their scalars.
+/// Results of the loads of one contact beside their scalars.
 #[derive(Default)]
 pub(super) struct Gathered {
     pub(super) loads: Vec<Statistics>,
-    /// The state of the last load.
+    /// Flow of the last load that has one.
     pub(super) flow: Option<Flow>,
 }
 
-/// The patches, distributions and spectra of a load.
+/// Measures the patches, distributions and spectra of a load.
 ///
 /// # Errors
-/// Fields that do not fit the grid.
+/// Returns an error if the fields do not fit the grid.
 pub(super) fn measured(
     surface: &Surface,
     repulsion: ArrayView2<f64>,
@@ -36,11 +36,11 @@ pub(super) fn measured(
     found.map_err(|error| Failure::Computation(error.to_string()))
 }
 
-/// The record of a state that stands alone with what the flags ask to be measured, and its patches, distributions
-/// and spectra; `warn` takes the words of numbers that are less exact than they should be.
+/// Returns the record of a single state with the measurements requested by the flags, and its patches, distributions
+/// and spectra. `warn` receives a text for each number that is less exact than it should be.
 ///
 /// # Errors
-/// Measurements that the contact does not have; those that cannot be computed, or need more memory than there is.
+/// Returns an error if the contact lacks a measurement, or if one cannot be computed or needs too much memory.
 pub fn measure(
     args: &Args,
     prepared: &Prepared,
@@ -63,7 +63,7 @@ pub fn measure(
     Ok((record, findings.arrays))
 }
 
-/// All that is measured of one load if it is asked for.
+/// All requested measurements of one load.
 #[derive(Default)]
 pub(super) struct Findings {
     pub(super) arrays: Option<Statistics>,
@@ -74,11 +74,11 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Measures a load by its repulsive pressure and its gap; `at` has its summary, its residuals and its stiffness,
-    /// and `warn` takes the code and the words of numbers that are less exact than they should be.
+    /// Measures a load by its repulsive pressure and its gap. `at` has its summary, residuals and stiffness; `warn`
+    /// receives the code and text for each number that is less exact than it should be.
     ///
     /// # Errors
-    /// Fields that do not fit the grid, a flow or a conductance that cannot be computed.
+    /// Returns an error if the fields do not fit the grid, or if a flow or a conductance cannot be computed.
     pub(super) fn of(
         args: &Args,
         (surface, conducting): (&Surface, &Conducting),
@@ -97,7 +97,7 @@ impl Findings {
             }
         }
         if args.statistics || args.flow {
-            // In contact are the points that are repelled.
+            // Repelled points are in contact.
             let repulsion = repulsion.mapv(|p| p.max(0.0));
             if args.statistics {
                 let (arrays, patches) = measured(surface, repulsion.view(), gap)?;
@@ -111,7 +111,7 @@ impl Findings {
         Ok(found)
     }
 
-    /// The findings as columns take them.
+    /// Returns the findings in the form that the columns take.
     pub(super) fn borrowed(&self) -> gfmd_record::Measured<'_> {
         gfmd_record::Measured {
             patches: self.patches.as_ref(),

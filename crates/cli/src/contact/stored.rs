@@ -1,4 +1,4 @@
-//! The records in the file of a contact.
+//! Records in a contact file.
 
 use gfmd_files::Reader;
 use gfmd_problem::Facts;
@@ -9,19 +9,19 @@ use gfmd_run::failure::Failure;
 use gfmd_run::result::{Configuration, Kind};
 use gfmd_run::series::records_of;
 
-/// The configuration of the result of a contact.
+/// Reads the configuration of a contact result.
 ///
 /// # Errors
-/// A file that cannot be read; a key that is none of such results, a value of another type.
+/// Returns an error if the file cannot be read, a key does not belong to such results, or a value has another type.
 pub fn configuration(reader: &Reader) -> Result<toml::Table, Failure> {
     let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
     Configuration::read::<Args>(Kind::Contact, &text).map(Configuration::into_table)
 }
 
-/// The facts of the contact of a file, and the records of all its loads. A number that the file does not have is NaN.
+/// Reads the facts of the contact in a file, and the records of all its loads. A number missing in the file is NaN.
 ///
 /// # Errors
-/// A file that is no result of a contact.
+/// Returns an error if the file is not a contact result.
 pub fn records(reader: &Reader) -> Result<(Facts, Vec<Record>), Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
     let config = reader.text("/", "config").map_err(refuse)?;

@@ -1,4 +1,4 @@
-//! The report of a contact in words and numbers.
+//! Report of a contact as text.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::course::FLOW;
 use crate::session::list_files;
 use gfmd_run::hardness::GivenHardness;
 
-/// The conductance of the table in units of a device.
+/// Legend of the conductance, with its conversion to device units.
 const CONDUCTANCE: &str = "conductance: per area, times the sum of both resistivities; in W/(m2 K) by Python: \
                            result.conductance(\"50 W/(m K)\", \"0.2 W/(m K)\")";
 
@@ -53,7 +53,7 @@ impl fmt::Display for Report {
 }
 
 impl Report {
-    /// The lines of `--flow-threshold`.
+    /// Writes the lines of `--flow-threshold`.
     fn threshold(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (axis, found) in ["x", "y"].iter().zip(self.flow_threshold.iter().flatten()) {
             match found {

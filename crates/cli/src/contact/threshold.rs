@@ -1,4 +1,4 @@
-//! The loads at which the gap closes for a flow, by bisection.
+//! Loads at which the gap closes for a flow, found by bisection.
 
 use gfmd_contact::{Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
@@ -14,19 +14,18 @@ use gfmd_run::failure::{Failure, reached};
 use gfmd_run::series::{Prepared, Watching};
 use gfmd_run::session::Session;
 
-/// The relative width of the interval at which the bisection ends.
+/// Relative width of the interval at which the bisection ends.
 const WIDTH: f64 = 1e-3;
 
-/// The interval of loads in which the gap closes along one axis: the highest load at which it was open, and the lowest
-/// at which it was closed.
+/// Interval of loads in which the gap closes along one axis: highest load with an open gap, lowest with a closed one.
 #[derive(Clone, Debug)]
 pub struct Threshold(Vec<(&'static Column, [f64; 2])>);
 
-/// The names of its columns.
+/// Names of its columns.
 const NAMES: [&str; 6] =
     ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
 
-/// Its columns, as of a load.
+/// Returns the columns, defined as for a load.
 fn columns() -> impl Iterator<Item = &'static Column> {
     NAMES.iter().filter_map(|name| COLUMNS.iter().find(|column| column.name == *name))
 }
@@ -37,7 +36,7 @@ impl Threshold {
         Self(columns().map(both).collect())
     }
 
-    /// The numbers of a column on both sides.
+    /// Returns the numbers of a column on both sides.
     pub fn of(&self, name: &str) -> [f64; 2] {
         self.0.iter().find(|(column, _)| column.name == name).map_or([f64::NAN; 2], |(_, values)| *values)
     }
@@ -49,18 +48,18 @@ impl Serialize for Threshold {
     }
 }
 
-/// A load of the bisection.
+/// Load of the bisection.
 struct Sample {
     asked: f64,
     record: Record,
-    /// True along x (y) if something can flow.
+    /// True along x (y) if the gap is open for a flow.
     open: [bool; 2],
 }
 
-/// Checks that there is something to bisect.
+/// Checks that there are at least two loads to bisect.
 ///
 /// # Errors
-/// A single load.
+/// Returns an error for a single load.
 pub(super) fn check(args: &Args) -> Result<(), Failure> {
     let given = args.control.given();
     let mut loads: Vec<f64> =
@@ -76,8 +75,8 @@ pub(super) fn check(args: &Args) -> Result<(), Failure> {
 }
 
 impl Loads {
-    /// The loads at which the flow along x and along y stops; none where it does not do so between the lowest and the
-    /// highest load.
+    /// Returns the loads at which the flow along x and along y stops; `None` if it does not stop between the lowest and
+    /// the highest load.
     pub(super) fn threshold(
         &self,
         contact: &Posed,
@@ -134,7 +133,7 @@ impl Loads {
         if let Some(stopped) = stopped {
             return Err(stopped.at(&place));
         }
-        // Neither statistics nor flow are measured on the way.
+        // The samples need neither statistics nor flow.
         let plain = Facts { statistics: false, flow: false, ..*facts };
         let record = Record::of(&At { facts: &plain, ..self.prepared.at(&state, budget.tolerance) });
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
@@ -153,10 +152,10 @@ impl Loads {
     }
 }
 
-/// Writes the loads at which the flow stops, NaN where it does not.
+/// Writes the loads at which the flow stops, NaN if it does not.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if the file cannot be written.
 pub(super) fn write(
     archive: &mut Archive,
     units: &Units,

@@ -1,4 +1,4 @@
-//! The problem that the flags ask for: the facts that decide what goes together, and the rules that need numbers.
+//! Problem requested by the flags: facts that decide which options combine, and rules that need numbers.
 
 use gfmd_contact::{Contact, Solver};
 use gfmd_problem::Facts;
@@ -8,7 +8,7 @@ use gfmd_problem::options::values::numbers;
 use gfmd_run::failure::Failure;
 
 impl Args {
-    /// The facts of the contact, whose surface may be a `line`.
+    /// Returns the facts of the contact; `line` is true for a profile.
     pub(super) fn facts(&self, line: bool) -> Facts {
         Facts {
             approach: !self.control.displacement.is_empty(),
@@ -21,7 +21,7 @@ impl Args {
         }
     }
 
-    /// Checks that the search that is recorded is one.
+    /// Checks that a recorded search has a single load.
     pub(super) fn check_history(&self) -> Result<(), Failure> {
         let loads: usize = self.control.given().into_iter().map(|(_, values)| numbers(values).count()).sum();
         if self.trace.is_wanted() && loads > 1 {
@@ -30,7 +30,7 @@ impl Args {
         Ok(())
     }
 
-    /// Checks that several processes can share the method.
+    /// Checks that several processes can share the solver.
     pub(super) fn check_solver_of_several(&self) -> Result<(), Failure> {
         let solver = self.problem.solver.solver;
         if Contact::FREE_SOLVERS.contains(&solver) {

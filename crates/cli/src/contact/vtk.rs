@@ -1,4 +1,4 @@
-//! The last load as a file of VTK: the surface with its fields as point data.
+//! Last load as a VTK file: the surface with its fields as point data.
 
 use std::path::{Path, PathBuf};
 
@@ -12,17 +12,17 @@ use gfmd_run::failure::Failure;
 use gfmd_run::series::Field;
 use gfmd_run::source::Surface;
 
-/// A file of VTK to be written.
+/// VTK file to write.
 pub(super) struct VtkFile {
     output: Output,
     kind: Kind,
 }
 
-/// The kinds of files.
+/// Kinds of files.
 enum Kind {
     /// Points of the undeformed surface.
     Image,
-    /// The deformed surface.
+    /// Deformed surface.
     Polygons,
 }
 
@@ -32,7 +32,7 @@ impl VtkFile {
     /// Claims the path.
     ///
     /// # Errors
-    /// Another ending than `.vti` and `.vtp`; a path that cannot be written.
+    /// Returns an error if the extension is not `.vti` or `.vtp`, or if the path cannot be written.
     pub(super) fn claim(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         let kind = match extension.as_ref().and_then(|extension| extension.to_str()) {
@@ -44,11 +44,11 @@ impl VtkFile {
         Ok(Self { output, kind })
     }
 
-    /// Writes a state with its `fields`, the heights of the rigid surface, and 1 for the points in contact; of polygons
-    /// the points lie on the deformed surface, moved by `lateral`.
+    /// Writes a state with its `fields`, the heights of the rigid surface, and 1 for the points in contact. Polygons
+    /// have their points on the deformed surface, moved by `lateral`.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(super) fn write(
         &self,
         surface: &Surface,

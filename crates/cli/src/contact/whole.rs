@@ -9,7 +9,7 @@ use gfmd_run::rows;
 use gfmd_run::series::{Field, Prepared};
 use gfmd_run::source::Surface;
 
-/// The fields of a contact that figures and files of VTK need, whole, which the first of several processes gathers.
+/// Whole fields of a contact for figures and VTK files, gathered on the first of several processes.
 pub(super) struct Whole<'a> {
     pub(super) surface: Cow<'a, Surface>,
     pub(super) hardness: Option<Cow<'a, Hardness>>,
@@ -18,7 +18,7 @@ pub(super) struct Whole<'a> {
 }
 
 impl<'a> Whole<'a> {
-    /// `None` at all processes but the first; all of them take part.
+    /// Gathers the fields; `None` on all processes but the first. All processes must call it.
     pub(super) fn of(prepared: &'a Prepared, shown: Shown, fields: Vec<Field<'a>>) -> Option<Self> {
         let Prepared { surface, hardness, .. } = prepared;
         let share = &surface.share;
@@ -34,7 +34,7 @@ impl<'a> Whole<'a> {
             let values = rows::gathered(share, values.view())?;
             Some(Field { name, units, values: values.into() })
         });
-        // Each field travels, whoever gets it.
+        // Gather every field, since all processes take part.
         let fields: Vec<Option<Field>> = gathered.collect();
         let hardness = hardness.as_ref().map(|hardness| match hardness {
             Hardness::Field(field) => rows::gathered(share, field.view()).map(Hardness::Field),
@@ -47,7 +47,7 @@ impl<'a> Whole<'a> {
     }
 }
 
-/// The values of all rows at the first process, from those of the own ones.
+/// Gathers all rows on the first process; `own` are the rows of this one.
 fn gathered(share: &Share, own: Vec<f64>, columns: usize) -> Option<Vec<f64>> {
     let own = ArrayView2::from_shape((own.len() / columns, columns), &own).ok()?;
     rows::gathered(share, own).map(|whole: Array2<f64>| whole.into_raw_vec_and_offset().0)

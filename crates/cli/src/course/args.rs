@@ -38,7 +38,7 @@ fn is_periodic(boundary: &Boundary) -> bool {
 }
 
 impl AroundArgs {
-    /// The facts of a path, which may continue an earlier one, on a body with these.
+    /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
     pub(crate) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
         let Self { boundary, grid_error, flow } = self;
         Facts { task: Task::Path, boundary, flow, resume, grid_error, ..body }

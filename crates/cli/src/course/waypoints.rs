@@ -8,10 +8,10 @@ use gfmd_run::memory;
 use gfmd_run::series::Places;
 use serde::{Deserialize, Serialize};
 
-/// The largest number of steps of a path.
+/// Largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;
 
-/// The bytes of a step: its drive, its record, and its text.
+/// Bytes of a step: drive, record and text.
 const STEP_BYTES: u64 = 4096;
 
 /// The flags of the loads, or of the approaches. A single value holds for all waypoints.
@@ -40,14 +40,14 @@ pub(crate) struct LoadArgs {
     displacement: Vec<Entry>,
 }
 
-/// The load, or the approach, of a number.
+/// Function that returns the load or approach of a number.
 type LoadOf = fn(f64) -> Load;
 
 impl LoadArgs {
-    /// The loads or approaches, of which none may pull if the surfaces are `hard`, and the load of one.
+    /// Returns the loads or approaches, and the function from a value to its load. With `hard` surfaces none may pull.
     ///
     /// # Errors
-    /// A value that cannot be used; several flags.
+    /// Returns an error for a value that cannot be used, or for several flags.
     pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, LoadOf), Failure> {
         let flag = self.flag();
         let given = [&self.pressure, &self.p_star, &self.displacement];
@@ -68,7 +68,7 @@ impl LoadArgs {
         }
     }
 
-    /// The flag of the loads or approaches.
+    /// Returns the flag of the loads or approaches.
     pub(crate) fn flag(&self) -> &'static str {
         match (self.pressure.is_empty(), self.p_star.is_empty()) {
             (false, _) => "--pressure",
@@ -78,10 +78,10 @@ impl LoadArgs {
     }
 }
 
-/// The lengths of legs, in time or in distance, which `flag` gives.
+/// Returns the lengths of legs, in time or in distance, given by `flag`.
 ///
 /// # Errors
-/// A length that is negative or not finite.
+/// Returns an error if a length is negative or not finite.
 pub(crate) fn lengths(flag: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure> {
     let lengths: Vec<f64> = numbers(entries).collect();
     match lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
@@ -90,11 +90,11 @@ pub(crate) fn lengths(flag: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure
     }
 }
 
-/// The number of waypoints of lists, each with its flag and its length, between which there are `legs` of so many
-/// `steps`.
+/// Returns the number of waypoints of `lists` (flag, length). `legs` gives the number of legs of `steps` steps for a
+/// number of waypoints.
 ///
 /// # Errors
-/// A list of another length; more steps than there may be.
+/// Returns an error if a list has another length, or if there are too many steps.
 pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
     let count = lists.iter().map(|(_, length)| *length).max().unwrap_or(0);
     if let Some((flag, length)) = lists.iter().find(|(_, length)| *length != 1 && *length != count) {
@@ -109,8 +109,8 @@ pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
     Ok(count)
 }
 
-/// The steps of `count` legs, each of which has a length and ends at its value, or at the only one: the first begins
-/// with nothing. A leg of no length is one step. `drive` is that of a value, and of the length of the path so far.
+/// Returns the steps of `count` legs, starting from zero. Each leg has a length and ends at its value; a single value
+/// holds for all legs. A leg of zero length is one step. `drive` maps a value and the path length so far to a drive.
 pub(crate) fn legs(
     (values, lengths, count): (&[f64], &[f64], usize),
     steps: u32,

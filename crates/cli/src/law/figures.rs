@@ -1,4 +1,4 @@
-//! The figure of a law.
+//! Figure of a law.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! The check of the file of a path.
+//! Check of a path file.
 
 use gfmd_contact::Boundary;
 use gfmd_law::Limit;
@@ -67,19 +67,19 @@ impl Checked for Args {
     }
 }
 
-/// The least stress by which tractions of a law are compared, over E* times the rms gradient.
+/// Smallest stress scale for comparing tractions of a law, in units of E* times the rms gradient.
 const OF_LAW: f64 = 1e-3;
-/// The largest rounding error of a balance of energy that is closed, over its largest part.
+/// Largest rounding error of a closed energy balance, relative to its largest part.
 const CLOSED: f64 = 1e-9;
 
-/// The check of the numbers of a step that do not follow from its state alone.
+/// Check of the numbers of a step that do not follow from its state alone.
 struct StepCheck<'a> {
     args: &'a Args,
     stored: &'a Stored<'a>,
 }
 
 impl StepCheck<'_> {
-    /// Compares the scalars of a converged step that follow from others, of this step and of the one before.
+    /// Compares the scalars of a converged step that follow from other scalars of this step and the previous one.
     fn columns(&self, step: usize, comparison: &mut Comparison) {
         let now = |name: &str| self.stored.number(name, step);
         let facts = &self.stored.prepared.facts;
@@ -90,8 +90,8 @@ impl StepCheck<'_> {
             }
             return;
         }
-        // A law loses energy in jumps alone, on a body that relaxes in a step of no time.
-        // Without further solves the loss is the balance of the work, by the trapezoidal rule, and the energy.
+        // In a step of zero time, a relaxing body with a law loses energy in jumps only. Without further solves, the
+        // loss is the balance of the work by the trapezoidal rule and the energy.
         let has_energy = (facts.solves_a_law() || facts.relaxes.is_some()) && !now("interface_energy").is_nan();
         if step == 0 || !has_energy || now("extra_solves") != 0.0 {
             return;
@@ -113,7 +113,7 @@ impl StepCheck<'_> {
         comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
     }
 
-    /// Compares the flow with that through the stored gap.
+    /// Compares the flow with the flow through the stored gap.
     fn flow(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let Self { stored: file, .. } = self;
         let (number, Prepared { facts, surface, .. }) = (|name: &str| file.number(name, step), file.prepared);
@@ -132,8 +132,8 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// The pressure of the wall, or of a law that repels; and a stress below which tractions of a law are those that a
-    /// search may leave where the surfaces are apart, zero without a law.
+    /// Returns the pressure of the wall or of a repulsive law, and the stress scale of the tractions that a search may
+    /// leave where the surfaces are apart, zero without a law.
     fn repulsion(&self, pressure: &Array2<f64>, gap: &Array2<f64>) -> (Array2<f64>, f64) {
         let Prepared { facts, law, .. } = self.stored.prepared;
         if !facts.has_law() {
@@ -149,8 +149,8 @@ impl StepCheck<'_> {
         (repulsion, floor)
     }
 
-    /// Compares the balance of work and energy of a step of a viscoelastic body with the error that it states. With a
-    /// law nothing is known of the work before the first step.
+    /// Compares the balance of work and energy of a viscoelastic step with its stated error. With a law, the work
+    /// before the first step is unknown.
     fn balance(&self, step: usize, comparison: &mut Comparison) {
         let has_law = self.stored.prepared.facts.has_law();
         if has_law && step == 0 {
@@ -166,10 +166,10 @@ impl StepCheck<'_> {
             missing -= now("interface_energy") - before("interface_energy");
             floor = floor.max(now("interface_energy").abs()).max(before("interface_energy").abs());
         }
-        // The loss of a step with a jump, which a law alone has, is that which closes the balance.
+        // Only a law has jumps; the loss of a step with a jump closes the balance.
         let spread = (now("mean_pressure") - before("mean_pressure")) * (now("displacement") - before("displacement"));
         let is_closed = has_law && missing.abs() <= CLOSED * floor && now("work_imbalance") > CLOSED * floor;
-        // A change of the load takes no time, and loses nothing in the dashpots.
+        // A sudden change of the load takes no time and loses nothing in the dashpots.
         let is_at_once = now("time") == before("time");
         let found = match () {
             () if is_closed => 0.5 * spread.abs(),
@@ -183,7 +183,7 @@ impl StepCheck<'_> {
         }
     }
 
-    /// Compares the fields of a viscoelastic body with one another, and with its memory at the last step.
+    /// Compares the fields of a viscoelastic body with each other, and with its memory at the last step.
     fn relaxing(
         &self,
         (waypoint, step): (usize, usize),
@@ -226,7 +226,7 @@ impl StepCheck<'_> {
         }
         let largest = repulsion.iter().copied().fold(0.0, f64::max);
         match facts.has_law() {
-            // The mean pressure is the one of the law, the field the one of the displacement: equal to the residual.
+            // The mean pressure follows from the law, the field from the displacement: they agree up to the residual.
             true => comparison.at_most(
                 "/path/mean_pressure",
                 (number("mean_pressure") - mean(&pressure)).abs() / floor,
@@ -235,7 +235,7 @@ impl StepCheck<'_> {
             false => comparison.number("/path/mean_pressure", number("mean_pressure"), mean(&pressure), floor),
         }
         comparison.number("/path/max_pressure", number("max_pressure"), largest, floor);
-        // Where a law vanishes, the sign of its pressure is that of rounding errors.
+        // Where a law vanishes, its pressure has the sign of rounding errors.
         let touching = |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
         let [fewest, most] = [touching(args.steps.search.tol * floor), touching(0.0)];
         let area = number("area_fraction");
@@ -249,7 +249,7 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// Recomputes the displacement from the tractions, and from it gap and energy.
+    /// Recomputes the displacement from the tractions, then gap and energy.
     fn tractions(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let Self { args, stored: file } = self;
         let Prepared { surface, body, limit, law, .. } = file.prepared;
@@ -280,7 +280,7 @@ impl StepCheck<'_> {
                 FreeFullTransforms::of(&response).compliance(&traction, &mut displacement);
             }
         }
-        // The mean displacement of a half-space is a matter of convention, so that the gap is compared up to its mean.
+        // The mean displacement of a half-space is a convention, so compare the gap up to its mean.
         let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let found: Vec<f64> =
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
@@ -296,7 +296,7 @@ impl StepCheck<'_> {
         }
         let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
         match law {
-            // The mean pressure is that of the law, the field that of the displacement: equal to the residual.
+            // The mean pressure follows from the law, the field from the displacement: they agree up to the residual.
             Some(_) => comparison.at_most(
                 "/path/mean_pressure",
                 (stored("mean_pressure") - mean_pressure).abs() / unit_pressure,
@@ -325,7 +325,7 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// The shear stays within its limit.
+    /// Checks that the shear stays within its limit.
     fn limits(&self, limit: Limit, pressure: &Array2<f64>, shear: &[f64], comparison: &mut Comparison) {
         let points = pressure.len();
         let limits: Vec<f64> = pressure.iter().map(|p| if *p > 0.0 { limit.at(*p) } else { 0.0 }).collect();
@@ -338,7 +338,7 @@ impl StepCheck<'_> {
     }
 }
 
-/// The largest distance of two fields, each less its mean. NaN if there is one.
+/// Returns the largest distance of two fields after subtracting their means; NaN if any distance is NaN.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     let mean = |field: &[f64]| field.iter().sum::<f64>() / field.len() as f64;
     let shift = mean(a) - mean(b);
@@ -350,8 +350,8 @@ fn flat(field: &Array2<f64>) -> Vec<f64> {
     field.iter().copied().collect()
 }
 
-/// Compares the mean gap, over heights of size `height`. In full contact behind a wall it is stored as zero, whatever
-/// the search leaves of it within its tolerance.
+/// Compares the mean gap, relative to heights of size `height`. In full contact behind a wall the stored gap is zero,
+/// while the search leaves a gap within its tolerance.
 fn compare_gap(comparison: &mut Comparison, stored: f64, found: f64, (is_closed, height, tolerance): (bool, f64, f64)) {
     if is_closed && stored == 0.0 {
         comparison.at_most("/path/mean_gap", found.abs() / height, 10.0 * tolerance);

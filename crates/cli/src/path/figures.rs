@@ -1,4 +1,4 @@
-//! The figures of a path.
+//! Figures of a path.
 
 use std::path::{Path, PathBuf};
 
@@ -10,8 +10,8 @@ use gfmd_report::figures::{Scene, length, named};
 use gfmd_report::path::{in_time, legs};
 use gfmd_run::failure::Failure;
 
-/// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and
-/// contact area against pressure, or, with lateral motion, shear and sticking area against lateral displacement.
+/// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and contact
+/// area against pressure, or, with lateral motion, shear and sticking area against lateral displacement.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,
@@ -22,7 +22,7 @@ pub(super) fn draw(
     let mut files = scene.draw(prefix)?;
     let unit_pressure = report.head.e_star * report.head.rms_gradient;
     let lateral = |step: &Record| report.along(step.vector("lateral"));
-    // The motion that tells the directions of a loop apart, the same in all panels.
+    // Motion that separates the directions of a loop, common to all panels.
     let drive = |step: &Record| match report.moves_sideways() {
         true => lateral(step),
         false => step.value("displacement").unwrap_or_else(|| step.number("p_star")),

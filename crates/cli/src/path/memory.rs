@@ -1,4 +1,4 @@
-//! The memory of a viscoelastic body in the file of a path, by which the pressure of the last step is checked.
+//! Memory of a viscoelastic body in a path file, used to check the pressure of the last step.
 
 use gfmd_contact::Contact;
 use gfmd_files::{Archive, Dimension, Reader, Variable, axes, contiguous};
@@ -12,7 +12,7 @@ use ndarray::Array2;
 const DISPLACEMENT: &str = "/history/displacement";
 const BRANCH: &str = "/history/branch";
 
-/// The difference that rounding leaves between a displacement and that of the pressure, over the largest.
+/// Rounding error of a displacement recomputed from the pressure, relative to the largest displacement.
 const ROUNDING: f64 = 1e-9;
 
 /// Writes the memory of the last state.
@@ -43,7 +43,7 @@ fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(
         long_name: "indentation of the surface at the last step, positive downwards",
     };
     archive.define_rows(DISPLACEMENT, &variable)?;
-    // Its own name is that of the variable.
+    // The variable itself is named `branch`, hence another name for the dimension.
     let branch = Dimension::index("index", branches, "number of the branch of the relaxation");
     let variable = Variable {
         dimensions: &[&branch, &x, &y],
@@ -53,7 +53,7 @@ fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(
     Ok(archive.define(BRANCH, &variable)?)
 }
 
-/// The contact of a viscoelastic body; `None` of an elastic one.
+/// Returns the contact of a viscoelastic body; `None` for an elastic one.
 fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failure> {
     let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
     let elastic = Contact::bounded(facts.boundary, body, &surface.grid, &surface.heights);
@@ -62,7 +62,7 @@ fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failur
     contact.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
 }
 
-/// Recomputes the pressure of the last step and its elastic energy, which is `stored`, from the memory.
+/// Recomputes the pressure of the last step and its elastic energy, given as `stored`, from the memory.
 pub(super) fn check(
     reader: &Reader,
     prepared: &Prepared,

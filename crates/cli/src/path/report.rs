@@ -1,4 +1,4 @@
-//! The printed report of a path.
+//! Printed report of a path.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -16,13 +16,13 @@ use gfmd_run::hardness::GivenHardness;
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::series::Head;
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
-    /// Unit vector of the lateral displacement, on which lateral numbers of the table and the plots are projected.
+    /// Unit vector of the lateral displacement; the table and the plots show lateral numbers along it.
     pub direction: [f64; 2],
     pub steps: Vec<Record>,
     /// Stiffness and friction of each leg with lateral motion.
@@ -31,16 +31,16 @@ pub struct Report {
     pub dissipated: Option<f64>,
     /// Sum of the errors of the steps; `None` if one is unknown.
     pub dissipated_error: Option<f64>,
-    /// Sum of the imbalances of the steps, of a body that relaxes.
+    /// Sum of the imbalances of the steps, for a relaxing body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work_imbalance: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
     /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure,
-    /// where they are known.
+    /// if known.
     #[serde(flatten)]
     pub limits: BTreeMap<String, f64>,
-    /// The step at which the surfaces parted under their load, the last one.
+    /// Step at which the surfaces parted under their load, the last one.
     pub parted_at: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_converged: Option<NotConverged>,
@@ -50,14 +50,14 @@ pub struct Report {
     pub plots: Vec<PathBuf>,
 }
 
-/// The stiffness and the friction measured on one leg.
+/// Stiffness and friction measured on one leg.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sliding {
     /// Number of the leg, from 1.
     pub leg: usize,
-    /// Shear over lateral displacement in its first step, stress/length.
+    /// Shear divided by lateral displacement in the first step of the leg, stress/length.
     pub tangential_stiffness: f64,
-    /// Largest ratio of mean shear, in magnitude, to mean pressure of any step. If the leg is long enough to slide
+    /// Largest magnitude of mean shear divided by mean pressure of any step. If the leg is long enough to slide
     /// everywhere, this is the coefficient of static friction.
     pub friction_coefficient: f64,
 }
@@ -93,7 +93,7 @@ impl Report {
         report
     }
 
-    /// Adds the limit of a number by its values on both grids, with an error of at least this, unless it is not known.
+    /// Adds the limit of a number from its values on both grids, if known, with an error of at least `least`.
     fn limit(&mut self, name: &str, [value, fine]: [f64; 2], least: f64) {
         let found = GridLimit::of_two_grids(value, fine);
         if found.half_width.is_finite() {
@@ -103,7 +103,7 @@ impl Report {
         }
     }
 
-    /// A number on an infinitely fine grid, with the digits that its error leaves; `None` without a limit.
+    /// Formats a number on an infinitely fine grid with its certain digits; `None` without a limit.
     fn on_fine_grid(&self, name: &str, kind: &str) -> Option<String> {
         let of = |end: &str| self.limits.get(&format!("{name}_{end}")).copied();
         let (limit, error) = of("limit").zip(of("limit_error"))?;
@@ -113,7 +113,7 @@ impl Report {
         Some(format!("{} {text}{unit}", name.replace('_', " ")))
     }
 
-    /// The component of a vector along the lateral displacement.
+    /// Returns the component of a vector along the lateral displacement.
     pub fn along(&self, [x, y]: [f64; 2]) -> f64 {
         x * self.direction[0] + y * self.direction[1]
     }
@@ -123,7 +123,7 @@ impl Report {
         self.steps.iter().any(|step| step.vector("lateral") != self.steps[0].vector("lateral"))
     }
 
-    /// The stiffness and the friction of each leg with lateral motion.
+    /// Returns the stiffness and the friction of each leg with lateral motion.
     fn sliding(&self, steps_of_leg: usize) -> Vec<Sliding> {
         let last = self.steps.len().saturating_sub(1);
         let leg = |(number, start): (usize, usize)| {
@@ -142,13 +142,13 @@ impl Report {
     }
 }
 
-/// The lowest number of a column; NaN if one has no value.
+/// Returns the lowest number of a column; NaN if one has no value.
 fn lowest(steps: &[Record], name: &str) -> f64 {
     let numbers = || steps.iter().map(|step| step.number(name));
     if numbers().any(f64::is_nan) { f64::NAN } else { numbers().fold(f64::INFINITY, f64::min) }
 }
 
-/// The columns of the table that may be without a value although others of their kind have one.
+/// Columns of the table that may lack a value although others of their kind have one.
 const TABLE: [&str; 5] = ["displacement", "elastic_energy", "dissipated", "dissipated_error", "passed_instability"];
 
 impl fmt::Display for Report {

@@ -1,4 +1,4 @@
-//! The waypoints of a path, and the steps between them.
+//! Waypoints of a path, and the steps between them.
 
 use clap::Args as ClapArgs;
 use gfmd_contact::Drive;
@@ -35,10 +35,10 @@ pub(super) struct WaypointArgs {
 gfmd_problem::defaults_of_flags!(WaypointArgs);
 
 impl WaypointArgs {
-    /// The drive of every step, and the steps that are waypoints.
+    /// Returns the drive of every step, and the steps that are waypoints.
     ///
     /// # Errors
-    /// The flag that cannot be used.
+    /// Returns an error naming a flag that cannot be used.
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<(Vec<Drive>, Places), Failure> {
         let flag = self.flag();
         let (values, load) = self.loads.values(unit_pressure, hard)?;
@@ -49,7 +49,7 @@ impl WaypointArgs {
         let lateral = if self.lateral.is_empty() { vec![0.0] } else { self.lateral.clone() };
         let times = lengths("--time", &self.time)?;
         let lists = [(flag, values.len()), ("--lateral", lateral.len()), ("--time", times.len().max(1))];
-        // The first of the legs that have a time ends at the first waypoint.
+        // With times, the first leg ends at the first waypoint.
         let count = counted(&lists, steps, |count| count - usize::from(times.is_empty()))?;
         if !times.is_empty() {
             return Ok(legs((&values, &times, count), steps, |value, time| Drive::from(load(value)).at(time)));
@@ -68,12 +68,12 @@ impl WaypointArgs {
         Ok((drives, Places::Every(steps as usize)))
     }
 
-    /// The flag of the loads or approaches.
+    /// Returns the flag of the loads or approaches.
     pub(super) fn flag(&self) -> &'static str {
         self.loads.flag()
     }
 
-    /// The unit vector of the lateral displacement.
+    /// Returns the unit vector of the lateral displacement.
     pub(super) fn along(&self) -> [f64; 2] {
         let angle = self.direction.to_radians();
         // The default is exactly along x, without the rounding error of a sine.

@@ -1,4 +1,4 @@
-//! The figures of the theories of a surface.
+//! Figures of the theories of a surface.
 
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str)
     files.extend(Chart::new(vec![panel]).save(&named(stem, "gap"))?);
     let deviation = theories.persson.variance(f64::INFINITY).sqrt();
     let highest = p_star.iter().map(|p| theories.pressure(*p)).fold(0.0, f64::max) + 4.0 * deviation;
-    // E* g, by which pressures are reduced.
+    // E* g, the unit of reduced pressures.
     let scale = theories.pressure(1.0);
     let distribution = |(hue, load): (usize, &f64)| {
         let mean = theories.pressure(*load);
@@ -62,5 +62,5 @@ pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str)
     Ok(files)
 }
 
-/// Curves that can be told apart.
+/// Largest number of distinguishable curves.
 const MOST_CURVES: usize = 6;

@@ -1,4 +1,4 @@
-//! The check of the file of wear.
+//! Check of a wear file.
 
 use std::path::PathBuf;
 
@@ -14,8 +14,8 @@ use crate::checking::{Checked, Checking};
 use crate::course::{StepArgs, leak};
 
 impl Checked for Args {
-    /// Recomputes the states at the waypoints from pressure and lost depth, and of all steps the drive, the volume, and
-    /// the balance of work and energy.
+    /// Recomputes the states at the waypoints from pressure and lost depth; for all steps also the drive, the volume,
+    /// and the balance of work and energy.
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
         let Checking { reader, session, .. } = checking;
         let args: Self = checking.problem(|args: &Self| args.around.boundary, comparison)?;

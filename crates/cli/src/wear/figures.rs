@@ -1,4 +1,4 @@
-//! The figures of wear.
+//! Figures of wear.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use ndarray::Array2;
 
 use super::Report;
 
-/// Draws the path against the distance, and its last step with the depth that is lost.
+/// Draws the path against the distance, and its last step with the lost depth.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,

@@ -1,4 +1,4 @@
-//! The printed report of wear.
+//! Printed report of wear.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -12,13 +12,13 @@ use gfmd_run::convergence::NotConverged;
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::series::Head;
 
-/// The result, as printed.
+/// Printed result.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
-    /// Depth lost per distance, over the pressure, 1/stress.
+    /// Depth lost per distance divided by the pressure, 1/stress.
     pub coefficient: f64,
     pub steps: Vec<Record>,
     /// Work of the pressure on the depth lost along the path, per area.

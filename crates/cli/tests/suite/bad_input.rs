@@ -128,7 +128,7 @@ fn punches_that_cannot_be_pressed() {
     refused(folder.path(), "punch --n 15 --punch-fraction 0.05", 2, &["--punch-fraction", "no point of 15", "0.05"]);
     refused(folder.path(), "punch --n 1", 2, &["--n", "at least 2"]);
     refused(folder.path(), "punch --n 1000000000", 2, &["1000000000", "GiB"]);
-    // The flag named is the one that asks for the grid that does not fit.
+    // The message names the flag that requests the grid.
     refused(folder.path(), "punch --n 2000000 --refine 2", 2, &["--n:", "2000000 x 2000000", "GiB"]);
     refused(folder.path(), "punch --n 1024 --refine 8", 2, &["--refine:", "131072 x 131072", "GiB"]);
     punch("--depth 0", &["--depth", "positive", "0"]);

@@ -1,5 +1,5 @@
-//! Bodies below a surface whose mean level has no stiffness: every stress has the mean of the surface, from every kind
-//! of result; and numbers that such a level does not have.
+//! Bodies with a surface level that has no stiffness: every stress has the mean of the surface, for every kind of
+//! result; and numbers that are undefined without a level.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ fn run(folder: &Path, flags: &str) -> Value {
     json(folder, &flags.split_whitespace().collect::<Vec<_>>())
 }
 
-/// The line of the error of a command that must be refused.
+/// Returns the error line of a command that must be refused.
 fn refused(folder: &Path, flags: &str) -> String {
     let output = gfmd(folder, &flags.split_whitespace().collect::<Vec<_>>());
     assert_eq!(output.status.code(), Some(2), "{flags}: {}", String::from_utf8_lossy(&output.stderr));
@@ -31,8 +31,8 @@ fn largest(values: &[f64]) -> f64 {
 const SURFACE: &str = "--n 16 --eps-f-inv 4 --seed 3";
 const BODY: &str = "--young 1 --poisson 0.3";
 
-/// The traction [xz, yz, zz] (a line: [xz, zz]) on the surface of a result, as its file has it; components that it has
-/// not are 0.
+/// Returns the traction [xz, yz, zz] (a line: [xz, zz]) on the surface of a result, as stored; missing components are
+/// 0.
 fn tractions(file: &Reader) -> Vec<Vec<f64>> {
     if file.contains("/fields/traction") {
         let traction: Vec<f64> = file.values("/fields/traction").unwrap();
@@ -49,8 +49,8 @@ fn tractions(file: &Reader) -> Vec<Vec<f64>> {
     if shape[2] == 1 { vec![shear("shear_x"), normal] } else { vec![shear("shear_x"), shear("shear_y"), normal] }
 }
 
-/// The mean of σ_xz and σ_zz is that of the surface at every depth, and σ_zz of the surface is the pressure, point by
-/// point, so that open points bear none.
+/// At every depth, σ_xz and σ_zz have the mean of the surface. At the surface, σ_zz is the pressure at each point, so
+/// that open points bear none.
 #[test]
 fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
     let folder = tempfile::tempdir().unwrap();
@@ -111,7 +111,7 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
         let [source, below] = ["source.h5", "below.h5"].map(|name| Reader::open(folder.join(name)).unwrap());
         let surface = tractions(&source);
         let components = *below.shape("/fields/stress").unwrap().last().unwrap();
-        // Rows xx, yy, zz, yz, xz, xy; of a line xx, zz, xz.
+        // Rows xx, yy, zz, yz, xz, xy; for a line xx, zz, xz.
         let (zz, xz) = if components == 4 { (2, 3) } else { (2, 4) };
         let mut shear = mean(&surface[0]);
         if source.contains("/loads/mean_shear_x") {
@@ -121,7 +121,7 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
         let normal = &surface[surface.len() - 1];
         let stress: Vec<f64> = below.values("/fields/stress").unwrap();
         let planes = below.shape("/fields/stress").unwrap()[0];
-        // Between two layers there are two planes.
+        // An interface between two layers has two planes.
         assert!(planes >= 3);
         let scale = largest(normal);
         for plane in stress.chunks_exact(stress.len() / planes) {
@@ -131,7 +131,7 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
             assert!((found_xz - shear).abs() < 1e-12 * scale, "{made}: {found_xz} {shear}");
         }
         let top: Vec<f64> = stress.iter().skip(zz).step_by(components).take(normal.len()).copied().collect();
-        // Tractions of a path, a law and a punch are those of the displacement to the tolerance of their search.
+        // Tractions of a path, a law and a punch match the displacement up to the tolerance of their search.
         let is_searched = ["law", "punch"].iter().any(|word| made.contains(word));
         let bound = if is_searched { 1e-6 } else { 1e-11 };
         for (found, wanted) in top.iter().zip(normal) {
@@ -148,8 +148,8 @@ fn the_mean_traction_of_every_result_is_borne_at_every_depth() {
     }
 }
 
-/// A body that relaxes has, in the first instant and after a long time, the stresses of the elastic bodies with its
-/// instantaneous and its long-term modulus; the numbers that depend on earlier loads are left out with a reason.
+/// A relaxing body has, initially and after a long time, the stresses of the elastic bodies with its instantaneous and
+/// its long-term modulus. Numbers that depend on earlier loads are left out with a reason.
 #[test]
 fn a_body_that_relaxes_has_the_stress_of_its_pressure() {
     let folder = tempfile::tempdir().unwrap();
@@ -198,7 +198,7 @@ fn a_body_that_relaxes_has_the_stress_of_its_pressure() {
     }
 }
 
-/// Where the stress below a contact is not known, one line says so.
+/// Where the stress below a contact is unknown, one line says so.
 #[test]
 fn the_stress_below_a_contact_without_its_traction_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -222,8 +222,8 @@ fn the_stress_below_a_contact_without_its_traction_is_refused() {
     }
 }
 
-/// The mean strain energy and the mean von Mises stress of a half-space below a deep plane are those of a column that
-/// is confined laterally, to which a high slab comes close.
+/// Below a deep plane of a half-space, the mean strain energy and the mean von Mises stress equal the values of a
+/// laterally confined column, which a high slab approaches.
 #[test]
 fn a_half_space_is_the_limit_of_high_slabs_also_in_the_mean() {
     let folder = tempfile::tempdir().unwrap();
@@ -249,7 +249,7 @@ fn a_half_space_is_the_limit_of_high_slabs_also_in_the_mean() {
     }
 }
 
-/// An array of displacements does not say the mean traction of a half-space: it is given, or 0 with a warning.
+/// A displacement array does not determine the mean traction of a half-space: it is given, or 0 with a warning.
 #[test]
 fn the_mean_traction_below_an_array_is_given_or_warned_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -279,8 +279,8 @@ fn the_mean_traction_below_an_array_is_given_or_warned_of() {
     assert!(text.contains("--mean-traction") && text.contains("left out"), "{text}");
 }
 
-/// With a base that moves, p*, the rms gradient, the rms height and kappa are of the surface that it displaces: those
-/// of the contact of that surface with the base at rest.
+/// With a moving base, p*, the rms gradient, the rms height and kappa refer to the displaced surface: they equal the
+/// numbers of the contact of that surface with the base at rest.
 #[test]
 fn over_a_base_that_moves_all_numbers_are_of_the_displaced_surface() {
     let folder = tempfile::tempdir().unwrap();
@@ -311,7 +311,7 @@ fn over_a_base_that_moves_all_numbers_are_of_the_displaced_surface() {
     assert!(text.contains("--boundary is free; it must be periodic with --base-displacement"), "{text}");
 }
 
-/// The names of the columns of a load that are null, all of which have a reason.
+/// Returns the names of the null columns of a load and checks that each has a reason.
 fn nulls(load: &Value) -> Vec<String> {
     let all = load.as_object().unwrap().iter();
     let null: Vec<String> = all.filter(|(_, value)| value.is_null()).map(|(key, _)| key.clone()).collect();
@@ -321,8 +321,8 @@ fn nulls(load: &Value) -> Vec<String> {
     null
 }
 
-/// A line with free boundaries on a half-space is displaced by a logarithm that has no level: what depends on it has no
-/// value.
+/// The displacement of a line with free boundaries on a half-space is a logarithm without a level: numbers that depend
+/// on the level have no value.
 #[test]
 fn a_line_without_a_level_has_no_approach_and_no_energy() {
     let folder = tempfile::tempdir().unwrap();
@@ -367,7 +367,7 @@ fn a_line_without_a_level_has_no_approach_and_no_energy() {
     assert!(report["loads"][0]["displacement"].is_number() && report["loads"][0]["elastic_energy"].is_number());
 }
 
-/// Every stiffness that is not there says why.
+/// Every missing stiffness has a reason.
 #[test]
 fn every_stiffness_without_a_value_has_its_reason() {
     let folder = tempfile::tempdir().unwrap();
@@ -396,7 +396,7 @@ fn every_stiffness_without_a_value_has_its_reason() {
     assert!(nulls(&load).iter().all(of_the_grid) && load["stiffness"].is_number());
 }
 
-/// The program and its check pose one contact, in units of its own size: every number is met to the last bit.
+/// The program and its check solve the same contact in units of its own size: every number agrees to the last bit.
 #[test]
 fn the_check_poses_the_contact_of_the_program_in_any_unit() {
     let folder = tempfile::tempdir().unwrap();
@@ -424,7 +424,7 @@ fn the_check_poses_the_contact_of_the_program_in_any_unit() {
         "--p-star 0.05 --finite-slope",
     ] {
         let wanted = reduced(flags, 1.0, 1.0);
-        // Units within the range of the program, in which E* times the rms gradient is 1e-140 to 1e140.
+        // Units within the range of the program: E* times the rms gradient is 1e-140 to 1e140.
         for (young, length) in [(1e-130, 1.0), (1e130, 1.0), (1e-60, 1e-60), (1e60, 1e60)] {
             for (found, wanted) in reduced(flags, young, length).iter().zip(&wanted) {
                 assert!((found / wanted - 1.0).abs() < 1e-6, "{flags} {young:e} {length:e}: {found} {wanted}");

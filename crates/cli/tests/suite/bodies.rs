@@ -38,7 +38,7 @@ fn a_contact_on_layers_is_recorded_and_read_back() {
     assert_eq!(config["layer"].as_array().unwrap().len(), 2);
     let checked = run(folder, "check c.h5 --rerun --json");
     assert_eq!(checked["differing"], 0);
-    // The start of a contact that is kept is that of its body.
+    // The first lines of a contact describe its body.
     let text = String::from_utf8(
         gfmd(folder, &words("contact --n 32 --eps-f-inv 4 --p-star 0.02 --height 1 --base free")).stdout,
     );
@@ -50,7 +50,7 @@ fn a_contact_on_layers_is_recorded_and_read_back() {
     );
 }
 
-/// On either side of an interface the tractions are equal, and the lateral stress jumps as the moduli do.
+/// At an interface the tractions are continuous, and the lateral stress jumps with the moduli.
 #[test]
 fn stresses_jump_at_interfaces_and_the_pressure_is_met_at_the_surface() {
     let folder = tempfile::tempdir().unwrap();
@@ -70,7 +70,7 @@ fn stresses_jump_at_interfaces_and_the_pressure_is_met_at_the_surface() {
     let peak = pressure.iter().copied().fold(0.0, f64::max);
     let mut jump: f64 = 0.0;
     for (point, p) in pressure.iter().enumerate() {
-        // Without lateral coupling along Nyquist directions: see theory.md.
+        // Without lateral coupling along Nyquist directions, see theory.md.
         assert!((at(0, point, 2) + p).abs() < 0.02 * peak, "{point}");
         for component in 2..5 {
             assert!((at(1, point, component) - at(2, point, component)).abs() < 1e-9 * peak, "{point} {component}");
@@ -84,10 +84,10 @@ fn stresses_jump_at_interfaces_and_the_pressure_is_met_at_the_surface() {
         assert!((found + mean).abs() < 1e-12 * peak, "{level}: {found} {mean}");
     }
     assert_eq!(run(folder, "check b.h5 --json")["differing"], 0);
-    // One level on each side of the interface that is asked for, in digits of its own.
+    // One level on each side of the requested interface, although its depth differs by rounding.
     let one = run(folder, "body --surface c.h5 --depths 0.15,0.16 --json");
     assert_eq!(one["levels"].as_array().unwrap().len(), 3);
-    // Flags change what the file records.
+    // Flags override the values recorded in the file.
     let thicker = run(folder, "body --surface c.h5 --layer 1,0.4,0.3 --depths 0.34 --json");
     assert_eq!(thicker["levels"].as_array().unwrap().len(), 1);
 }
@@ -154,7 +154,7 @@ fn a_sweep_has_bodies_of_its_own() {
         let text = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && text.contains(named), "{line}: {text}");
     }
-    // Moduli may have a unit, of which the ratios matter; nothing else has one.
+    // Moduli may have a unit, since only their ratios matter; nothing else has one.
     for (with, without) in [("\"3GPa\"", "3e9"), ("\"2 GPa\"", "2e9")] {
         let body = |modulus: &str| format!("[body]\nyoung = 1e9\nheight = 0.2\nlayers = [[{modulus}, 0.3, 0.1]]\n");
         let shown = [with, without].map(|modulus| {
@@ -216,7 +216,7 @@ fn what_does_not_go_together_is_refused_with_what_is_allowed() {
     assert!(text.contains("nothing holds the plate"), "{text}");
 }
 
-/// A base that moves: read from a file, kept in the result, checked, run again, and seen inside.
+/// A moving base: read from a file, kept in the result, checked, run again, and used for the fields inside.
 #[test]
 fn a_base_that_moves_is_kept_and_met_inside() {
     let folder = tempfile::tempdir().unwrap();
@@ -246,7 +246,7 @@ fn a_base_that_moves_is_kept_and_met_inside() {
     for (stress, pressure) in stress.chunks_exact(6).zip(&pressure) {
         assert!((stress[2] + pressure).abs() < 1e-7 * peak, "{stress:?} {pressure}");
     }
-    // A field of another quantity is refused by its unit.
+    // A field of another quantity is refused because of its unit.
     for (flags, words) in [
         ("contact --n 27 --p-star 0.1 --height 0.3 --base-displacement c.h5:/fields/pressure", "--base-displacement: "),
         ("contact --n 27 --p-star 0.1 --height 0.3 --base free --base-traction c.h5:/base/lift", "--base-traction: "),
@@ -259,7 +259,7 @@ fn a_base_that_moves_is_kept_and_met_inside() {
         assert!(output.status.code() == Some(2) && text.contains(words), "{text}");
         assert!(text.contains("the unit is ") && text.contains("; it must be "), "{text}");
     }
-    // A base that the body does not have is refused by the name of the flag.
+    // A moving base that does not suit the body is refused with the name of the flag.
     ndarray_npy::write_npy(folder.join("base.npy"), &wave(0.01)).unwrap();
     for (flags, words) in [
         ("--height inf --base-displacement base.npy", "--base-displacement: the displacement of the base is given"),
@@ -280,8 +280,8 @@ fn with_points(flags: &str) -> String {
     if flags.contains("--n ") { flags.to_owned() } else { format!("--n 27 {flags}") }
 }
 
-/// A table of the compliance of a body at wavenumbers from below the cell to beyond the spacing of 64 points, with a
-/// head.
+/// Writes a table of the compliance of a body, with a header, at wavenumbers from below the cell to beyond the spacing
+/// of 64 points.
 fn write_compliance(folder: &std::path::Path, name: &str, head: &str, compliance: impl Fn(f64) -> f64) {
     let rows = (0..400).map(|k| 5.0 * 60.0_f64.powf(f64::from(k) / 399.0));
     let rows: String = rows.map(|q| format!("{q:e},{:e}\n", compliance(q))).collect();
@@ -329,7 +329,7 @@ fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
     }
 }
 
-/// A stiffness (1/2) |A q| with a diagonal A is that of a half-space on a cell whose sides are over those of A.
+/// A stiffness (1/2) |A q| with diagonal A equals a half-space on a cell with sides divided by the entries of A.
 #[test]
 fn a_table_by_direction_is_a_half_space_on_a_stretched_cell() {
     let folder = tempfile::tempdir().unwrap();

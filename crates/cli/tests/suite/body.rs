@@ -57,7 +57,7 @@ fn a_contact_says_its_body_and_its_pressure_is_met_again() {
     let (contact, body) = (contact.unwrap(), body.unwrap());
     let pressure: Vec<f64> = contact.slab("/fields/pressure", 0).unwrap();
     let stress: Vec<f64> = body.slab("/fields/stress", 0).unwrap();
-    // The scalar response keeps G_zz(|q|) along Nyquist directions, which three components do not: see theory.md.
+    // The scalar response keeps G_zz(|q|) along Nyquist directions, unlike three components, see theory.md.
     let largest = pressure.iter().fold(0.0, |largest: f64, p| largest.max(*p));
     let error = pressure.iter().zip(stress.chunks_exact(6)).map(|(p, stress)| (p + stress[2]).abs());
     assert!(error.fold(0.0, f64::max) < 0.02 * largest);
@@ -156,7 +156,7 @@ fn a_wave_along_x_is_that_of_a_line_and_a_comparison_says_so() {
     let body = "--young 1 --poisson 0.33 --height 1 --levels 9 --quantities displacement,stress";
     let run = |flags: &str| json(folder.path(), &words(&format!("body --wave 1,0,z,1 {body} {flags} --json")));
     run("--n 32,1 --out line.h5");
-    // The file of the line as an array of the displacement on the plane: y is added.
+    // The file of the line as a displacement array on the plane, with y added.
     let line = Reader::open(folder.path().join("line.h5")).unwrap().values::<f64>("/fields/displacement").unwrap();
     let plane =
         Array3::from_shape_fn((9, 32, 3), |(k, i, c)| if c == 1 { 0.0 } else { line[(k * 32 + i) * 2 + c / 2] });
@@ -170,7 +170,7 @@ fn a_wave_along_x_is_that_of_a_line_and_a_comparison_says_so() {
     assert!((components[1]["largest_reference"].as_f64().unwrap() - 1.0).abs() < 1e-14);
     let svg = std::fs::read_to_string(folder.path().join("both-uz.svg")).unwrap();
     assert_eq!(svg.matches("<image").count(), 3);
-    // Another run, with more levels and fewer points, whose wave is twice as high.
+    // Another run, with more levels, fewer points and twice the wave height.
     let other =
         "body --wave 1,0,z,2 --n 8 --young 1 --poisson 0.33 --height 1 --levels 17 --slice y=0.5 --out other.h5";
     json(folder.path(), &words(&format!("{other} --json")));

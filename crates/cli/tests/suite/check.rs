@@ -7,7 +7,7 @@ use gfmd_files::Reader;
 use ndarray::Array2;
 use serde_json::Value;
 
-/// A surface whose opposite edges do not meet.
+/// Writes a surface with opposite edges that do not match.
 fn write_inputs(folder: &Path) {
     let ramp = Array2::from_shape_fn((24, 24), |(i, j)| {
         0.002 * i as f64 + 0.01 * (0.9 * i as f64).sin() * (0.7 * j as f64).cos()
@@ -16,7 +16,7 @@ fn write_inputs(folder: &Path) {
     std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
 }
 
-/// Files by name, with the words that make them, and a variable that the recomputation must notice if it is changed.
+/// Files by name, with the command that makes them and a variable with changes that the recomputation must notice.
 const FILES: [(&str, &str, &str); 14] = [
     ("punch.h5", "punch --n 24 --contact sticking", "/fields/displacement"),
     ("line.h5", "punch --n 24 --dim 2 --contact frictionless --height inf", "/punch/mean_pressure"),
@@ -62,7 +62,7 @@ fn make(folder: &Path, (name, words, _): (&str, &str, &str)) {
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// The report of a check, and its exit status.
+/// Returns the report of a check, and its exit status.
 fn check(folder: &Path, arguments: &[&str]) -> (Value, Option<i32>) {
     let words = [&["check"], arguments, &["--json", "-q"]].concat();
     let output = gfmd(folder, &words);
@@ -102,7 +102,7 @@ fn a_changed_number_is_named() {
         let mut values = Reader::open(&path).unwrap().values::<f64>(file.2).unwrap();
         let largest = (0..values.len()).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs())).unwrap();
         values[largest] *= 1.0 + 1e-6;
-        // A process that another test starts may hold the lock of a file that was open then; a copy has no lock.
+        // A process started by another test may hold the lock of an open file; a copy has no lock.
         let [changing, fresh] = ["changing", "fresh"].map(|name| folder.path().join(name));
         std::fs::copy(&path, &changing).unwrap();
         let open = hdf5::File::open_rw(&changing).unwrap();
@@ -120,7 +120,7 @@ fn a_changed_number_is_named() {
         let names: Vec<&str> =
             report["differences"].as_array().unwrap().iter().filter_map(|d| d["name"].as_str()).collect();
         assert!(names.contains(&"content_sha256"), "{}: {names:?}", file.0);
-        // The recomputation notices it without the checksum, in this variable or in one that follows from it.
+        // The recomputation notices the change without the checksum, in this variable or in one that follows from it.
         assert!(names.iter().any(|name| name.starts_with('/')), "{}: {names:?}", file.0);
         let table = gfmd(folder.path(), &["check", file.0]);
         assert!(String::from_utf8_lossy(&table.stdout).contains("recomputed"));
@@ -138,7 +138,7 @@ fn a_changed_input_is_noticed_and_a_missing_one_is_said() {
     let (report, status) = check(folder.path(), &["scan.h5"]);
     assert_eq!((status, &report["input"]["state"]), (Some(1), &Value::from("changed")), "{report}");
     std::fs::remove_file(folder.path().join("h.npy")).unwrap();
-    // The surface is stored as it was used, so that the run can be repeated.
+    // The surface is stored as used, so that the run can be repeated.
     let (report, status) = check(folder.path(), &["scan.h5", "--rerun"]);
     assert_eq!((status, &report["input"]["state"]), (Some(0), &Value::from("missing")), "{report}");
     std::fs::remove_file(folder.path().join("punch.h5")).unwrap();
@@ -171,7 +171,7 @@ fn a_damaged_file_is_noticed_wherever_the_damage_lies() {
         std::fs::write(&path, &bad).unwrap();
         let (report, status) = check(folder.path(), &["wall.h5"]);
         assert!(matches!(status, Some(0..=2)), "{place}: {report}");
-        // Bytes that no variable or attribute uses do not matter.
+        // Bytes not used by a variable or an attribute do not matter.
         match status {
             Some(0) => assert_eq!(content(&path), expected),
             _ => noticed += 1,
@@ -210,7 +210,7 @@ fn warnings_stand_in_json_and_in_the_file() {
     assert!(codes("contact --n 32 --eps-f-inv 4 --p-star 0.2").is_empty());
     assert_eq!(codes("contact --n 32 --eps-f-inv 8 --p-star 0.05"), ["grid"]);
     assert_eq!(codes("punch --n 16 --depth 0.2"), ["large-strain", "large-strain"]);
-    // The approach is a number, or follows from the pressure; the rough surfaces are lower than the slab.
+    // The approach is given, or follows from the pressure; the rough surfaces are lower than the slab.
     for slab in ["--height 0.05", "--height 0.05 --lower-seed 3", "--height 0.02 --layer 1,0.3,0.03"] {
         for load in ["--displacement 0.1", "--pressure 0.3"] {
             let words = format!("contact --n 32 --eps-f-inv 4 {slab} {load}");

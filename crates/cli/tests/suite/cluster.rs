@@ -1,5 +1,5 @@
-//! Sweeps computed in shards by many processes, and merged: the result is that of one process, whatever happened to the
-//! shards.
+//! Sweeps computed in shards by many processes and merged: the result equals the result of one process, even if shards
+//! fail or repeat.
 #![cfg(unix)]
 
 use std::path::Path;
@@ -9,12 +9,12 @@ use std::time::Duration;
 use crate::common::{SWEEP, gfmd, json, numbers};
 use gfmd_files::{Journal, Reader};
 
-/// Eight runs, fewer than some of the shards.
+/// Eight runs, fewer than some numbers of shards.
 fn few() -> String {
     SWEEP.replace("realisations = 2", "realisations = 2\nnested = false\nequal_area = false")
 }
 
-/// A folder with the configuration and the whole result of one process.
+/// Creates a folder with the configuration and the whole result of one process.
 fn folder(config: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("sweep.toml"), config).unwrap();
@@ -48,7 +48,7 @@ fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The names of the files of the sharded sweep.
+/// Returns the names of the files of the sharded sweep.
 fn files(folder: &Path) -> Vec<String> {
     let all = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut all: Vec<String> = all.filter(|name| name.starts_with("s.h5")).collect();
@@ -56,7 +56,7 @@ fn files(folder: &Path) -> Vec<String> {
     all
 }
 
-/// Merges, compares every number of file, table and plots with those of one process, and removes the result.
+/// Merges the shards, compares every number of file, table and plots with one process, and removes the result.
 fn merge_and_compare(folder: &Path, what: &str) {
     let output = gfmd(folder, &words(&["--merge", "--json"]));
     assert!(output.status.success(), "{what}: {}", message(&output));
@@ -79,7 +79,7 @@ fn merge_and_compare(folder: &Path, what: &str) {
     std::fs::remove_file(folder.join("s.h5")).unwrap();
 }
 
-/// Compares the merged file with that of one process; nothing is left beside it.
+/// Compares the merged file with the file of one process; nothing else is left.
 fn compare(folder: &Path, what: &str) {
     assert!(numbers(&folder.join("s.h5")) == numbers(&folder.join("whole.h5")), "{what}");
     let [found, whole] = ["s.h5", "whole.h5"].map(|name| Reader::open(folder.join(name)).unwrap());
@@ -139,7 +139,7 @@ fn a_merge_makes_good_for_shards_that_are_missing_killed_torn_or_overlap() {
         message(&output)
     );
     compare(path, "overlapping shards");
-    // Once more, as a scheduler may: the file has all runs, so that there is nothing to compute.
+    // Once more, as a scheduler may do: the file has all runs, so that nothing is computed.
     let output = gfmd(path, &loud);
     assert!(message(&output).contains("0 are computed now"), "{}", message(&output));
     compare(path, "merged again");
@@ -268,7 +268,7 @@ fn a_merge_that_is_killed_loses_nothing() {
     assert!(killed > 5, "hardly anything was killed: {killed}");
 }
 
-/// A merge on a small machine needs the memory of what it computes, not that of the runs that it finds.
+/// A merge needs memory for the computed runs only, not for the runs already found.
 #[test]
 fn memory_counts_for_runs_that_are_computed_only() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,11 +1,11 @@
-//! Combinations at random: body x boundary x interaction x components x hardness x slopes x load x lower surface x
-//! outlets. The program solves small problems as a user would ask for them, and every number that comes out is compared
-//! with its definition, written anew here: plain loops, direct Fourier sums, layered bodies wave by wave, Gaussian
+//! Random combinations: body x boundary x interaction x components x hardness x slopes x load x lower surface x
+//! outlets. The program solves small problems as for a user, and every resulting number is compared with an independent
+//! implementation of its definition: plain loops, direct Fourier sums, layered bodies wave by wave, Gaussian
 //! elimination (docs/reliability.md, "Random combinations").
 //!
-//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: --
-//! --nocapture` takes so many (default: 300) and prints counts; `GFMD_COMBINATION=N` runs the case N alone and keeps
-//! its folder, as `GFMD_HISTORY=N` does with a history.
+//! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` sets the
+//! number of cases (default: 300) and prints counts; `GFMD_COMBINATION=N` runs only case N and keeps its folder, and
+//! `GFMD_HISTORY=N` does so for a history.
 
 #![expect(clippy::print_stdout, reason = "the counts of cases")]
 
@@ -31,13 +31,13 @@ use gfmd_files::Reader;
 use histories::History;
 use serde_json::Value;
 
-/// The number of cases of the default run.
+/// Number of cases in the default run.
 const CASES: u64 = 300;
 
-/// The number of histories that are drawn in the default run, before those of other kinds are left out.
+/// Number of histories drawn in the default run, before histories of other kinds are left out.
 const HISTORIES: u64 = 120;
 
-/// Cases of longer runs in which the program or a definition was wrong: the default run takes them too.
+/// Cases of longer runs that exposed a wrong program or definition; the default run includes them.
 const ONCE_WRONG: [u64; 16] =
     [2035, 2116, 3319, 3609, 3801, 3926, 4075, 7036, 10375, 11128, 11906, 12359, 14683, 15879, 17026, 19643];
 
@@ -48,13 +48,13 @@ enum End {
     Failed,
 }
 
-/// The first words of a refusal, which name the flag.
+/// Returns the first word of a refusal, which names the flag.
 fn reason(reported: &str) -> String {
     let reported = reported.trim_start_matches("error: ");
     reported.split([':', ' ', ',']).next().unwrap_or_default().to_owned()
 }
 
-/// The words of a case with lengths in micrometres and stresses in pascals, each number with its unit: the same
+/// Returns the words of a case with lengths in micrometres and stresses in pascals, each number with its unit: the same
 /// problem, bit for bit.
 fn with_units(words: &[String]) -> Vec<String> {
     let number = |text: &str, unit: &str| match text.parse::<f64>() {
@@ -106,7 +106,7 @@ fn with_units(words: &[String]) -> Vec<String> {
     found
 }
 
-/// Runs a case and checks all that comes out.
+/// Runs a case and checks all its output.
 fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
     let out = format!("out{}.h5", case.index);
     let bare: Vec<&str> = case.words.iter().map(String::as_str).collect();
@@ -183,15 +183,15 @@ struct Counts {
     bad: Vec<String>,
 }
 
-/// A random problem.
+/// Random problem.
 trait Problem: Sync {
-    /// The command.
+    /// Returns the command.
     fn words(&self) -> String;
 
-    /// The kinds to which it belongs.
+    /// Returns its kinds.
     fn kinds(&self) -> Vec<&'static str>;
 
-    /// Solves it and checks all that comes out; its end, with the reason if there is no result.
+    /// Solves the problem and checks all its output; returns its end, with the reason if there is no result.
     fn run(&self, folder: &Path, found: &mut Found) -> (End, String);
 }
 
@@ -209,8 +209,8 @@ impl Problem for Case {
     }
 }
 
-/// Runs the problems that `draw` makes of the seeds below the number of cases, or the one that `alone` names, and
-/// requires that all are right and that some of each kind are solved.
+/// Runs the problems returned by `draw` for all seeds below the number of cases, or only the case named by `alone`. All
+/// must be right, and some of each kind must be solved.
 fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl Fn(u64, &Path) -> Option<P> + Sync) {
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number of cases"));
     let name = alone;

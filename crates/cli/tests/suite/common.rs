@@ -6,12 +6,12 @@ use std::process::{Command, Output};
 
 use gfmd_files::Reader;
 
-/// True for the long tests (`.ci/long`).
+/// Returns true for the long tests (`.ci/long`).
 pub(crate) fn long() -> bool {
     std::env::var_os("GFMD_LONG").is_some()
 }
 
-/// A sweep of seconds.
+/// Sweep that takes seconds.
 pub(crate) const SWEEP: &str = "
 [points]
 design = 'star'
@@ -29,28 +29,28 @@ alpha_c = 1
 resamples = 20
 ";
 
-/// The same with other numbers of surfaces and of refits.
+/// Returns this sweep with other numbers of surfaces and refits.
 pub(crate) fn sweep(realisations: usize, resamples: usize) -> String {
     SWEEP
         .replace("realisations = 2", &format!("realisations = {realisations}"))
         .replace("resamples = 20", &format!("resamples = {resamples}"))
 }
 
-/// Runs the program with `arguments` in `folder`, under the emulator that `GFMD_EMULATOR` names, if any.
+/// Runs the program with `arguments` in `folder`, under the emulator in `GFMD_EMULATOR`, if any.
 pub(crate) fn gfmd(folder: &Path, arguments: &[&str]) -> Output {
     let emulator = std::env::var("GFMD_EMULATOR").unwrap_or_default();
     let mut words: Vec<&str> = emulator.split_whitespace().chain([env!("CARGO_BIN_EXE_gfmd")]).collect();
     Command::new(words.remove(0)).args(words).current_dir(folder).args(arguments).output().expect("the program starts")
 }
 
-/// Returns the JSON of the program; fails if the program does.
+/// Returns the JSON of the program; panics if the program fails.
 pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let output = gfmd(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{arguments:?}: {error}"))
 }
 
-/// Every number of a file, but for the seconds, which differ between identical runs.
+/// Returns every number of a file except the seconds, which differ between identical runs.
 pub(crate) fn numbers(path: &Path) -> BTreeMap<String, Vec<u64>> {
     let mut all = BTreeMap::new();
     if path.extension().is_some_and(|extension| extension == "vti") {

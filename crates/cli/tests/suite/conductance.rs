@@ -1,4 +1,4 @@
-//! The conductance of a load from end to end, against dense solutions for the points that the file has in contact.
+//! Conductance of a load from end to end, against dense solutions for the contact points in the file.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -23,8 +23,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// The mean current density over the points of a square of side 1 that gives all `touching` ones the potential 1, by
-/// Gauss's method; `resistance` is that between two points with these distances along x and y, in points.
+/// Returns the mean current density on a square of side 1 with potential 1 at all `touching` points, by Gaussian
+/// elimination. `resistance` is the resistance between two points with these distances along x and y, in points.
 fn dense(touching: &[bool], resistance: impl Fn(usize, usize) -> f64) -> f64 {
     let inside: Vec<usize> = (0..N * N).filter(|i| touching[*i]).collect();
     let between = |a: usize, b: usize| resistance((a / N).abs_diff(b / N), (a % N).abs_diff(b % N));
@@ -48,7 +48,7 @@ fn dense(touching: &[bool], resistance: impl Fn(usize, usize) -> f64) -> f64 {
     current.iter().sum::<f64>() / (N * N) as f64
 }
 
-/// The periodic resistance of conductors with this kernel, but for the uniform mode, summed over all waves.
+/// Returns the periodic resistance of conductors with this kernel, without the uniform mode, summed over all waves.
 fn periodic(kernel: impl Fn(f64) -> f64) -> impl Fn(usize, usize) -> f64 {
     move |i, j| {
         let signed = |m: usize| if m > N / 2 { m as f64 - N as f64 } else { m as f64 };
@@ -59,7 +59,7 @@ fn periodic(kernel: impl Fn(f64) -> f64) -> impl Fn(usize, usize) -> f64 {
     }
 }
 
-/// The resistance of a half-space around a patch: ∫ dA/(2πr) over a square cell, whose edges each add their distance
+/// Returns the resistance of a half-space around a patch: ∫ dA/(2πr) over a square cell; each edge adds its distance
 /// times ∫ ds/r.
 fn unbounded(i: usize, j: usize) -> f64 {
     let edges = |k: usize| [(k as f64 - 0.5) / N as f64, (k as f64 + 0.5) / N as f64];
@@ -111,7 +111,7 @@ fn it_is_that_of_all_points_in_contact() {
         drop(file);
         assert_eq!(run(folder.path(), "check c.h5 --json")["differing"], 0, "{flags}");
     }
-    // The last file again from its flags, as the depth of the electrodes is one of them.
+    // The last file again from its flags, since the depth of the electrodes is one of them.
     run(folder.path(), &format!("{surface} {}", cases[3].0));
     assert_eq!(run(folder.path(), "check c.h5 --rerun --json")["differing"], 0);
 }

@@ -12,7 +12,7 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("no number {key} in {value}"))
 }
 
-/// The surface of the cross-code table.
+/// Returns the surface of the cross-code table.
 fn four_waves(n: usize) -> Array2<f64> {
     Array2::from_shape_fn((n, n), |(i, j)| {
         let [x, y] = [i, j].map(|k| TAU * k as f64 / n as f64);
@@ -59,7 +59,7 @@ fn a_surface_from_a_file_gives_the_published_numbers_in_json_and_in_the_file() {
     }
     assert_eq!(file.values::<f64>("/surface/height").unwrap(), heights.as_slice().unwrap());
     assert_eq!(file.shape("/fields/pressure").unwrap(), [3, 64, 64]);
-    // Residuals hold for the stored fields, not only for those in memory.
+    // Residuals hold for the stored fields, not only for the fields in memory.
     let pressure: Vec<f64> = file.slab("/fields/pressure", 1).unwrap();
     let gap: Vec<f64> = file.slab("/fields/gap", 1).unwrap();
     let mean = pressure.iter().sum::<f64>() / 4096.0;
@@ -81,7 +81,7 @@ fn a_list_of_loads_in_steps_and_the_stiffness_of_each() {
         assert_relative_eq!(found.unwrap(), asked, max_relative = 1e-12);
     }
     let stiffness = numbers("stiffness");
-    // Full contact of a half-space has none.
+    // Full contact of a half-space has no stiffness.
     assert!(stiffness[..5].windows(2).all(|pair| pair[0] < pair[1]) && stiffness[5].is_none(), "{stiffness:?}");
     assert!(numbers("stiffness_error")[..5].iter().all(|error| error.is_some_and(|error| error <= 5e-6)));
     let file = Reader::open(folder.path().join("c.h5")).unwrap();
@@ -130,7 +130,7 @@ fn statistics_and_flow_agree_with_the_fields_of_the_file() {
         assert_relative_eq!(sum("/patches/force"), number(record, "mean_pressure"), max_relative = 1e-12);
         assert_relative_eq!(sum("/patches/perimeter") * 64.0, number(record, "boundary_links"), max_relative = 1e-12);
         assert_relative_eq!(number(record, "conductance"), 2.0 * number(record, "stiffness"), max_relative = 1e-15);
-        // Densities times the width of a bin are shares of the points.
+        // Densities times the bin width are fractions of the points.
         let share = |name: &str| -> f64 {
             let densities: Vec<f64> = file.slab(&format!("/distributions/{name}"), load).unwrap();
             let middles: Vec<f64> = file.slab(&format!("/distributions/{name}_at"), load).unwrap();
@@ -139,7 +139,7 @@ fn statistics_and_flow_agree_with_the_fields_of_the_file() {
         assert_relative_eq!(share("pressure"), number(record, "area_fraction"), max_relative = 1e-12);
         let open = pressure.iter().zip(&gap).filter(|(p, g)| **p == 0.0 && **g > 0.0).count() as f64 / 4096.0;
         assert_relative_eq!(share("gap"), open, max_relative = 1e-12);
-        // The neighbour's autocorrelation, summed by hand.
+        // Autocorrelation with the neighbour, summed directly.
         let mean = pressure.iter().sum::<f64>() / 4096.0;
         let product = |step: usize| -> f64 {
             (0..4096).map(|i| (pressure[i] - mean) * (pressure[i / 64 * 64 + (i + step) % 64] - mean)).sum()
@@ -269,7 +269,7 @@ fn profiles_in_npy_and_hdf5_are_line_contacts() {
     let file = hdf5::File::create(&made).unwrap();
     file.new_dataset_builder().with_data(&wave).create("profiles/wave").unwrap();
     file.close().unwrap();
-    // A process that another test starts may hold the lock of a file that was open then; a copy has no lock.
+    // A process started by another test may hold the lock of an open file; a copy has no lock.
     std::fs::copy(&made, folder.path().join("wave.h5")).unwrap();
     // Westergaard: a_r = (2/π) asin √(p̄/p_full), p_full = π E* A/λ.
     let pressure = 0.3 * std::f64::consts::PI * 0.01;
@@ -284,7 +284,7 @@ fn profiles_in_npy_and_hdf5_are_line_contacts() {
 #[test]
 fn a_text_scan_brings_its_size_and_its_wrap_around_is_stated() {
     let folder = tempfile::tempdir().unwrap();
-    // A tilted ramp with waves: opposite edges do not meet.
+    // A tilted ramp with waves: opposite edges do not match.
     let rows: Vec<String> = (0..24)
         .map(|j| {
             let height = |i: usize| 1e-9 * (5.0 * i as f64 + (0.9 * i as f64).sin() * (0.7 * j as f64).cos());
@@ -426,8 +426,7 @@ fn finite_slopes_change_the_contact_and_are_certified() {
         assert!(output.status.code() == Some(2) && message.contains(flag), "{more}: {message}");
     }
 }
-/// Without Nyquist modes, on an odd grid, the three unknown components and the one are the same problem (theory.md,
-/// section 3).
+/// Without Nyquist modes, on an odd grid, three unknown components and one are the same problem (theory.md, section 3).
 #[test]
 fn all_components_are_those_that_follow_from_the_pressure() {
     let folder = tempfile::tempdir().unwrap();
@@ -480,11 +479,11 @@ fn a_surface_that_is_held_sideways_is_stiffer() {
         assert_relative_eq!(number(&a, name), number(&b, name), max_relative = 1e-8);
     }
     assert_relative_eq!(number(&held, "e_star"), 1.0 / (1.0 - 0.33 * 0.33), max_relative = 1e-15);
-    // The same points in contact conduct alike, and for the body that is free sideways the stiffness tells how well.
+    // Equal contact points have equal conductance, and the stiffness of the laterally free body determines it.
     assert_relative_eq!(number(&a, "conductance"), 2.0 * number(&b, "stiffness") / stiffer, max_relative = 1e-8);
     assert!(a["patches"]["count"].as_u64() > Some(1));
     assert_eq!(run("check held.h5 --json")["differing"], 0);
-    // Below it there is no lateral displacement at the surface.
+    // Below the contact there is no lateral displacement at the surface.
     run("body --surface held.h5 --depths 0,0.1 --quantities displacement --out below.h5 --json");
     let below = Reader::open(folder.path().join("below.h5")).unwrap();
     let [top, deep] = [0, 1].map(|level| below.slab::<f64>("/fields/displacement", level).unwrap());
@@ -530,7 +529,7 @@ fn the_history_of_a_contact_ends_at_its_state() {
         assert_eq!(file.shape("/history/point_u").unwrap(), [1, steps + 1]);
         assert_eq!(run("check h.h5 --rerun --json")["differing"], 0, "{how}");
     }
-    // Methods that move no displacement; a law that is relaxed by dynamics.
+    // Methods that move no displacement; a law relaxed by dynamics.
     for how in ["--solver auto", "--solver augmented-lagrangian", "--boundary free --solver cg"] {
         let half_space = contact.replace("--height 0.5", "");
         let trace = run(&format!("{half_space} {how} --history-point 0,0,z"))["history"].clone();
@@ -546,7 +545,7 @@ fn the_history_of_a_contact_ends_at_its_state() {
     assert_relative_eq!(points[points.len() - 1], u[0] + approach, epsilon = 1e-6 * approach);
 }
 
-/// The fields of a contact of any extent, and what the program needs beside them; a stiffness needs no more.
+/// The memory of a contact is bounded by 10.5 fields and 32 MiB at any load; a stiffness needs no more.
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_is_bounded_at_small_loads_and_large_ones() {
@@ -570,7 +569,7 @@ fn the_peak_memory_is_not_that_of_the_process_that_started_the_program() {
     assert!(peak < large.len() as f64 / 2.0, "{peak}");
 }
 
-/// All residuals of a record, by name: those of `residual`, of the lower face, and of the equilibrium with a law.
+/// Returns all residuals of a record by name: `residual`, lower face, and equilibrium with a law.
 fn residuals(record: &Value) -> Vec<(String, f64)> {
     let of = |part: &str, object: &Value| {
         let entries = object["residual"].as_object().unwrap();
@@ -584,8 +583,8 @@ fn residuals(record: &Value) -> Vec<(String, f64)> {
     all
 }
 
-/// A load has `converged` if all of its residuals are at most the tolerance, and else not: in JSON and in the file, for
-/// every kind of contact, for searches that succeed and for those that are cut off.
+/// A load has `converged` if and only if all its residuals are at most the tolerance: in JSON and in the file, for
+/// every kind of contact, for searches that succeed and for searches that are cut off.
 #[test]
 fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
-//! Runs that are killed: by SIGKILL at random moments and at every system call that writes, by Ctrl-C, by SIGTERM, on a
-//! full disk, without their folder, twice at once. No finished part is lost, every file opens or is absent, and what is
-//! resumed equals the uninterrupted run number for number.
+//! Killed runs: by SIGKILL at random moments and at every writing system call, by Ctrl-C, by SIGTERM, on a full disk,
+//! without their folder, twice at once. No finished part is lost, every file opens or is absent, and a resumed run
+//! equals the uninterrupted run number for number.
 //!
-//! The default is a short version, in which a test takes a third of the commands. The long one kills every command
+//! The default is a short version that takes a third of the commands per test. The long version kills every command
 //! `GFMD_CRASH` times at random moments, and smaller commands once at each of their system calls:
 //!
 //! ```text
@@ -39,7 +39,7 @@ const COMMANDS: [&str; 12] = [
     "slide slide --n 64 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.02,0.1 --velocity 0.01:100:6",
 ];
 
-/// Smaller ones, of which every system call is tried.
+/// Smaller commands, killed at every system call.
 const SMALL: [&str; 12] = [
     "sweep kappa-sweep --config small.toml",
     "contact contact --n 32 --eps-f-inv 4 --p-star 0.02,0.05,0.2 --checkpoint 0.0001",
@@ -58,7 +58,7 @@ const SMALL: [&str; 12] = [
      --velocity 0.1,1",
 ];
 
-/// The commands that keep finished parts.
+/// Commands that keep finished parts.
 const RESUMABLE: [&str; 10] =
     ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear", "slide"];
 
@@ -66,12 +66,12 @@ struct Case {
     name: &'static str,
     words: Vec<&'static str>,
     expected: BTreeMap<String, Vec<u64>>,
-    /// The time that the whole run takes.
+    /// Duration of the whole run.
     takes: Duration,
 }
 
 impl Case {
-    /// The words of a run that may continue an earlier one.
+    /// Returns the words of a run that may continue an earlier one.
     fn run(&self, out: &str) -> Vec<String> {
         let mut words: Vec<String> = self.words.iter().map(ToString::to_string).collect();
         words.extend(["--out".into(), out.into()]);
@@ -87,7 +87,7 @@ impl Case {
         command.spawn().unwrap()
     }
 
-    /// The output, if it is there, is whole and equal to that of the uninterrupted run.
+    /// Checks that the output, if it exists, is whole and equal to the uninterrupted run; returns true if it exists.
     fn check(&self, path: &Path, what: &str) -> bool {
         path.exists() && {
             assert!(numbers(path) == self.expected, "{}, {what}: {} has other numbers", self.name, path.display());
@@ -95,7 +95,7 @@ impl Case {
         }
     }
 
-    /// Continues to the end; no part that was kept is computed again, and only the output is left.
+    /// Continues to the end; no kept part is computed again, and only the output is left.
     fn finish(&self, folder: &Path, out: &str, what: &str) {
         let kept = kept(folder, out, self.name);
         let words = self.run(out);
@@ -115,8 +115,8 @@ impl Case {
     }
 }
 
-/// Number of parts that are kept beside an output: the whole records of the journal after its head, for a contact or a
-/// path those to which the state belongs.
+/// Returns the number of parts kept beside an output: the whole records of the journal after its head, for a contact or
+/// a path only the records that belong to the state.
 fn kept(folder: &Path, out: &str, name: &str) -> usize {
     let count = |bytes: &[u8]| {
         let (mut rest, mut records) = (bytes, 0_usize);
@@ -136,8 +136,8 @@ fn kept(folder: &Path, out: &str, name: &str) -> usize {
     state.map_or(0, |bytes| u64::from_le_bytes(bytes[64..72].try_into().unwrap()) as usize)
 }
 
-/// The reference runs of all commands, in a folder with their inputs; in the short version those of every third
-/// command, from this `turn`: one test of three has each of them.
+/// Makes the reference runs of all commands in a folder with their inputs. The short version takes every third command,
+/// starting from `turn`, so that three tests cover all commands.
 fn cases(folder: &Path, turn: usize) -> Vec<Case> {
     let step = if long().is_some() { 1 } else { 3 };
     all_of(COMMANDS.into_iter().skip(turn % step).step_by(step), folder)
@@ -168,12 +168,12 @@ fn all_of(commands: impl IntoIterator<Item = &'static str>, folder: &Path) -> Ve
     commands.into_iter().filter(chosen).map(case).collect()
 }
 
-/// How often each command is killed; `None` for the short version.
+/// Returns how often each command is killed; `None` for the short version.
 fn long() -> Option<usize> {
     std::env::var("GFMD_CRASH").ok().map(|count| count.parse().expect("GFMD_CRASH is a number"))
 }
 
-/// Random numbers from a seed that is printed when a test fails.
+/// Random numbers from a seed that is printed if a test fails.
 struct Random(u64);
 
 impl Random {
@@ -199,9 +199,9 @@ fn killed_at_random_moments() {
     for case in cases(folder.path(), 0) {
         let kills = long().unwrap_or(2);
         let (mut killed, mut resumed, mut parts, mut done) = (0, 0, 0, 0);
-        // On a machine whose load has changed, the first kills may come too late.
+        // On a machine with changing load, the first kills may come too late.
         while done < kills || (killed == 0 && done < 50) {
-            // A run is killed once to four times before it may end.
+            // A run is killed one to four times before it may end.
             for _ in 0..1 + (4.0 * random.share()) as usize {
                 let mut child = case.start(folder.path(), "k.h5");
                 std::thread::sleep(case.takes.mul_f64(1.1 * random.share()));
@@ -216,7 +216,7 @@ fn killed_at_random_moments() {
             }
             if folder.path().join("k.h5").exists() {
                 std::fs::remove_file(folder.path().join("k.h5")).unwrap();
-                // A kill after the file has its name leaves what the run had kept; it belongs to a run that ended.
+                // A kill after the file is renamed leaves the kept parts of a run that has ended.
                 for name in [".journal", ".state", ".checkpoint", ".lock", ".part"] {
                     let _ = std::fs::remove_file(folder.path().join(format!("k.h5{name}")));
                 }
@@ -247,7 +247,7 @@ fn killed_at_every_system_call_that_writes() {
     let folder = tempfile::tempdir().unwrap();
     let short = ["sweep", "contact", "path", "body"];
     for case in all_of(SMALL, folder.path()).into_iter().filter(|case| long().is_some() || short.contains(&case.name)) {
-        // The short version tries a few calls, at distances that grow.
+        // The short version tries a few calls, at growing distances.
         let (mut call, mut killed, mut parts) = (1_usize, 0, 0);
         loop {
             let mut command = Command::new("strace");
@@ -303,7 +303,7 @@ fn interrupted_by_ctrl_c_and_terminated() {
                     continue;
                 }
                 Some(130) => stopped += 1,
-                // Before the handler is installed the signal ends the process, as any other program.
+                // Before the handler is installed, the signal ends the process like any other program.
                 None => {}
                 code => panic!("{}, {name}: exit status {code:?}: {}", case.name, message(&output)),
             }
@@ -319,7 +319,7 @@ fn interrupted_by_ctrl_c_and_terminated() {
     }
 }
 
-/// A command without parts writes what it has when it is interrupted.
+/// Removes the files of a command without parts, which writes its partial result when interrupted.
 fn clear_unless_resumable(case: &Case, folder: &Path) {
     if !RESUMABLE.contains(&case.name) {
         clear(folder);
@@ -361,7 +361,7 @@ fn on_a_full_disk() {
     }
 }
 
-/// Runs with a limit of the size of every file, which fails a write as a full disk does.
+/// Runs with a file size limit that makes a write fail as on a full disk.
 fn limited(case: &Case, folder: &Path, kilobytes: usize) -> Output {
     let mut command = Command::new("sh");
     command.current_dir(folder).arg("-c");
@@ -369,7 +369,7 @@ fn limited(case: &Case, folder: &Path, kilobytes: usize) -> Output {
     command.arg(env!("CARGO_BIN_EXE_gfmd")).args(case.run("k.h5")).output().unwrap()
 }
 
-/// A small file system in memory, where this process may mount one.
+/// Small file system in memory, where this process may mount one.
 struct Disk(PathBuf);
 
 impl Disk {
@@ -396,7 +396,7 @@ impl Disk {
         let _ = Command::new("umount").arg(&self.0).output();
     }
 
-    /// Runs on a disk of this size, and brings what it left back to `folder`.
+    /// Runs on a disk of this size, and copies the files left there back to `folder`.
     fn run(&self, case: &Case, folder: &Path, kilobytes: usize) -> Output {
         assert!(self.mount(kilobytes));
         let out = self.0.join("k.h5");

@@ -1,8 +1,8 @@
-//! Extreme and impossible input for every flag of every command: each case ends in time and within its memory, with
-//! finite numbers of a converged state, or with one line that names the cause.
+//! Extreme and impossible input for every flag of every command: each case ends within its time and memory, with finite
+//! numbers of a converged state, or with one line that names the cause.
 //!
 //! The default run takes every thirteenth case. `GFMD_EXTREME=all cargo test -p gfmd-cli --test suite extreme:: --
-//! --nocapture` takes all, and prints their count.
+//! --nocapture` takes all cases and prints their number.
 
 #![expect(clippy::print_stdout, reason = "the count of cases")]
 
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use crate::common::gfmd;
 use serde_json::Value;
 
-/// The time and the addresses that a case may take. A debug build on a busy machine is slow.
+/// Limits of time and address space of a case. A debug build on a busy machine is slow.
 const SECONDS: u64 = 60;
 const ADDRESSES_KIB: u64 = 12 << 20;
 
@@ -71,7 +71,7 @@ const COUNTS: [&str; 13] = [
 
 const LISTS: [&str; 10] = ["", ",", "0.1,", "nan", "0.1,nan", "1,1", "0.01,0.01", "0.02,0.01", "1e100,1e-100", "1,2,3"];
 
-/// A command that succeeds, and the flags whose values are replaced or added: numbers, counts and lists. `@NAME` is a
+/// Command that succeeds, and the flags with values to replace or add: numbers, counts and lists. `@NAME` is a
 /// parameter of the law.
 struct Base {
     line: &'static str,
@@ -226,7 +226,7 @@ const BASES: &[Base] = &[
     },
 ];
 
-/// Flags of which only one can be given: a new one replaces the others.
+/// Mutually exclusive flags: a new one replaces the others.
 const EXCLUSIVE: [&[&str]; 4] = [
     &["--p-star", "--pressure", "--displacement"],
     &["--depth", "--z"],
@@ -234,7 +234,7 @@ const EXCLUSIVE: [&[&str]; 4] = [
     &["--rms-gradient", "--rms-height"],
 ];
 
-/// The line with the value of a flag, or of the parameter `@NAME`, replaced or added.
+/// Returns the line with the value of a flag, or of the parameter `@NAME`, replaced or added.
 fn with(line: &str, flag: &str, value: &str) -> Vec<String> {
     if let Some(name) = flag.strip_prefix('@') {
         let parameter = |text: &str| match text.split_once('=') {
@@ -284,7 +284,7 @@ fn cases() -> Vec<Vec<String>> {
     cases
 }
 
-/// Runs the program with limits of time and memory; the status is `None` if it did not end in time, or by a signal.
+/// Runs the program with limits of time and memory; the status is `None` after a timeout or a signal.
 fn limited(folder: &Path, words: &[String]) -> (Option<i32>, String, String) {
     let script = format!("ulimit -v {ADDRESSES_KIB}; ulimit -c 0; exec \"$0\" \"$@\"");
     let mut child = Command::new("sh")
@@ -320,7 +320,7 @@ fn limited(folder: &Path, words: &[String]) -> (Option<i32>, String, String) {
     (status, stdout.join().unwrap(), stderr.join().unwrap())
 }
 
-/// The complaint about how a case ended, if it ended badly.
+/// Returns the complaint about a case that ended badly, if any.
 fn complaint(words: &[String], status: Option<i32>, stdout: &str, stderr: &str) -> Option<String> {
     let status = match status {
         Some(status) => status,
@@ -359,7 +359,7 @@ fn complaint(words: &[String], status: Option<i32>, stdout: &str, stderr: &str) 
     None
 }
 
-/// The complaint about a report: numbers that are not finite, states that did not converge, a contact without contact.
+/// Returns the complaint about a report: numbers that are not finite, states that did not converge, empty contacts.
 fn of_report(words: &[String], report: &Value) -> Option<String> {
     if let Some(key) = gfmd_run::json::undefined(report) {
         return Some(format!("{key} is null"));
@@ -431,7 +431,7 @@ fn every_case_ends_well() {
     assert_eq!(names(), before, "no case leaves a file");
 }
 
-/// An existing path that is no regular file is refused as `--out` by its kind, and stays.
+/// An existing path that is not a regular file is refused as `--out` because of its kind, and kept.
 #[cfg(unix)]
 #[test]
 fn special_files_are_not_replaced() {
@@ -444,7 +444,7 @@ fn special_files_are_not_replaced() {
     std::fs::create_dir(at("folder.h5")).unwrap();
     symlink(at("nowhere"), at("dangling.h5")).unwrap();
     symlink(at("pipe.h5"), at("link.h5")).unwrap();
-    // A device of one's own needs rights that not every user has; the real /dev/null is left alone.
+    // Creating a device needs special rights; the real /dev/null is left alone.
     let device = Command::new("mknod").arg(at("device.h5")).args(["c", "1", "3"]).stderr(Stdio::null()).status();
     let mut targets = vec![
         ("pipe", "a pipe"),
@@ -484,8 +484,8 @@ fn names(folder: &Path) -> BTreeSet<std::ffi::OsString> {
     std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect()
 }
 
-/// Inputs are regular files, also those that a result names: a pipe without a writer and an endless device are refused
-/// at once.
+/// Inputs must be regular files, also inputs named in a result: a pipe without a writer and an endless device are
+/// refused at once.
 #[cfg(unix)]
 #[test]
 fn inputs_that_are_no_regular_files_are_refused() {
@@ -532,21 +532,21 @@ fn inputs_that_are_no_regular_files_are_refused() {
         refused(&line.replace('X', "pipe"), "a pipe");
         refused(&line.replace('X', "zero"), "a device");
     }
-    // The input that a result names is not the file any more that it was.
+    // The input named in a result has been replaced.
     for (kind, replace) in [("a pipe", "pipe"), ("a device", "/dev/zero")] {
         std::fs::remove_file(at("h.npy")).unwrap();
         symlink(if kind == "a pipe" { at(replace) } else { replace.into() }, at("h.npy")).unwrap();
         refused("check c.h5", kind);
         refused("check c.h5 --rerun", kind);
     }
-    // A configuration of a gigabyte and a half, of which nothing is on the disk.
+    // A configuration of 1.5 GiB in a sparse file.
     std::fs::File::create(at("large.toml")).unwrap().set_len(3 << 29).unwrap();
     let (status, _, stderr) = limited(folder.path(), &words("kappa-sweep --config large.toml"));
     assert_eq!(status, Some(2), "{stderr}");
     assert!(stderr.contains("it has 1610612736 bytes; it must have at most 1048576"), "{stderr}");
 }
 
-/// Names so long that a file beside the output cannot have one are refused before anything is computed.
+/// Names too long for a file beside the output are refused before anything is computed.
 #[cfg(unix)]
 #[test]
 fn names_that_are_too_long_for_the_files_beside_them_are_refused() {
@@ -574,7 +574,7 @@ fn names_that_are_too_long_for_the_files_beside_them_are_refused() {
     }
 }
 
-/// Names so long that a figure cannot have one are refused before anything is computed.
+/// Names too long for a figure are refused before anything is computed.
 #[cfg(unix)]
 #[test]
 fn prefixes_that_are_too_long_for_the_names_of_figures_are_refused() {
@@ -590,21 +590,21 @@ fn prefixes_that_are_too_long_for_the_names_of_figures_are_refused() {
         assert!(stderr.contains(flag) && stderr.contains("the longest name of a figure"), "{words}: {stderr}");
         assert_eq!(names(folder.path()), before, "{words}: something was written");
     };
-    // The longest end is -correlation-map.svg.
+    // The longest suffix is -correlation-map.svg.
     for length in [236, 245, 255, 256] {
         let prefix = "n".repeat(length);
         for command in ["contact --n 8 --eps-f-inv 2 --p-star 0.05", "surface --n 8 --eps-f-inv 2", "punch --n 8"] {
             refused("--plots", &format!("{command} --plots {prefix}"));
         }
     }
-    // The figures of a sweep are named after its file, which may have this name itself.
+    // The figures of a sweep are named after its file, and the file itself may have this name.
     refused("--out", &format!("kappa-sweep --preset smoke --out {}.h5", "n".repeat(236)));
     let (status, _, stderr) = run(&format!("contact --n 8 --eps-f-inv 2 --p-star 0.05 --plots {}", "n".repeat(235)));
     assert_eq!(status, Some(0), "{stderr}");
     assert!(names(folder.path()).len() > before.len());
 }
 
-/// The text of a file does not steer the terminal, as a table, a note, a warning or an error, which stays one line.
+/// Text from a file cannot control the terminal in a table, note, warning or error, and errors stay on one line.
 #[test]
 fn texts_of_files_do_not_steer_the_terminal() {
     let folder = tempfile::tempdir().unwrap();
@@ -648,7 +648,7 @@ fn texts_of_files_do_not_steer_the_terminal() {
     }
 }
 
-/// A reader that closes the pipe early, closed standard streams, and arguments that are no text.
+/// A reader that closes the pipe early, closed standard streams, and arguments that are not text.
 #[cfg(unix)]
 #[test]
 fn closed_streams_and_bytes_that_are_no_text() {
@@ -686,7 +686,7 @@ fn closed_streams_and_bytes_that_are_no_text() {
     assert_eq!(names(folder.path()).len(), 0);
 }
 
-/// Fields of a sweep that cannot be meant are refused by name before the first contact.
+/// Invalid fields of a sweep are refused by name before the first contact.
 #[test]
 fn sweeps_out_of_range_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();

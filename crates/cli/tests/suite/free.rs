@@ -20,7 +20,7 @@ fn number(value: &Value) -> f64 {
 
 const SURFACE: &str = "--n 24 --eps-f-inv 4 --boundary free";
 
-/// Runs a command twice, checks its file, and drives it again from its file.
+/// Runs a command, checks its file, and repeats it from its file.
 fn is_sound(folder: &Path, flags: &str) -> Value {
     let report = run(folder, &format!("{flags} --out f.h5 --json"));
     for check in ["check f.h5 --json", "check f.h5 --rerun --json"] {
@@ -65,7 +65,7 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
         let all = report["warnings"].as_array().unwrap().iter();
         all.filter(|found| found["code"] == "patch-edge").map(|found| found["text"].as_str().unwrap().into()).collect()
     };
-    // The points of the edge that are pressed, by the pressures of the last load.
+    // Counts the pressed points at the edge for the last load.
     let pressed = |file: &str| {
         let reader = gfmd_files::Reader::open(folder.join(file)).unwrap();
         let shape = reader.shape("/fields/pressure").unwrap();
@@ -87,7 +87,7 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
         assert!(count > 0 && (command == "path" || told(&one)[0].contains(&format!("at {count} of its 60"))), "{one}");
     }
     assert!(told(&run(folder, "contact --surface cap.npy --displacement 0.02 --json")).is_empty());
-    // Nothing flows through a gap that is closed everywhere, whatever rounding leaves.
+    // Nothing flows through a gap that is closed everywhere, despite rounding.
     for command in ["contact", "path"] {
         let report =
             run(folder, &format!("{command} --surface cap.npy --boundary free --displacement 0.2 --flow --json"));
@@ -98,7 +98,7 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
     }
     let line = run(folder, "contact --dim 2 --n 32 --eps-f-inv 4 --boundary free --p-star 3 --json");
     assert!(told(&line)[0].contains("at 2 of its 2 points"), "{line}");
-    // Laws that pull where they do not touch have no contact at the edge.
+    // Attractive laws have no contact at the edge where the surfaces do not touch.
     let law = "--law exponential --param gamma=1e-4,range=4e-3 --displacement 0.001 --json";
     assert!(told(&run(folder, &format!("contact --surface cap.npy --boundary free {law}"))).is_empty());
 }
@@ -117,7 +117,7 @@ fn paths_on_a_patch_lose_energy_and_slip() {
     assert!(number(&report["dissipated"]) > 0.0, "{}", report["dissipated"]);
     let slab = format!("path {SURFACE} --friction 0.3 {lateral} --height 0.2 --young 1 --poisson 0.3");
     assert!(number(&is_sound(folder, &slab)["dissipated"]) > 0.0);
-    // Within slip everywhere, shear is friction times load.
+    // With slip everywhere, the shear is friction times load.
     let report = is_sound(folder, &format!("path {SURFACE} --friction 0.3 --p-star 0.05 --lateral 0,0.2 --steps 4"));
     let last = report["steps"].as_array().unwrap().last().unwrap();
     let ratio = number(&last["mean_shear"][0]) / number(&last["mean_pressure"]);

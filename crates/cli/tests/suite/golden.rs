@@ -1,12 +1,11 @@
-//! The numbers that the commands print and write, compared with those recorded in `tests/golden`.
+//! Numbers printed and written by the commands, compared with recorded numbers in `tests/golden`.
 //!
-//! On the processor family that recorded them every number must have the same bits. Elsewhere, where other vector
-//! instructions round differently, they must agree to a tolerance. After a change that is meant to alter numbers,
-//! record them again with `GFMD_GOLDEN=write cargo test -p gfmd-cli --test suite golden::`, and say why in
-//! CHANGELOG.md.
+//! On the processor family that recorded them, every number must have the same bits. Elsewhere, with other rounding of
+//! the vector instructions, they must agree to a tolerance. After a change that is meant to alter numbers, record them
+//! again with `GFMD_GOLDEN=write cargo test -p gfmd-cli --test suite golden::`, and give the reason in CHANGELOG.md.
 //!
-//! `GFMD_EMULATOR="qemu-x86_64 -cpu Nehalem" cargo test -p gfmd-cli --test suite golden:: --
-//! --nocapture` runs the program on an emulated processor without AVX and prints the largest deviation of each case.
+//! `GFMD_EMULATOR="qemu-x86_64 -cpu Nehalem" cargo test -p gfmd-cli --test suite golden:: -- --nocapture` runs the
+//! program on an emulated processor without AVX and prints the largest deviation of each case.
 
 #![expect(clippy::print_stdout, reason = "the deviations without vector units")]
 
@@ -48,14 +47,14 @@ p_star = 0.05
 resamples = 200
 ";
 
-/// One array of numbers.
+/// Array of numbers.
 #[derive(Clone, Debug, PartialEq)]
 struct Numbers {
     values: Vec<f64>,
 }
 
 impl Numbers {
-    /// FNV-1a over the bits.
+    /// Returns the FNV-1a hash of the bits.
     fn digest(&self) -> String {
         let bytes = self.values.iter().flat_map(|value| value.to_bits().to_le_bytes());
         let hash =
@@ -63,8 +62,8 @@ impl Numbers {
         format!("{hash:016x}")
     }
 
-    /// Numbers that depend smoothly on the values: the number of finite ones, their sum, root mean square and first
-    /// moment.
+    /// Returns numbers that depend smoothly on the values: count, sum, root mean square and first moment of the finite
+    /// ones.
     fn summary(&self) -> [f64; 4] {
         let finite: Vec<f64> = self.values.iter().copied().filter(|value| value.is_finite()).collect();
         let count = finite.len() as f64;
@@ -76,7 +75,7 @@ impl Numbers {
     }
 }
 
-/// Every number of a report, by its place.
+/// Collects every number of a report by its place.
 fn of_json(place: &str, report: &Value, numbers: &mut BTreeMap<String, Numbers>) {
     let one = |number: f64| Numbers { values: vec![number] };
     match report {
@@ -99,7 +98,7 @@ fn of_json(place: &str, report: &Value, numbers: &mut BTreeMap<String, Numbers>)
     }
 }
 
-/// Collects the keys below a place of a report, in their order; entries of an array share theirs.
+/// Collects the keys below a place of a report, in order; the entries of an array share their keys.
 struct Keys<'a> {
     place: String,
     keys: &'a mut Vec<String>,
@@ -173,7 +172,7 @@ fn keys(text: &str) -> Vec<String> {
     keys
 }
 
-/// Every number of a file, by its path.
+/// Collects every number of a file by its path.
 fn of_file(path: &Path, group: &str, numbers: &mut BTreeMap<String, Numbers>) {
     let reader = Reader::open(path).unwrap();
     for name in reader.names(if group.is_empty() { "/" } else { group }) {
@@ -192,8 +191,8 @@ fn recorded(case: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden").join(case).with_extension("json")
 }
 
-/// The properties of the processor that decide the last bit: transforms and elementary functions choose among its
-/// instructions.
+/// Returns the properties of the processor that decide the last bit: transforms and elementary functions choose among
+/// its instructions.
 fn processor() -> String {
     #[cfg(target_arch = "x86_64")]
     let vectors = format!("avx {}, fma {}", is_x86_feature_detected!("avx2"), is_x86_feature_detected!("fma"));
@@ -202,7 +201,7 @@ fn processor() -> String {
     format!("{}, {}, {vectors}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
-/// What a command says: every number of its report and its files, and the keys of its report.
+/// Output of a command: every number of its report and its files, and the keys of its report.
 struct Said {
     numbers: BTreeMap<String, Numbers>,
     keys: Vec<String>,
@@ -225,7 +224,7 @@ fn said(folder: &Path, arguments: &str) -> Said {
     Said { numbers, keys: keys(&report) }
 }
 
-/// Runs the command in `folder` and compares its report and its files with what was recorded.
+/// Runs the command in `folder` and compares its report and its files with the record.
 fn check(folder: &Path, case: &str, arguments: &str) {
     let Said { numbers, keys } = said(folder, arguments);
     assert!(numbers.len() > 3, "{case}: hardly any numbers");
@@ -259,7 +258,7 @@ fn check(folder: &Path, case: &str, arguments: &str) {
             );
         } else if !EFFORT.iter().any(|effort| place.contains(effort)) {
             let expected: Vec<f64> = summary.as_array().unwrap().iter().map(|s| s.as_f64().unwrap()).collect();
-            // A number that is zero but for rounding has no relative deviation.
+            // A number that is zero up to rounding has no relative deviation.
             let scale = expected[2].max(ROUNDING / TOLERANCE);
             let apart = array.summary().iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             if apart > largest.0 * scale {
@@ -354,7 +353,7 @@ fn laws() {
     );
 }
 
-/// Each part of a problem once, and what is measured of it.
+/// Each part of a problem once, with its measurements.
 #[test]
 fn parts() {
     let folder = tempfile::tempdir().unwrap();
@@ -387,7 +386,7 @@ fn parts() {
     }
 }
 
-/// Contacts with a memory, bodies and laws by tables, and what is known without a solution.
+/// Contacts with a memory, tabulated bodies and laws, and theories without a solution.
 #[test]
 fn histories_tables_and_theories() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The error of the numbers by the grid, from end to end.
+//! Grid error of the numbers, from end to end.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn refused(folder: &Path, flags: &str) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
-/// A number, its limit and the error of that.
+/// Returns a number, its limit and the error of the limit.
 fn limit(load: &Value, name: &str) -> [f64; 3] {
     ["", "_limit", "_limit_error"].map(|end| load[format!("{name}{end}")].as_f64().unwrap_or(f64::NAN))
 }
@@ -26,7 +26,7 @@ fn limit(load: &Value, name: &str) -> [f64; 3] {
 const NAMES: [&str; 6] =
     ["area_fraction", "mean_gap", "displacement", "elastic_energy", "stiffness", "mean_pressure_in_contact"];
 
-/// The numbers of a load on a grid and on another grid agree within their errors.
+/// Checks that the numbers of a load on two grids agree within their errors.
 fn agree(problem: &str, [coarse, fine]: [&Value; 2], names: &[&str], factor: f64) {
     for name in names {
         let ([_, a, of_a], [_, b, of_b]) = (limit(coarse, name), limit(fine, name));
@@ -53,7 +53,7 @@ fn a_finer_grid_tells_the_error_of_all_bodies_interactions_and_boundaries() {
             json(path, &words(&flags))
         };
         let (plain, refined, fine) = (run(48, "none"), run(48, "refine"), run(192, "refine"));
-        // The numbers themselves are those of the grid that is asked for.
+        // The numbers themselves belong to the requested grid.
         assert_eq!(plain["loads"][0]["area_fraction"], refined["loads"][0]["area_fraction"], "{problem}");
         assert!(plain["loads"][0].get("area_fraction_limit").is_none() && plain.get("grid_error").is_none());
         let reported = &refined["grid_error"];
@@ -65,7 +65,7 @@ fn a_finer_grid_tells_the_error_of_all_bodies_interactions_and_boundaries() {
         );
         agree(problem, [&refined["loads"][0], &fine["loads"][0]], names, 1.5);
         let [area, of_limit, error] = limit(&refined["loads"][0], "area_fraction");
-        // Under a law the error is 2.5 times the difference of both grids.
+        // With a law the error is 2.5 times the difference between both grids.
         let most = if problem.contains("law") { 0.2 } else { 0.1 };
         assert!(error < most * of_limit && error > 0.0, "{problem}: {area} {of_limit} {error}");
     }
@@ -89,7 +89,7 @@ fn between_the_points_of_a_scan_two_interpolations_tell_what_is_not_known() {
     assert!(one["loads"][0]["stiffness_limit"].is_number(), "what hardly depends on it has a limit");
     let two = json(folder.path(), &words(&format!("{scan} --grid-error refine")));
     let [_, limit, error] = limit(&two["loads"][0], "area_fraction");
-    // White noise: a quarter of the area lies between the two ways.
+    // White noise: a quarter of the area lies between both interpolations.
     assert!(error > 0.05 * limit, "{limit} {error}");
     let reported = refused(folder.path(), &format!("{scan} --grid-error refine --boundary free"));
     assert!(reported.contains("it must be none or estimate with --boundary free"), "{reported}");
@@ -113,11 +113,11 @@ fn the_grid_is_made_finer_until_all_numbers_are_as_exact_as_asked_for() {
             assert!(error <= 0.02 * limit, "{name}: {limit} {error}");
         }
     }
-    // The file is that of the last grid, which its configuration asks for.
+    // The file holds the last grid, as its configuration states.
     for again in ["check a.h5", "check a.h5 --rerun"] {
         assert!(gfmd(path, &words(again)).status.success(), "{again}");
     }
-    // A scan whose waves are resolved is interpolated by them.
+    // A scan with resolved waves is interpolated by waves.
     let grid = Grid::square(48, 1.0).unwrap();
     let waves = SelfAffine {
         hurst: 0.8,
@@ -133,14 +133,14 @@ fn the_grid_is_made_finer_until_all_numbers_are_as_exact_as_asked_for() {
     assert!(gfmd(path, &words("check s.h5 --rerun")).status.success());
 }
 
-/// Heights of a function of the place in the cell, at points that lie this part of a step beyond its corner.
+/// Writes heights as a function of the place in the cell, at points offset from its corner by this part of a step.
 fn write(path: &Path, n: usize, offset: f64, height: impl Fn(f64, f64) -> f64) {
     let at = |i: usize| (i as f64 + offset) / n as f64;
     let heights = ndarray::Array2::from_shape_fn((n, n), |(i, j)| height(at(i), at(j)));
     ndarray_npy::write_npy(path, &heights).unwrap();
 }
 
-/// The edges of the contacts of equal waves cut the links of the grid at the same places, and those of stripes at one
+/// The contact edges of equal waves cut the links of the grid at the same places, and the edges of stripes at one
 /// place.
 #[test]
 fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
@@ -282,8 +282,8 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
     }
 }
 
-/// A number that is prescribed has no limit in its place. The pressure at an approach has one, with an error that
-/// holds: the top of the surface lies above the highest point of its grid.
+/// A prescribed number has no limit. The pressure at an approach has a limit with a valid error: the top of the surface
+/// lies above the highest point of its grid.
 #[test]
 fn at_a_prescribed_approach_the_pressure_has_the_grid_error() {
     let folder = tempfile::tempdir().unwrap();
@@ -305,7 +305,7 @@ fn at_a_prescribed_approach_the_pressure_has_the_grid_error() {
     assert!(String::from_utf8_lossy(&output.stdout).contains(" 6.0000e-3 "));
 }
 
-/// Two half-spaces deform as one with their contact modulus, and have its errors by the grid.
+/// Two half-spaces deform like one with their contact modulus, and have the same grid errors.
 #[test]
 fn a_pair_of_half_spaces_has_the_grid_error_of_one() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Command lines as people write them before they read: they work, or one line says what to write.
+//! Command lines as users first type them: they work, or one line gives the replacement.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::common::{gfmd, json, numbers};
 use ndarray::Array2;
 
-/// A folder with a map of 16 x 16 points without a unit, and the same as a list in micrometres.
+/// Creates a folder with a map of 16 x 16 points without a unit, and the same map as a list in micrometres.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 16.0).cos();
@@ -19,7 +19,7 @@ fn words(flags: &str) -> Vec<&str> {
     flags.split_whitespace().collect()
 }
 
-/// The one line of a refusal.
+/// Returns the single line of a refusal.
 fn refused(folder: &Path, flags: &str) -> String {
     let output = gfmd(folder, &words(flags));
     let text = String::from_utf8(output.stderr).unwrap();
@@ -28,7 +28,7 @@ fn refused(folder: &Path, flags: &str) -> String {
     text
 }
 
-/// Runs two command lines, whose files must have the same numbers.
+/// Runs two command lines and checks that their files have the same numbers.
 fn same(folder: &Path, plain: &str, guess: &str) {
     for (flags, out) in [(plain, "plain.h5"), (guess, "guess.h5")] {
         let flags = format!("{flags} --json -q --out {out}");
@@ -97,7 +97,7 @@ fn values_may_begin_with_minus() {
     );
     let drawn = "path --surface scan.npy --length 1 --p-star 0.05 --friction 0.3 --steps 1 --lateral";
     same(folder.path(), &format!("{drawn}=-0.001,0.001"), &format!("{drawn} -0.001,0.001"));
-    // Each value that a command refuses is refused by its own reason.
+    // Each command refuses its invalid values with its own reason.
     for (flags, reason) in [
         ("contact --n 16 --p-star -0.1,0.1", "must be positive"),
         ("slide --n 16 --prony 1:0.5 --p-star 0.1 --velocity -1,1", "must be"),
@@ -184,12 +184,12 @@ fn other_names_of_options_are_answered_with_theirs() {
         let text = refused(folder.path(), flags);
         assert!(text.contains(reason), "{flags}: {text}");
     }
-    // A name that nobody has.
+    // An unknown name.
     let text = refused(folder.path(), "contact scan.npy --nonsense 1");
     assert!(text.contains("--nonsense"), "{text}");
 }
 
-/// What a terminal of so many columns shows.
+/// Returns the lines shown on a terminal with this number of columns.
 #[cfg(unix)]
 fn on_terminal(folder: &Path, columns: u16, flags: &str) -> Vec<String> {
     let script = "import fcntl, os, pty, struct, sys, termios\n\

@@ -1,4 +1,4 @@
-//! The help of the program, with the name by which it was called.
+//! Help of the program, with the name used to call it.
 
 use std::path::Path;
 
@@ -44,7 +44,7 @@ fn choices_are_explained() {
     }
 }
 
-/// The scripts know all commands and a flag of one of them; bash reads its own without an error.
+/// The scripts know all commands and a flag of one of them; bash reads its own script without an error.
 #[test]
 fn shells_complete_commands_and_flags() {
     for shell in ["bash", "zsh", "fish"] {
@@ -63,7 +63,7 @@ fn shells_complete_commands_and_flags() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// Flags stand in groups, and the terms that they use are explained.
+/// Flags are listed in groups, and the terms that they use are explained.
 #[test]
 fn flags_have_groups_and_terms() {
     let text = help(&["contact", "--help"]);
@@ -77,7 +77,7 @@ fn flags_have_groups_and_terms() {
             && text.contains("eps_f    shortest wavelength over the longest one")
     );
     assert!(text.find("\nLoad:\n").is_some_and(|load| text[load..].trim_start().contains("--p-star")));
-    // A flag stands in its own group, whatever stands before it.
+    // A flag is listed in its own group, independent of the flags before it.
     for (command, group, flag) in [
         ("contact", "Output", "--plots"),
         ("contact", "Contact", "--finite-slope"),

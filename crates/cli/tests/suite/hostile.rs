@@ -1,5 +1,5 @@
-//! Surroundings that work against a run: outputs named like inputs, pipes for files, a stderr that cannot be written, a
-//! limit of the size of files, files of strangers.
+//! Adverse conditions: outputs named like inputs, pipes instead of files, a stderr that cannot be written, a file size
+//! limit, untrusted files.
 #![cfg(unix)]
 
 use std::fs;
@@ -29,7 +29,7 @@ fn sh(folder: &Path, script: &str) -> Output {
     command.output().expect("bash starts")
 }
 
-/// Runs a line that must be refused for the output `flag`; nothing in the folder changes.
+/// Runs a line that must be refused because of the output `flag`; nothing in the folder changes.
 fn keeps(folder: &Path, line: &str, flag: &str, input: &str) {
     let contents = || {
         let mut all: Vec<_> = fs::read_dir(folder)
@@ -110,7 +110,7 @@ fn an_output_has_the_permissions_of_the_file_that_it_replaces() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// The tests end: a pipe without a writer is not opened.
+/// The test ends: a pipe without a writer is not opened.
 #[test]
 fn a_table_in_a_pipe_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -132,7 +132,7 @@ fn a_table_in_a_pipe_is_refused() {
     }
 }
 
-/// A run that warns computes and keeps its result although no word of it can be written.
+/// A run with warnings finishes and keeps its result even if no warning can be written.
 #[test]
 fn a_stderr_that_cannot_be_written_ends_no_run() {
     if !Path::new("/dev/full").exists() {
@@ -150,7 +150,7 @@ fn a_stderr_that_cannot_be_written_ends_no_run() {
             assert!(!output.stdout.is_empty());
         }
     }
-    // A failure has its status.
+    // A failure keeps its status.
     for to in ["2>/dev/full", "2>&-"] {
         assert_eq!(sh(folder.path(), &format!("$GFMD contact --n 16 --p-star nan {to}")).status.code(), Some(2));
         assert_eq!(sh(folder.path(), &format!("$GFMD nothing {to}")).status.code(), Some(2));
@@ -180,7 +180,7 @@ fn beyond_the_limit_of_the_size_of_files_a_run_fails_with_words() {
     }
 }
 
-/// A launcher's variable that is left over: no process has the rank 0, and each says why it ends.
+/// A launcher's variable is left over: no process has rank 0, and each gives the reason why it ends.
 #[test]
 fn a_process_of_any_rank_says_why_it_does_not_start() {
     let folder = tempfile::tempdir().unwrap();
@@ -204,7 +204,7 @@ fn edit(path: &Path, change: impl FnOnce(&hdf5::File)) {
     fs::remove_file(&changing).unwrap();
 }
 
-/// Files of strangers whose variables are larger than their grid, or whose chunks are larger than memory, cost nothing.
+/// Untrusted files with variables larger than their grid, or chunks larger than memory, cost nothing.
 #[test]
 fn variables_beyond_the_layout_are_refused_before_they_are_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -213,7 +213,7 @@ fn variables_beyond_the_layout_are_refused_before_they_are_read() {
     type Change = fn(&hdf5::File);
     let cases: [(&str, Change); 4] = [
         ("one-chunk", |file| {
-            // Zeros that are compressed to a thousandth, in one chunk.
+            // Zeros compressed to a thousandth, in one chunk.
             file.unlink("/fields/gap").unwrap();
             let zeros = ndarray::Array1::<f64>::zeros(1 << 22);
             file.new_dataset_builder().with_data(&zeros).chunk(1 << 22).deflate(9).create("/fields/gap").unwrap();
@@ -248,13 +248,13 @@ fn variables_beyond_the_layout_are_refused_before_they_are_read() {
     }
 }
 
-/// Groups without content are no part of a result, although nothing in them counts.
+/// Empty groups are not part of a result, although nothing in them counts.
 #[test]
 fn a_result_with_empty_groups_is_not_intact() {
     let folder = tempfile::tempdir().unwrap();
     done(folder.path(), "contact --n 16 --eps-f-inv 4 --p-star 0.05 -q --out c.h5");
     done(folder.path(), "body --surface c.h5 --depths 0.1 -q --out b.h5");
-    // The first one is the input of the second one.
+    // The first file is the input of the second.
     for name in ["b.h5", "c.h5"] {
         done(folder.path(), &format!("check {name}"));
         edit(&folder.path().join(name), |file| {
@@ -266,7 +266,7 @@ fn a_result_with_empty_groups_is_not_intact() {
     }
 }
 
-/// Numbers that no run can use are refused by the flag that gives them.
+/// Numbers that no run can use are refused with the name of their flag.
 #[test]
 fn messages_name_the_flag_that_is_to_blame() {
     let folder = tempfile::tempdir().unwrap();
@@ -296,7 +296,7 @@ fn messages_name_the_flag_that_is_to_blame() {
     }
 }
 
-/// The largest use of memory by a run with the flow, in fields, from two sizes; the check counts at least that much.
+/// The memory check counts at least the peak of a run with the flow, in fields, from two sizes.
 #[test]
 fn the_memory_of_a_flow_is_counted() {
     let folder = tempfile::tempdir().unwrap();
@@ -313,7 +313,7 @@ fn the_memory_of_a_flow_is_counted() {
         let fields = (peak(512) - peak(256)) / (8.0 * (512.0 * 512.0 - 256.0 * 256.0));
         assert!(fields > 13.0 && fields <= counted.0 as f64, "{line}: {fields} fields, {counted:?}");
     }
-    // 13 fields would fit, which a run without the flow needs.
+    // Memory for 13 fields, enough for a run without the flow.
     for line in ["contact --p-star 0.05", "path --p-star 0.05 --steps 1"] {
         let script = format!("ulimit -v 5000000; timeout 100 $GFMD {line} --n 4096 --eps-f-inv 16 --flow");
         let output = sh(folder.path(), &script);

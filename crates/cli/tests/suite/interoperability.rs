@@ -13,12 +13,12 @@ fn succeeds(command: &mut Command) -> String {
     text
 }
 
-/// The virtual environment, kept between runs of the tests because installing takes longer than testing.
+/// Returns the Python of the virtual environment, kept between test runs because installing takes longer than testing.
 fn python() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("interoperability");
     let python = folder.join("bin/python");
     let packages = ["h5py", "xarray", "h5netcdf", "netCDF4", "numpy"];
-    // The dependencies of VTK are for windows and figures, which these tests do not open.
+    // The dependencies of VTK serve windows and figures, which these tests do not open.
     let alone = ["vtk"];
     let installed = format!("{packages:?} {alone:?}");
     let record = folder.join("complete");
@@ -70,7 +70,7 @@ fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
     let check = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/interoperability/check.py");
     succeeds(Command::new(python()).arg(check).args(&files));
 
-    // The names that scripts rely on, through a reader that users take.
+    // Names used in scripts, read with a common reader.
     let script = "
 import sys, xarray
 folder = sys.argv[1]

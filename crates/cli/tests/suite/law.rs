@@ -24,7 +24,7 @@ fn law_prints_the_table_of_the_theory_note() {
             assert!((found - wanted).abs() < 1e-8, "{found} {wanted}");
         }
     };
-    // An xu-needleman with q = 0.7 has φ_t = 0.7.
+    // An xu-needleman law with q = 0.7 has φ_t = 0.7.
     let xn =
         at("--law xu-needleman --param phi_n=1,phi_t=0.7,delta_n=0.2,delta_t=0.3,r=0.2 --normal 0.1 --tangential 0.15");
     near(&xn, [1.256_383_692, 1.594_237_116, 6.785_033_861, -3.050_700_653, -3.050_700_653, 5.314_123_718]);
@@ -68,7 +68,7 @@ fn an_adhesive_contact_holds_under_tension_and_is_kept_in_the_file() {
     assert!((a - b).abs() < 1e-7 * b, "{a} {b}");
 }
 
-/// A table of the exponential law, as a file.
+/// Writes a table of the exponential law to a file.
 fn write_table(folder: &std::path::Path, name: &str, heads: &str, [gap_unit, stress_unit]: [f64; 2]) {
     let (gamma, range) = (2e-5, 1.2e-3);
     let mut text = format!("{heads}\n");
@@ -100,7 +100,7 @@ fn a_law_from_a_table_is_kept_in_the_file_and_gives_the_numbers_of_the_law_it_is
         let (found, wanted) = (number(&found["adhesion"], name), wanted.as_f64().unwrap());
         assert!((found / wanted - 1.0).abs() < 1e-2, "{name}: {found} {wanted}");
     }
-    // The file has the rows: the table is needed no more.
+    // The file has the rows: the table is no longer needed.
     std::fs::remove_file(folder.path().join("law.csv")).unwrap();
     for command in ["check a.h5", "check a.h5 --rerun"] {
         assert_eq!(run(folder.path(), command)["differing"], 0);
@@ -109,7 +109,7 @@ fn a_law_from_a_table_is_kept_in_the_file_and_gives_the_numbers_of_the_law_it_is
         Reader::open(folder.path().join("a.h5")).unwrap().text("/", "config").unwrap().parse().unwrap();
     assert_eq!(config["law_table"].as_array().unwrap().len(), 201);
     assert!(gfmd(folder.path(), &["report", "a.h5", "-q"]).status.success());
-    // On a path that is continued, and with longer ranges first.
+    // Resumed path, and longer ranges first.
     write_table(folder.path(), "law.csv", "gap,traction", [1.0, 1.0]);
     let path = format!("path {problem} --law table --law-table law.csv --pressure 0.005,-0.0001 --steps 2");
     let whole = run(folder.path(), &format!("{path} --out p.h5"));
@@ -151,7 +151,7 @@ fn a_table_has_units_by_its_heads_and_is_refused_by_what_is_wrong() {
     assert_eq!([&drawn["unit"], &drawn["stress_unit"]].map(|unit| unit.as_str()), [Some("nm"), Some("MPa")]);
     let figure = std::fs::read_to_string(folder.path().join("t.svg")).unwrap();
     assert!(figure.contains("/ nm") && figure.contains("/ MPa"), "{figure}");
-    // In other units, and with a quantity, the same law.
+    // The same law in other units, and with a quantity.
     let other = run(folder.path(), "law --law table --law-table nano.csv --unit um --stress-unit Pa --normal 0,1.2nm");
     for (one, other) in [0, 1].map(|k| [&drawn, &other].map(|report| &report["points"][k])).map(|[a, b]| (a, b)) {
         let ratio =
@@ -206,7 +206,7 @@ fn surfaces_that_part_are_a_failure_of_the_computation() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("load 1: the surfaces part"));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["loads"][0]["converged"], true);
-    // On a path, separation is no failure but ends the path.
+    // On a path, separation is not a failure but ends the path.
     let path = run(
         folder.path(),
         "path --n 32 --eps-f-inv 4 --law exponential --param gamma=1e-5,range=3e-3 --pressure 0.001,-1 --steps 4",
@@ -238,7 +238,7 @@ fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
         }
     }
     assert!(steps.iter().any(|step| step["passed_instability"] == true));
-    // The loss does not depend on how many steps are asked for; that of trapezoids does.
+    // The loss does not depend on the requested number of steps; the trapezoidal loss does.
     let finer = run(folder.path(), &format!("{flags} --steps 16 --energy-solves 20"));
     assert!((number(&finer, "dissipated") - lost).abs() <= error + number(&finer, "dissipated_error"));
     let bare = run(folder.path(), &format!("{flags} --steps 8 --energy-solves 0"));
@@ -249,7 +249,7 @@ fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
         let stored: f64 = file.values::<f64>(&format!("/path/{name}")).unwrap().iter().sum();
         assert!((stored - number(&report, name)).abs() <= 1e-12 * lost);
     }
-    // The map is that of the largest contact, where the first leg ends, not that of the open surfaces at the end.
+    // The map shows the largest contact, where the first leg ends, not the open surfaces at the end.
     let shorter = flags.replace(",-0.012", "");
     run(folder.path(), &format!("{shorter} --steps 8 --energy-solves 20 --plots s"));
     let [whole, first_leg] =
@@ -309,7 +309,7 @@ fn a_path_of_friction_sticks_slips_and_turns() {
     let stick = |step: &Value| number(step, "stick_fraction");
     assert!(stick(&steps[4]) < stick(&steps[1]) && stick(&steps[5]) > stick(&steps[4]));
     assert!(number(&report, "dissipated") > 0.0);
-    // The stiffness of a leg is that of its first step; the second leg slides at its end.
+    // The stiffness of a leg belongs to its first step; the second leg slides at its end.
     let sliding = report["sliding"].as_array().unwrap();
     assert_eq!([&sliding[0]["leg"], &sliding[1]["leg"]], [1, 2]);
     let first = shear[1] - shear[0];
@@ -351,7 +351,7 @@ fn a_load_with_friction_is_divided_until_it_changes_nothing_or_the_path_says_so(
             .collect()
     };
     assert!(!codes(&report).contains(&"increments".into()), "{report}");
-    // The load alone, in more steps, ends where the one step did; in one increment it does not.
+    // The load alone, in more steps, ends where the single step did; in one increment it does not.
     let finer = flags.replace("0.05", "0.01,0.05").replace(" --lateral 0,0.004", "");
     let finer = run(folder.path(), &finer.replace("--steps 2", "--steps 6"));
     let single = run(folder.path(), &format!("{flags} --energy-solves 0"));
@@ -470,8 +470,8 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         assert!((number(found, key) / wanted - 1.0).abs() < 1e-4, "{key}: {found} {wanted}");
     }
     assert!(run(folder.path(), "contact --surface wave.npy --pressure 0.01").get("adhesion").is_none());
-    // A cap of radius R on a patch that does not repeat has the curvature 1/R at every point; the jump at the seam does
-    // not count, whatever the grid.
+    // A cap of radius R on a non-periodic patch has the curvature 1/R at every point; the jump at the seam does not
+    // count, on any grid.
     for points in [16_usize, 32, 64] {
         let step = 1.0 / points as f64;
         let at = |k: usize| (k as f64 + 0.5) * step - 0.5;
@@ -499,7 +499,7 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         reported.contains("process zone of 16.08 grid steps (resolved)") && reported.contains("Tabor number"),
         "{reported}"
     );
-    // A law whose traction jumps needs more points than a smooth one; both commands say so.
+    // A law with a jump of the traction needs more points than a smooth one; both commands say so.
     for (command, law, range, needed, is_told) in [
         ("contact", "exponential", 4e-3, 2.0, false),
         ("contact", "exponential", 1.3e-3, 2.0, true),
@@ -536,7 +536,7 @@ fn a_search_that_starts_at_longer_ranges_ends_at_the_asked_one() {
     for load in walked["loads"].as_array().unwrap() {
         assert!(load["converged"] == true && number(load, "residual_equilibrium") <= 1e-8, "{load}");
     }
-    // The long range has pulled the surfaces together before the short one could.
+    // The long range pulled the surfaces together before the short one could.
     let area = |report: &Value| number(&report["loads"][0], "area_fraction");
     assert!(area(&walked) > area(&plain), "{} {}", area(&walked), area(&plain));
     assert_eq!(run(folder.path(), "check walked.h5 --rerun")["differing"], 0);
@@ -550,7 +550,7 @@ fn a_search_that_starts_at_longer_ranges_ends_at_the_asked_one() {
     assert!(String::from_utf8(output.stderr).unwrap().contains("--range-continuation: the law npb has no range"));
 }
 
-/// At the load zero repulsion and attraction cancel: the mean pressure that is left is rounding of larger pressures.
+/// At zero load, repulsion and attraction cancel: the remaining mean pressure is rounding of larger pressures.
 #[test]
 fn a_result_under_no_load_is_found_again() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-cli` as one program: those of one file by `cargo test -p gfmd-cli --test suite FILE::`.
+//! Tests of `gfmd-cli` as one program; run one file with `cargo test -p gfmd-cli --test suite FILE::`.
 
 mod bad_input;
 mod below;

@@ -1,4 +1,4 @@
-//! Figures and files for ParaView of contacts and paths, from flags to files.
+//! Figures and ParaView files of contacts and paths, from flags to files.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ fn run(folder: &Path, flags: &str) -> Value {
     json(folder, &format!("{flags} --json").split_whitespace().collect::<Vec<_>>())
 }
 
-/// The names of the figures of a prefix, each of which is there in both formats.
+/// Returns the names of the figures of a prefix; each must exist in both formats.
 fn figures(folder: &Path, report: &Value, prefix: &str) -> Vec<String> {
     let plots: Vec<&str> = report["plots"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert!(plots.iter().all(|plot| folder.join(plot).metadata().unwrap().len() > 1000), "{plots:?}");
@@ -97,7 +97,7 @@ fn the_page_has_the_figures_of_the_command() {
     }
 }
 
-/// The values of an array of a VTK file, whose header names its place.
+/// Returns the values of an array of a VTK file, at the offset named in its header.
 fn array(bytes: &[u8], name: &str) -> Vec<f64> {
     let start = bytes.windows(2).position(|pair| pair == b"\n_").unwrap() + 2;
     let header = String::from_utf8_lossy(&bytes[..start]);

@@ -1,4 +1,4 @@
-//! A hardness that is a field, and plastic depth along a path, from end to end.
+//! A hardness field, and plastic depth along a path, from end to end.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ fn words(flags: &str) -> Vec<&str> {
     flags.split_whitespace().collect()
 }
 
-/// A folder with the hardness of 24 x 24 points, in stripes.
+/// Creates a folder with the hardness of 24 x 24 points, in stripes.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let grains = Array2::from_shape_fn((24, 24), |(i, j)| [0.2, 0.02, 0.08][(i / 5 + j / 7) % 3]);
@@ -43,7 +43,7 @@ fn a_field_of_the_hardness_bounds_the_pressure_and_stays_with_the_result() {
         let full = pressure.iter().zip(&hardness).filter(|(p, h)| p == h).count() as f64 / 576.0;
         assert_eq!(report["loads"][1]["plastic_fraction"], full);
     }
-    // The number in place of the field makes the numbers of the field with this number everywhere.
+    // A uniform hardness field gives the same numbers as the single number.
     ndarray_npy::write_npy(folder.path().join("one.npy"), &Array2::from_elem((24, 24), 0.05)).unwrap();
     let [one, field] = ["0.05", "one.npy"].map(|hardness| {
         let run = format!("contact --n 24 --eps-f-inv 6 --hardness {hardness} --p-star 0.3 --tol 1e-12 --json");

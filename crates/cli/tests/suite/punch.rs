@@ -23,7 +23,7 @@ fn the_case_of_the_source_in_json_and_in_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let report = json(folder.path(), &words("punch --tol 1e-10 --json --out p.h5 --plots p"));
     assert_eq!((&report["n"], &report["contact_nodes"]), (&serde_json::json!([128, 128]), &961.into()));
-    // An independent solution of the same discrete problem.
+    // Independent solution of the same discrete problem.
     assert_relative_eq!(number(&report, "mean_pressure"), 0.099_962_220_138_224_98, max_relative = 1e-9);
     assert_relative_eq!(number(&report, "elastic_energy"), 0.000_249_905_550_345_564_9, max_relative = 1e-9);
     assert!(number(&report, "residual") <= 1e-10 && report["converged"] == true);
@@ -156,7 +156,7 @@ fn punches_of_any_shape_with_shift_and_traction_are_those_of_dense_solutions() {
             assert!(error < 1e-9 * largest, "{name} {error:e}");
         }
         std::fs::rename(folder.path().join("mask.npy"), folder.path().join("gone.npy")).unwrap();
-        // The file has what its check needs.
+        // The file has everything that its check needs.
         for check in ["check m.h5 --json", "check m.h5 --rerun --json"] {
             assert_eq!(json(folder.path(), &words(check))["differing"], 0, "{check}");
         }
@@ -170,7 +170,7 @@ fn under_count(mask: &ndarray::Array2<u8>) -> usize {
 
 #[test]
 fn a_strip_that_is_shifted_on_rubber_bears_the_shear_that_is_its_pressure_when_pressed() {
-    // G_xx = G_zz and G_xz = 0 on an incompressible half-space in plane strain, so that either load is the other
+    // G_xx = G_zz and G_xz = 0 on an incompressible half-space in plane strain, so that each load is the other one
     // turned.
     let folder = tempfile::tempdir().unwrap();
     let strip = "punch --dim 2 --height inf --poisson 0.5 --n 64 --tol 1e-11 --json --depth 0.003";
@@ -179,7 +179,7 @@ fn a_strip_that_is_shifted_on_rubber_bears_the_shear_that_is_its_pressure_when_p
     assert_relative_eq!(number(&shifted, "mean_pressure"), number(&pressed, "mean_pressure"), max_relative = 1e-9);
     let shear = numbers(&shifted["mean_traction"])[0];
     assert_relative_eq!(shear, 2.0 * number(&pressed, "mean_pressure"), max_relative = 1e-9);
-    // The mask of a punch is the punch.
+    // A mask of the punch gives the same punch.
     let mask = ndarray::Array1::from_shape_fn(64, |i| f64::from(u8::from(24 < i && i < 40)));
     ndarray_npy::write_npy(folder.path().join("strip.npy"), &mask).unwrap();
     let masked = json(folder.path(), &words(&format!("{} --mask strip.npy", strip.replace("--n 64", ""))));
@@ -215,7 +215,7 @@ fn all_dampings_find_the_state_and_the_history_has_every_step() {
     assert!(energy[0] > energy[steps]);
     assert!(numbers(&trace["points"][0]["u"]).iter().all(|u| *u == -0.005));
     let [wave, mean] = [0, 1].map(|mode| trace["modes"][mode].clone());
-    // u_x is odd about the middle, which lies at half a turn: the amplitude of its first wave is imaginary.
+    // u_x is odd about the middle, at half a turn: the amplitude of its first wave is imaginary.
     let [re, im] = ["re", "im"].map(|part| numbers(&wave[part])[steps]);
     assert!(im.abs() > 1e-5 && re.abs() < 1e-6 * im.abs(), "{re} {im}");
     let file = Reader::open(folder.path().join("h.h5")).unwrap();

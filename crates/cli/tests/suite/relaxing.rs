@@ -11,7 +11,7 @@ fn words(flags: &str) -> Vec<&str> {
     flags.split_whitespace().collect()
 }
 
-/// The reason why a command is refused, in one line, with status 2.
+/// Returns the reason why a command is refused, one line with status 2.
 fn refused(folder: &Path, flags: &str) -> String {
     let output = gfmd(folder, &words(flags));
     let text = String::from_utf8(output.stderr).unwrap();
@@ -27,7 +27,7 @@ fn list(value: &Value) -> String {
 fn the_program_has_the_values_of_dense_solutions() {
     let folder = tempfile::tempdir().unwrap();
     let all: Value = serde_json::from_str(include_str!("../../../../data/reference/viscoelastic/path.json")).unwrap();
-    // One with the shear alone and instantaneous moduli, one that parts and touches again, a profile.
+    // One relaxing in shear only with instantaneous moduli, one that parts and touches again, a profile.
     for problem in [3, 5, 6].map(|index| &all["problems"][index]) {
         let rows = problem["heights"].as_array().unwrap();
         let [nx, ny] = [rows.len(), rows[0].as_array().unwrap().len()];
@@ -165,7 +165,7 @@ fn unusable_input_is_refused_in_one_line() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// At once the body is elastic with the instantaneous modulus, and after a long time with the long-term one.
+/// Initially the body is elastic with the instantaneous modulus, and after a long time with the long-term modulus.
 #[test]
 fn the_leak_along_a_path_is_that_of_the_contacts_it_goes_through() {
     let folder = tempfile::tempdir().unwrap();
@@ -208,7 +208,7 @@ fn times_with_units_are_seconds() {
     assert!(refusal.contains("the lengths have none"), "{refusal}");
 }
 
-/// The energy of a law per area at a gap, zero far away.
+/// Returns the energy of a law per area at a gap, zero far away.
 fn energy_of_law(law: &str, [gamma, range]: [f64; 2], gap: f64) -> f64 {
     let e = (-gap / range).exp();
     match law {
@@ -220,9 +220,9 @@ fn energy_of_law(law: &str, [gamma, range]: [f64; 2], gap: f64) -> f64 {
     }
 }
 
-/// The loss of a leg of no time from the fields at its waypoints: the work of the load by the trapezoidal rule over
-/// many legs, less the work of the pressure on the body, whose strains in the branches stay, and the change of the
-/// energy of the law. Returns its largest error for forces that change monotonically in each leg, too.
+/// Returns the loss of a leg of zero time from the fields at its waypoints, and its largest error for forces that
+/// change monotonically in each leg. The loss is the work of the load by the trapezoidal rule over many legs, minus the
+/// work of the pressure on the body at fixed branch strains, minus the change of the energy of the law.
 fn loss_of_legs(file: &Reader, report: &Value, first: usize, energy: &dyn Fn(f64) -> f64) -> [f64; 2] {
     let steps = report["steps"].as_array().unwrap();
     let number = |k: usize, name: &str| steps[k][name].as_f64().unwrap();
@@ -234,7 +234,7 @@ fn loss_of_legs(file: &Reader, report: &Value, first: usize, energy: &dyn Fn(f64
         spread += 0.5 * ((number(k + 1, "mean_pressure") - number(k, "mean_pressure")) * moved).abs();
     }
     let field = |name: &str, k: usize| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
-    // Waypoints and steps are the same.
+    // Waypoints and steps coincide.
     let [p, q] = [first, last].map(|k| field("pressure", k));
     let [u, v] = [first, last].map(|k| field("displacement_z", k));
     let points = p.len() as f64;
@@ -243,8 +243,8 @@ fn loss_of_legs(file: &Reader, report: &Value, first: usize, energy: &dyn Fn(f64
     [work - stored - (law(last) - law(first)), spread]
 }
 
-/// Random legs of no time, alone and after a leg in which the body relaxes, with laws whose traction jumps and that are
-/// smooth.
+/// Random legs of zero time, alone and after a leg in which the body relaxes, with laws that are smooth or have a jump
+/// of the traction.
 #[test]
 fn a_leg_of_no_time_loses_the_energy_that_the_balance_of_work_and_energy_misses() {
     let folder = tempfile::tempdir().unwrap();
@@ -297,7 +297,7 @@ fn a_leg_of_no_time_loses_the_energy_that_the_balance_of_work_and_energy_misses(
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The loss of a held leg by two numbers of steps, and by many.
+/// Loss of a held leg with two numbers of steps, and with many steps.
 #[test]
 fn the_error_of_a_loss_is_that_of_the_loss_or_there_is_none() {
     let folder = tempfile::tempdir().unwrap();
@@ -308,7 +308,7 @@ fn the_error_of_a_loss_is_that_of_the_loss_or_there_is_none() {
         );
         json(folder.path(), &words(&run))
     };
-    // The sum over a leg, from the first step on: the first leg begins at no load.
+    // Sum over a leg, from the first step on: the first leg begins without load.
     let leg = |report: &Value, key: &str, steps: usize, leg: usize| -> Option<f64> {
         let of_leg = &report["steps"].as_array().unwrap()[leg * steps..(leg + 1) * steps];
         of_leg.iter().map(|step| step[key].as_f64()).sum()
@@ -332,6 +332,6 @@ fn the_error_of_a_loss_is_that_of_the_loss_or_there_is_none() {
             assert!(error < 0.3 * right, "{steps} steps, leg {number}: {error:e} of {right:e}");
         }
     }
-    // No path in half as many increments is followed without further solves, and none with too few.
+    // Without further solves, or with too few, no path with half the increments is followed.
     assert!(run(2, 0)["steps"][1]["dissipated_error"].is_null());
 }

@@ -1,4 +1,4 @@
-//! The line under "To repeat it" of a page, pasted into a shell: it makes the result again.
+//! The line under "To repeat it" of a page, pasted into a shell, makes the result again.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn run(folder: &Path, words: &str) {
     assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// The text of a page between two places of it, as a browser copies it.
+/// Returns the text of a page between two marks, as a browser copies it.
 fn copied(page: &str, from: &str, to: &str) -> String {
     let (_, rest) = page.split_once(from).unwrap_or_else(|| panic!("{from} is on no page"));
     let (found, _) = rest.split_once(to).unwrap();
@@ -19,8 +19,8 @@ fn copied(page: &str, from: &str, to: &str) -> String {
     bare.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
 }
 
-/// Runs the line of the page about a result, which writes `again.h5`, and compares all numbers of both. Returns what is
-/// wrong.
+/// Runs the line of the page about a result, which writes `again.h5`, and compares all numbers of both. Returns the
+/// difference, if any.
 fn paste(folder: &Path, name: &str) -> Option<String> {
     run(folder, &format!("report {name}.h5 -q"));
     let page = std::fs::read_to_string(folder.join(format!("{name}.html"))).unwrap();
@@ -131,7 +131,7 @@ fn the_line_of_every_page_makes_the_result_again() {
         run(folder, &format!("{words} --out {name}.h5 -q"));
         wrong.extend(paste(folder, name));
     }
-    // A name that a shell would take apart.
+    // A name that a shell would split.
     let output = gfmd(
         folder,
         &["contact", "--surface", "a scan's.txt", "--p-star", "0.05", "--length", "1e-6", "--out", "quoted.h5", "-q"],

@@ -16,13 +16,13 @@ fn page(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).unwrap()
 }
 
-/// The values of an attribute, in the order of the page.
+/// Returns the values of an attribute, in the order of the page.
 fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     let start = format!(" {attribute}=\"");
     page.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
 
-/// Fails unless the tags are balanced, the ids differ, no script is there and nothing is fetched.
+/// Panics unless the tags are balanced, the ids differ, no script is there and nothing is fetched.
 fn check_page(page: &str) {
     assert!(page.starts_with("<!DOCTYPE html><html lang=\"en\">") && page.ends_with("</html>"));
     let lower = page.to_lowercase();
@@ -52,7 +52,7 @@ fn check_page(page: &str) {
     assert!(open.is_empty(), "{open:?}");
 }
 
-/// The sections, and the number of figures and tables: the outline that readers and programs may rely on.
+/// Returns the sections and the number of figures and tables: the outline that readers and programs may rely on.
 fn outline(page: &str) -> (Vec<&str>, usize, usize) {
     let sections = page.split("<section id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     (sections, page.matches("<figure>").count(), page.matches("<table>").count())
@@ -74,7 +74,7 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
     let made = page(folder, "c.html");
     check_page(&made);
     assert_eq!(outline(&made), (all.to_vec(), 5, 3));
-    // It leads with the area of an infinitely fine grid, and says what this one has.
+    // It leads with the area on an infinitely fine grid and states the area on this grid.
     let area = |end: &str| 100.0 * contact["loads"][1][format!("area_fraction{end}")].as_f64().unwrap();
     let led = with_limit(area(""), area("_limit"), area("_limit_error"));
     assert!(led.contains('(') && made.contains(&format!("<p class=\"headline\">{led} %")), "{led}");
@@ -99,12 +99,12 @@ fn pages_of_all_kinds_have_their_outline_and_the_numbers_of_the_file() {
     assert!(all.iter().all(|section| sections.contains(section)), "{sections:?}");
     let kappa = sweep["fit"]["kappa_tfc"].as_f64().unwrap();
     assert!(made.contains(&format!("<sub>TFC</sub> = {kappa:.4}")), "{kappa}");
-    // The page depends on the file alone.
+    // The page depends on the file only.
     assert_eq!(make(folder, "report s.h5 --out again.html -q --threads 1"), Some(0));
     assert_eq!(page(folder, "again.html"), made);
 }
 
-/// A file with one load and no fields, in whose texts `text` stands.
+/// Writes a file with one load and no fields, with `text` in its texts.
 fn write_bare(path: &Path, text: &str) {
     let output = Output::claim(path).unwrap();
     let provenance = Provenance {
@@ -220,7 +220,7 @@ fn files_that_are_damaged_or_no_result_make_no_page() {
     assert!(!folder.join("rough.html").exists());
 }
 
-/// A page of an earlier run is replaced, by default and by name; what a user has written under that name is not.
+/// A page of an earlier run is replaced, by default and by name; a user's file of that name is kept.
 #[test]
 fn only_pages_of_this_command_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +233,7 @@ fn only_pages_of_this_command_are_replaced() {
         assert_eq!(make(folder, words), Some(0));
         assert_eq!(page(folder, "c.html"), made);
     }
-    // An empty file holds nothing of a user; programs that make temporary names leave such files.
+    // An empty file has no user content; programs that make temporary names leave such files.
     std::fs::write(folder.join("c.html"), "").unwrap();
     assert_eq!(make(folder, "report c.h5 -q"), Some(0));
     let own = "<!DOCTYPE html><html><head><title>My notes</title></head><body>by gfmd report</body></html>";
@@ -252,7 +252,7 @@ fn only_pages_of_this_command_are_replaced() {
     }
 }
 
-/// The page of a surface: of a generated one, of the file that it was written to, of a scan with a hole, of a profile.
+/// Pages of surfaces: a generated one, the file written from it, a scan with a hole, a profile.
 #[test]
 fn surfaces_have_pages_and_functions() {
     let folder = tempfile::tempdir().unwrap();
@@ -300,7 +300,7 @@ fn surfaces_have_pages_and_functions() {
     assert!((slope * 3.0 / 48.0 - (2.0 * difference).sqrt()).abs() < 1e-12);
     assert!(made.get("undefined").is_none(), "{}", made["undefined"]);
 
-    // The file is read again; it does not tell that its surface repeats.
+    // The file is read again; it does not state that its surface is periodic.
     let read = run("surface --surface h.h5 --report again.html --json -q");
     assert_eq!((&read["boundary"], read.get("psd")), (&"free".into(), None));
     assert_eq!(read["report"], "again.html");
@@ -323,14 +323,14 @@ fn surfaces_have_pages_and_functions() {
     assert_eq!(reason_for(&flat, "autocorrelation.sal"), Some("the surface is flat"));
     assert!(flat["autocorrelation"]["sal"].is_null() && flat["bearing_curve"]["sk"].is_null());
 
-    // A page that is not of this program stays; one in no folder is refused before the heights are made.
+    // A page of another program is kept; a page in a missing folder is refused before the heights are made.
     std::fs::write(folder.join("mine.html"), "<p>mine</p>").unwrap();
     assert_eq!(make(folder, "surface --n 16 --report mine.html -q"), Some(2));
     assert_eq!(page(folder, "mine.html"), "<p>mine</p>");
     assert_eq!(make(folder, "surface --n 16 --report none/page.html -q"), Some(2));
 }
 
-/// The text of the parts of a page that begin so, without its tags, up to the next of these ends.
+/// Returns the text, without tags, of the parts of a page between `start` and the next `end`.
 fn said<'a>(page: &'a str, start: &str, end: &str) -> Vec<String> {
     let bare = |part: &'a str| -> String {
         part.split('<').map(|piece| piece.split_once('>').map_or(piece, |(_, text)| text)).collect()
@@ -388,7 +388,7 @@ fn numbers_have_the_digits_of_their_tables_and_units() {
             assert!(asked.contains(fact), "{name}: {fact}: {asked}");
         }
         assert!(page.contains(", 1 thread<") && !page.contains("1 threads"), "{name}");
-        // Maps are in the unit that their captions say.
+        // Maps are in the unit stated in their captions.
         let captions = said(&page, "<figcaption>", "</figcaption>");
         let is_divided = captions.iter().any(|caption| caption.contains("divided by the modulus E*"));
         assert_eq!(is_divided, name == "e", "{captions:?}");
@@ -401,7 +401,7 @@ fn numbers_have_the_digits_of_their_tables_and_units() {
             assert!(rows.iter().any(|row| row == state), "{name}: {caption}: {rows:?}");
         }
         if ["c", "b", "w", "p"].contains(&name) {
-            // Two digits and ~ of the table stand in the headline, and are explained below it.
+            // Two digits and ~ of the table appear in the headline, with an explanation below.
             let cells = said(&page, "<td>", "</td>");
             let answer = said(&page, "<section id=\"answer\"", "</section>").concat();
             assert!(cells.iter().any(|cell| cell.ends_with('~')) && answer.contains("~ "), "{name}: {answer}");
@@ -442,7 +442,7 @@ fn punches_bodies_and_slides_have_pages() {
         ("body --surface p.h5 --levels 5 --slice y=0.5 --out b.h5", "b", &plain, 13, 1),
         ("body --surface p.h5 --slice z=1 --out z.h5", "z", &plain, 11, 1),
         ("body --surface l.h5 --levels 5 --out s.h5", "s", &plain, 10, 1),
-        // Of uneven depths there is no section.
+        // Uneven depths have no section.
         ("body --surface l.h5 --depths 0,0.1,0.5 --out u.h5", "u", &plain, 2, 1),
         // Friction, area; pressure, gap, section, heights.
         (

@@ -1,4 +1,4 @@
-//! Measured surfaces from end to end: what their files say, what is done to them, and where it stands.
+//! Measured surfaces from end to end: contents of their files, preparation, and record.
 
 use std::path::Path;
 
@@ -9,8 +9,8 @@ fn words(flags: &str) -> Vec<&str> {
     flags.split_whitespace().collect()
 }
 
-/// A folder with files of other programs (crates/topography/tests/data/make.py) and a scan with two channels and a
-/// hole.
+/// Creates a folder with files of other programs (crates/topography/tests/data/make.py) and a scan with two channels
+/// and a hole.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../topography/tests/data");

@@ -12,7 +12,7 @@ fn number(load: &Value, name: &str) -> f64 {
     load[name].as_f64().unwrap_or_else(|| panic!("{name} of {load}"))
 }
 
-/// The pairs of neighbours of which one is in contact, within the field, and those across the seam.
+/// Counts the pairs of neighbours with exactly one in contact: within the field, and across the seam.
 fn links(touches: &[bool], [nx, ny]: [usize; 2]) -> [u64; 2] {
     let mut found = [0, 0];
     for (i, j) in (0..nx).flat_map(|i| (0..ny).map(move |j| (i, j))) {
@@ -23,8 +23,8 @@ fn links(touches: &[bool], [nx, ny]: [usize; 2]) -> [u64; 2] {
     found
 }
 
-/// The numbers of points and of links of the only load of a file, counted again from a field and compared with all that
-/// is said of them.
+/// Recounts the points and links of the only load of a file from a field, and compares them with all reported numbers.
+/// Returns them.
 fn recounted(folder: &Path, file: &str, load: &Value, field: &str, is_periodic: bool) -> (f64, f64) {
     let file = Reader::open(folder.join(file)).unwrap();
     let shape = file.shape(field).unwrap();
@@ -143,21 +143,21 @@ fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
     let contact = &json(folder.path(), &words("contact", "0.1", "--hardness 0.05"))["loads"][0];
     let path = json(folder.path(), &words("path", "0.06,0.1", "--hardness 0.05 --steps 1 --out p.h5"));
     let steps = path["steps"].as_array().unwrap();
-    // Nearly all of the surface carries the hardness, whose depth the step before began.
+    // Nearly all of the surface carries the hardness; the previous step began the plastic depth.
     let [mean, first, last] = [contact, &steps[0], &steps[1]].map(|state| number(state, "mean_pressure"));
     assert!(mean > 0.95 * 0.05 && first < 0.8 * mean);
     approx::assert_relative_eq!(last, mean, max_relative = 1e-3);
     assert!(number(&steps[1], "dissipated") > 0.5 * 0.04 * mean);
     assert_eq!(json(folder.path(), &["check", "p.h5", "--rerun", "--json"])["differing"], 0);
-    // So pressed, the surfaces are flat to one another: they part when the approach is reduced, and touch again at the
-    // depth that they have.
+    // After this pressing, both surfaces match: they part when the approach is reduced, and touch again at their
+    // plastic depth.
     let path = json(folder.path(), &words("path", "0.1,0.05,0.02,0.1", "--hardness 0.05 --steps 1 --out apart.h5"));
     let steps = path["steps"].as_array().unwrap();
     for (step, approach) in [(&steps[1], 0.05), (&steps[2], 0.02)] {
         assert!(step["converged"] == true && number(step, "mean_pressure") == 0.0, "{step}");
         assert_eq!((number(step, "displacement"), number(step, "dissipated")), (approach, 0.0));
     }
-    // Apart, the surface is not displaced: the gap opens by what the approach is reduced.
+    // Apart, the surface is not displaced: the gap opens by the reduction of the approach.
     let opened = number(&steps[2], "mean_gap") - number(&steps[1], "mean_gap");
     approx::assert_relative_eq!(opened, 0.03, max_relative = 1e-9);
     let [first, last] = [0, 3].map(|step| number(&steps[step], "mean_pressure"));

@@ -23,7 +23,7 @@ fn rough(seed: u64) -> (Array2<f64>, Grid) {
     (spectrum.heights(&grid, seed).unwrap(), grid)
 }
 
-/// A folder with two surfaces.
+/// Creates a folder with two surfaces.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, seed) in [("a.npy", 1), ("b.npy", 2)] {
@@ -70,7 +70,7 @@ fn a_result_is_checked_and_repeated_without_its_surfaces() {
     json(folder.path(), &words(run));
     let report = json(folder.path(), &words("check c.h5 --rerun --json"));
     assert_eq!((&report["differing"], &report["second_input"]["state"]), (&0.into(), &"unchanged".into()));
-    // The generated surface of a run with a second one is taken from the file, too.
+    // With a second surface, the generated one is taken from the file, too.
     json(folder.path(), &words("path --n 32 --second-surface b.npy --p-star 0.02,0.05 --steps 2 --out p.h5 --json"));
     std::fs::remove_file(folder.path().join("a.npy")).unwrap();
     std::fs::write(folder.path().join("b.npy"), b"another").unwrap();

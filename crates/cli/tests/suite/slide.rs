@@ -17,7 +17,7 @@ fn list(value: &Value) -> String {
 fn the_program_has_the_values_of_dense_solutions() {
     let folder = tempfile::tempdir().unwrap();
     let all: Value = serde_json::from_str(include_str!("../../../../data/reference/viscoelastic/slide.json")).unwrap();
-    // An oblique patch on a slab, a prescribed approach, the shear alone.
+    // An oblique patch on a slab, a prescribed approach, relaxation in shear only.
     for problem in [3, 4, 5].map(|index| &all["problems"][index]) {
         let rows = problem["heights"].as_array().unwrap();
         let shape = (rows.len(), rows[0].as_array().unwrap().len());
@@ -57,7 +57,7 @@ fn the_program_has_the_values_of_dense_solutions() {
     }
 }
 
-/// The grid error of sliding is not known: two digits and `~`, and a line that says what it means.
+/// The grid error of sliding is unknown: two digits and `~`, and a line that explains them.
 #[test]
 fn numbers_with_an_unknown_grid_error_have_two_digits() {
     let folder = tempfile::tempdir().unwrap();
@@ -163,7 +163,7 @@ fn temperatures_are_written_checked_and_drawn() {
 #[test]
 fn units_of_heat_lead_to_kelvin() {
     let folder = tempfile::tempdir().unwrap();
-    // One problem in numbers of µm, Pa and s, and with units.
+    // One problem as numbers in µm, Pa and s, and with units.
     let problem = "slide --n 24 --eps-f-inv 6 --length 50 --unit um --p-star 0.02 --friction 0.5 --json";
     let of = |flags: &str| json(folder.path(), &words(&format!("{problem} {flags}")));
     let plain = of("--young 1e7 --heat 2e11,1e5,1e12,1e6 --velocity 1e6");

@@ -32,7 +32,7 @@ fn a_sweep_ends_with_a_result_a_file_and_plots() {
     let file = Reader::open(folder.path().join("s.h5")).unwrap();
     let worst = file.values::<f64>("/runs/residual_penetration").unwrap().into_iter().fold(0.0, f64::max);
     assert!(worst <= 1e-8, "{worst:e}");
-    // The configuration in a file is that of a sweep with identical numbers.
+    // The configuration in a file describes a sweep with identical numbers.
     std::fs::write(folder.path().join("again.toml"), file.text("/", "config").unwrap()).unwrap();
     json(
         folder.path(),
@@ -88,7 +88,7 @@ fn a_sweep_killed_again_and_again_ends_with_the_same_numbers() {
         assert!(!folder.path().join("cut.h5").exists(), "killed too late to test anything");
         let mut text = std::fs::read_to_string(&journal).unwrap();
         assert!(text.starts_with(&before[..whole(&before)]), "finished runs were lost");
-        // Simulates a kill in the middle of a record, in place of the part of a record that the kill may have left.
+        // Simulates a kill in the middle of a record, replacing any partial record that the kill may have left.
         text.truncate(whole(&text));
         text.push_str("00000000000001b5 5f3759df");
         std::fs::write(&journal, text).unwrap();
@@ -166,7 +166,7 @@ fn a_sweep_with_a_target_ends_there_resumed_or_not_and_can_be_checked() {
     let first = half_width(&run("--out first.h5"));
     let target = format!("--target {}", 0.7 * first);
     assert!(half_width(&run(&format!("{target} --out a.h5"))) <= 0.7 * first);
-    // Killed somewhere, and continued.
+    // Killed at some point, and continued.
     let flags = sweep(&format!("{target} --out b.h5"));
     let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
         .args(&flags)

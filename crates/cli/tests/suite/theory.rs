@@ -28,13 +28,13 @@ fn theories_are_those_of_the_surface_and_the_body() {
     for plot in report["plots"].as_array().unwrap() {
         assert!(folder.path().join(plot.as_str().unwrap()).metadata().unwrap().len() > 1000, "{plot}");
     }
-    // A thin slab is stiffer; what knows half-spaces only is silent there.
+    // A thin slab is stiffer; theories of half-spaces have no number there.
     let slab = run("--height 0.02 --poisson 0.45");
     assert!(number(&slab["full_contact_deviation"]) > number(&report["full_contact_deviation"]));
     assert!(slab["loads"][0]["bush_gibson_thomas"].is_null() && slab["loads"][0]["self_affine"].is_null());
 }
 
-/// Waves of exactly the length that is given are seen, shorter ones are not, whatever the last digit of the length.
+/// Waves of exactly the given length are seen and shorter ones are not, independent of the last digit of the length.
 #[test]
 fn a_wave_of_exactly_the_length_is_seen() {
     let folder = tempfile::tempdir().unwrap();
@@ -49,7 +49,7 @@ fn a_wave_of_exactly_the_length_is_seen() {
         let areas = seen([length * (1.0 + 1e-9), length, length * (1.0 - 1e-9)], "--dim 2");
         assert!(areas[0] > areas[1] && areas[1] == areas[2], "{length}: {areas:?}");
     }
-    // Cut-offs of the generator at 0.1 and 0.25, in numbers of their own: the wave there is in the surface.
+    // Cut-offs of the generator at 0.1 and 0.25, in exact numbers: the wave there is part of the surface.
     for (flags, longest, shortest) in [
         ("--eps-t-inv 10 --eps-f-inv 3", 0.1, 1.0 / 30.0),
         ("--eps-t-inv 4 --eps-f-inv 2.5", 0.25, 0.1),
@@ -69,7 +69,7 @@ fn a_wave_of_exactly_the_length_is_seen() {
     }
 }
 
-/// Theories end where their assumptions do, and say why; the formula for endless spectra knows no roll-off.
+/// Theories end with their assumptions and give the reason; the formula for endless spectra has no roll-off.
 #[test]
 fn theories_beyond_their_range_have_no_number_and_a_reason() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,7 +104,7 @@ fn theories_beyond_their_range_have_no_number_and_a_reason() {
     }
 }
 
-/// The mean gap grows by the same length with each decade of the load, down to the smallest pressures there are.
+/// The mean gap grows by the same length with each decade of the load, down to the smallest pressures.
 #[test]
 fn the_smallest_loads_have_a_mean_gap_and_smaller_ones_are_refused() {
     let folder = tempfile::tempdir().unwrap();

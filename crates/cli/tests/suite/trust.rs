@@ -1,5 +1,5 @@
-//! Results from strangers: `check` and `report` write nothing but what was asked for, open nothing but inputs, and
-//! verify what docs/trust.md says.
+//! Untrusted results: `check` and `report` write only the requested files, open only inputs, and verify everything
+//! stated in docs/trust.md.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,10 +14,10 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{File, Location};
 use ndarray::{Array2, ArrayD};
 
-/// The longest time of a command here.
+/// Longest duration of a command here.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A run: its status, and what it printed on stderr and stdout.
+/// Run with its status, stderr and stdout.
 struct Ran {
     status: Option<i32>,
     stderr: String,
@@ -54,7 +54,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Ran {
     Ran { status: status.code(), stderr, stdout }
 }
 
-/// The names of the differences of a check.
+/// Returns the names of the differences of a check.
 fn differences(ran: &Ran) -> Vec<String> {
     let report: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap_or_default();
     let all = report["differences"].as_array().cloned().unwrap_or_default();
@@ -69,9 +69,9 @@ fn make(folder: &Path, name: &str, words: &str) -> PathBuf {
     folder.join(name)
 }
 
-/// Changes a copy of a file, writes the checksum that fits, and puts the copy in its place.
+/// Changes a copy of a file, writes the matching checksum, and puts the copy in its place.
 fn forge(path: &Path, change: impl FnOnce(&File)) {
-    // A process that another test starts may hold the lock of a file that was open then; a copy has no lock.
+    // A process started by another test may hold the lock of an open file; a copy has no lock.
     let edit = |change: &dyn Fn(&File)| {
         let [changing, fresh] = ["changing", "fresh"].map(|name| path.with_extension(name));
         std::fs::copy(path, &changing).unwrap();
@@ -109,7 +109,7 @@ fn configure(path: &Path, change: impl FnOnce(&mut toml::Table)) {
     forge(path, |file| set_text(file, "config", &table.to_string()));
 }
 
-/// Every file of a folder with its bytes; special files without.
+/// Returns every file of a folder with its bytes; special files without.
 fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -124,14 +124,14 @@ fn snapshot(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     all
 }
 
-/// The files of a folder that were made, changed or removed since `before`.
+/// Returns the files of a folder that were made, changed or removed since `before`.
 fn changed(before: &BTreeMap<PathBuf, Vec<u8>>, folder: &Path) -> Vec<PathBuf> {
     let after = snapshot(folder);
     let all = before.keys().chain(after.keys().filter(|path| !before.contains_key(*path)));
     all.filter(|path| before.get(*path) != after.get(*path)).cloned().collect()
 }
 
-/// Files of every kind whose configuration has flags, by name.
+/// Files of every kind with flags in their configuration, by name.
 const FLAGGED: [(&str, &str); 4] = [
     ("contact.h5", "contact --n 16 --eps-f-inv 4 --p-star 0.05"),
     ("path.h5", "path --n 16 --eps-f-inv 4 --p-star 0.02,0.05 --steps 2"),
@@ -152,7 +152,7 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
         std::fs::write(folder.join(name), "precious").unwrap();
     }
     assert!(Command::new("mkfifo").arg(folder.join("fifo")).status().unwrap().success());
-    // The value of a key, and the statuses that it may have: 0 if it changes nothing, 1 or 2 if it may.
+    // Value of a key, and the allowed statuses: 0 if it changes nothing, 1 or 2 if it may.
     let cases: &[(&str, &str, &[i32])] = &[
         ("plots", "\"victim\"", &[0]),
         ("out", "\"victim.h5\"", &[0]),
@@ -195,7 +195,7 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
     for (name, _) in FLAGGED {
         let honest = std::fs::read(folder.join(name)).unwrap();
         for (key, value, allowed) in cases {
-            // The largest grids of a punch take their time, and are computed as they should.
+            // The largest grids of a punch take long and are computed correctly.
             if (*key == "refine" || *key == "traction") && name == "punch.h5" {
                 continue;
             }
@@ -205,7 +205,7 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
             for arguments in [&["check", name, "--json"][..], &["check", name, "--rerun", "--json"]] {
                 let ended = run(folder, arguments);
                 let status = ended.status.unwrap();
-                // A key that this kind has not is refused also if another has it.
+                // A key unknown to this kind is refused even if another kind has it.
                 assert!(
                     allowed.contains(&status) || status == 2 && *allowed != [0],
                     "{name} {key} = {value}: {status} {}",
@@ -227,7 +227,7 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
         }
     }
     assert_eq!(ran, 2 * (4 * cases.len() - 2));
-    // A field that stands in the result takes the place of the file that a key names beside a generated surface.
+    // A field stored in the result replaces the file named by a key beside a generated surface.
     make(folder, "squeezed.h5", "contact --n 16 --height 0.5 --lower-seed 2 --p-star 0.02");
     configure(&folder.join("squeezed.h5"), |table| {
         table.remove("lower_seed");
@@ -267,7 +267,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
             std::fs::write(folder.join(name), &honest).unwrap();
         }
     }
-    // The input of a body is that which has the checksum.
+    // The input of a body is the file with the checksum.
     std::fs::copy(folder.join("punch.h5"), folder.join("other.h5")).unwrap();
     configure(&folder.join("body.h5"), |table| drop(table.insert("surface".into(), "other.h5".into())));
     let ended = run(folder, &["check", "body.h5"]);
@@ -275,7 +275,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
     assert!(ended.stderr.contains("it must be the input \"punch.h5\" of the file"), "{}", ended.stderr);
 }
 
-/// Files whose parts are forged, with their kinds.
+/// Files with parts to forge, and their kinds.
 const FORGED: [(&str, Kind, &str); 14] = [
     (
         "wall.h5",
@@ -314,7 +314,7 @@ const FORGED: [(&str, Kind, &str); 14] = [
     ("sweep.h5", Kind::KappaSweep, "kappa-sweep --config sweep.toml"),
 ];
 
-/// The variables and attributes of a file; variables without an `@`.
+/// Returns the variables and attributes of a file; variables without an `@`.
 fn parts(reader: &Reader) -> Vec<String> {
     fn group(reader: &Reader, path: &str, all: &mut Vec<String>) {
         let at = if path.is_empty() { "/" } else { path };
@@ -335,7 +335,7 @@ fn parts(reader: &Reader) -> Vec<String> {
     all
 }
 
-/// Forges a part: the largest number of a variable by a thousandth, a text by a letter. False if it has no number.
+/// Forges a part: the largest number of a variable by a thousandth, a text by a letter. Returns false without a number.
 fn forge_part(path: &Path, part: &str) -> bool {
     let reader = Reader::open(path).unwrap();
     if let Some((at, name)) = part.split_once('@') {
@@ -387,7 +387,7 @@ fn every_part_is_verified_as_the_page_says() {
     ndarray_npy::write_npy(folder.join("h.npy"), &ramp).unwrap();
     make(folder, "press.h5", "punch --n 16");
     let (mut wrong, mut verified, mut unnoticed, mut described) = (Vec::new(), 0, 0, 0);
-    // The columns of a series go one way: one of five of each file, others of the next one.
+    // The columns of a series are checked alike: test one of five per file, others in the next file.
     let columns = ["/loads/", "/path/", "/wear/", "/lower/"];
     let skipped = if long() { 1 } else { 5 };
     for (number, (name, kind, words)) in FORGED.iter().enumerate() {
@@ -412,7 +412,7 @@ fn every_part_is_verified_as_the_page_says() {
                     continue;
                 }
             };
-            // Units and meanings are many and alike: one of seven.
+            // Units and meanings are many and alike: test one of seven.
             if part.ends_with("@units") || part.ends_with("@long_name") {
                 described += 1;
                 if described % 7 != 0 {
@@ -429,7 +429,7 @@ fn every_part_is_verified_as_the_page_says() {
                 }
                 *(if is_noticed { &mut verified } else { &mut unnoticed }) += 1;
             }
-            // A change that is noticed without a second run is noticed with one.
+            // A change noticed without a second run is noticed with one.
             if plain != Way::Verified && kind != Kind::KappaSweep && rerun != Way::InPart {
                 let is_noticed = run(folder, &["check", name, "--json", "--rerun"]).status != Some(0);
                 if is_noticed != (rerun == Way::Verified) {
@@ -471,7 +471,7 @@ fn a_file_of_another_layout_is_not_taken_for_a_result() {
     differ("/loads/iterations", &|file| file.unlink("loads/iterations").unwrap());
     differ("/surface@rms_gradient", &|file| file.group("surface").unwrap().delete_attr("rms_gradient").unwrap());
     differ("/fields/gap", &|file| file.unlink("fields/gap").unwrap());
-    // The checksum of a file without one, and of one whose group contains itself, is not there.
+    // A file without a checksum, or with a group that contains itself, has no valid checksum.
     differ("content_sha256", &|file| file.group("/").unwrap().link_hard("/loads", "/loads/loads").unwrap());
     // External links and raw data are not followed.
     std::fs::copy(&path, folder.join("other.h5")).unwrap();
@@ -489,7 +489,7 @@ fn a_file_of_another_layout_is_not_taken_for_a_result() {
     let ended = run(folder, &["check", "c.h5", "--json"]);
     assert_eq!((ended.status, differences(&ended)), (Some(1), vec!["content_sha256".to_owned()]));
     std::fs::write(&path, &honest).unwrap();
-    // Heights that the seed does not make.
+    // Heights that the seed does not produce.
     configure(&path, |table| drop(table.insert("seed".into(), 2.into())));
     let ended = run(folder, &["check", "c.h5", "--json"]);
     assert_eq!(ended.status, Some(1));
@@ -503,7 +503,7 @@ fn the_surface_of_an_array_is_that_of_the_file_in_a_second_run() {
     let heights = Array2::from_shape_fn((24, 20), |(i, j)| 0.01 * (0.9 * i as f64).sin() * (0.7 * j as f64).cos());
     ndarray_npy::write_npy(folder.join("h.npy"), &heights).unwrap();
     let path = make(folder, "c.h5", "contact --surface h.npy --length 1.2,1 --p-star 0.05 --height 0.5 --poisson 0.3");
-    // The configuration that gfmd.Contact.save writes of heights in memory.
+    // Configuration written by gfmd.Contact.save for heights in memory.
     configure(&path, |table| {
         let kept = ["length", "poisson", "young", "height", "p_star", "boundary", "solver", "tol", "law"];
         table.retain(|key, _| kept.contains(&key));
@@ -575,7 +575,7 @@ fn a_page_of_numbers_of_any_size_is_made_or_refused() {
             pages += u32::from(ended.status == Some(0));
             std::fs::write(&path, &honest).unwrap();
         };
-        // One after another has each of the extremes.
+        // Each variable takes the next of the extremes.
         let step = if long() { 1 } else { 3 };
         for (index, variable) in variables.iter().enumerate().step_by(step) {
             report(&|file| fill(file, variable, extremes[index % extremes.len()]), variable);

@@ -22,7 +22,7 @@ fn warned(report: &Value) -> Vec<&str> {
     all.filter(|warning| warning["code"] == "units").map(|warning| warning["text"].as_str().unwrap()).collect()
 }
 
-/// A folder with a map of 24 x 24 points without a unit.
+/// Creates a folder with a map of 24 x 24 points without a unit.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 24.0).cos();
@@ -32,7 +32,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// Runs a command with bare numbers and one with units, whose files must have the same numbers; returns both reports.
+/// Runs a command with bare numbers and with units. Their files must have the same numbers. Returns both reports.
 fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
     let reports = [(bare, "bare.h5"), (with_units, "units.h5")]
         .map(|(flags, out)| json(folder, &words(&format!("{flags} --json -q --out {out}"))));
@@ -73,7 +73,7 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
         &format!("{} --displacement 0.001", law("gamma=5e4,range=0.5")),
         &format!("{} --displacement 1nm", law("gamma=50mJ/m^2,range=500nm")),
     );
-    // Lengths of another unit than those of the file, and stresses of another than Pa.
+    // Lengths in another unit than the file, and stresses in another unit than Pa.
     same(
         folder.path(),
         "contact --surface h.npy --length 10 --unit um --young 70 --stress-unit GPa --pressure 0.01",
@@ -119,7 +119,7 @@ fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
     for flags in ["check loop.h5 --json", "check loop.h5 --rerun --json"] {
         assert_eq!(json(folder.path(), &words(flags))["differences"], serde_json::json!([]), "{flags}");
     }
-    // The words of a run that goes on may have other units for the same numbers.
+    // A resumed run may give the same numbers in other units.
     let again = run.replace("gamma=0.05J/m^2", "gamma=5e4").replace("--young 1GPa", "--young 1e9 --stress-unit Pa");
     let resumed = json(folder.path(), &words(&format!("{again} --json -q --out loop.h5 --resume")));
     assert_eq!(whole["steps"][4]["mean_pressure"], resumed["steps"][4]["mean_pressure"]);
@@ -157,7 +157,7 @@ fn a_file_of_another_unit_is_converted_and_one_without_gets_its_unit() {
     assert_eq!(nanometres["length"][0], 1e4);
     let notes = nanometres["scan"]["notes"].to_string();
     assert!(notes.contains("converted from m to nm, 1 m = 1000000000 nm"), "{notes}");
-    // Two files of different units meet in that which is asked for.
+    // Two files with different units use the requested unit.
     let pair = "--surface h.x3p --second-surface h.npy --unit um --length 10";
     assert_eq!(run(pair)["unit"], "µm");
     let generated = run("--n 32 --unit mm --length 2cm");

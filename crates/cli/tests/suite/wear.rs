@@ -15,7 +15,7 @@ fn list(value: &Value) -> String {
     value.as_array().unwrap().iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// The reason why a command is refused, in one line, with status 2.
+/// Returns the reason why a command is refused, one line with status 2.
 fn refused(folder: &Path, flags: &str) -> String {
     let output = gfmd(folder, &words(flags));
     let text = String::from_utf8(output.stderr).unwrap();
@@ -105,7 +105,7 @@ fn wear_is_written_checked_drawn_and_told() {
     }
 }
 
-/// Numbers between 0 and 1.
+/// Random numbers between 0 and 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -118,7 +118,7 @@ impl Numbers {
         all[(self.next() * all.len() as f64) as usize]
     }
 
-    /// A number of a few decades.
+    /// Returns a random number spanning a few decades.
     fn wide(&mut self, decades: f64) -> f64 {
         10.0_f64.powf(decades * (self.next() - 0.5))
     }
@@ -196,7 +196,7 @@ fn a_rough_surface_runs_in_until_the_pressure_is_uniform() {
 #[test]
 fn rounding_of_full_contact_is_neither_a_gap_nor_a_figure() {
     let folder = tempfile::tempdir().unwrap();
-    // All roughness is worn off: a uniform pressure, a body that is flat, no gap.
+    // All roughness is worn off: a uniform pressure, a flat body, no gap.
     let run = "wear --n 32 --eps-f-inv 4 --p-star 0.5 --coefficient 1e-15/Pa --distance 0,1 --steps 12 --unit m \
                --length 1um --young 70GPa --plots w --out w.h5 --json";
     let report = json(folder.path(), &words(run));

@@ -1,4 +1,4 @@
-//! The problem on blocks of candidate points.
+//! Problem on blocks of candidate points.
 
 use std::borrow::Cow;
 use std::mem::take;
@@ -17,65 +17,64 @@ use crate::attempt::{Attempt, Ended, Reached};
 use crate::compliance::Compliance;
 use crate::{Contact, Effort, Load, Solution};
 
-/// The number of variables that are handed on together.
+/// Number of variables that are passed on together.
 const STRETCH: usize = 32 * LANES;
 
-/// The findings at all points.
+/// Results of a check of all points.
 pub(super) struct Survey {
-    /// The deepest penetration outside of the blocks.
+    /// Deepest penetration outside the blocks.
     pub(super) penetration: f64,
-    /// The deepest penetration of all.
+    /// Deepest penetration of all points.
     pub(super) deepest: f64,
-    /// The gap below which a block is part of the search.
+    /// Gap below which a block joins the search.
     margin: f64,
-    /// The places of the blocks outside with such gaps.
+    /// Places of the blocks outside with gaps below the margin.
     found: Vec<usize>,
 }
 
-/// The search for the pressure on some blocks. Every process knows the pressure on all of them, and searches for
-/// itself; the displacement of the whole surface is computed by all together, each for its own rows.
+/// Search for the pressure on some blocks. Every process knows the pressure on all blocks and searches separately; the
+/// displacement of the whole surface is computed by all together, each for its own rows.
 pub(super) struct Candidates<'a> {
     contact: &'a Contact,
     compliance: Cow<'a, [f64]>,
     transforms: Compliance,
     points: Points,
-    /// The approach, as far as it is known.
+    /// Approach, as far as it is known.
     approach: f64,
-    /// Clearance less approach.
+    /// Clearance minus approach.
     linear: Vec<f64>,
-    /// The displacement downwards of the own rows, by the pressure that was transformed last, and the least of each
-    /// row.
+    /// Downward displacement of the own rows under the pressure transformed last, and the least one of each row.
     displacement: Vec<f64>,
     least: Vec<f64>,
     known: Known,
     load: Load,
     /// True for a search to the finest tolerance.
     is_finest: bool,
-    /// True if the displacement of the whole surface is that of a certificate.
+    /// True if the displacement of the whole surface comes from a certificate.
     certifies: bool,
-    /// The certificate of the pressure that was transformed last.
+    /// Certificate of the pressure transformed last.
     certificate: Option<Solution>,
-    /// The displacement downwards of the points.
+    /// Downward displacement of the points.
     lanes: Vec<f64>,
     pressure: Vec<f32>,
     image: Vec<f32>,
 }
 
-/// The known part of the displacement by the present pressure.
+/// Known part of the displacement under the present pressure.
 #[derive(Clone, Copy, PartialEq)]
 enum Known {
-    /// Nothing, and an image between the points will do.
+    /// Nothing; an image between the points is sufficient.
     Roughly,
     /// Nothing.
     Nothing,
-    /// That of the whole surface.
+    /// The displacement of the whole surface.
     Wholly,
-    /// It was that of the whole surface when the checkpoint was written from which the search continues.
+    /// The displacement of the whole surface was known when the checkpoint to continue from was written.
     Formerly,
 }
 
 impl Known {
-    /// The number in a checkpoint.
+    /// Returns the number in a checkpoint.
     fn number(self) -> u32 {
         match self {
             Self::Roughly => 0,
@@ -86,8 +85,8 @@ impl Known {
 }
 
 impl<'a> Candidates<'a> {
-    /// The problem on the blocks at these `places`, with the approach so far, for a start of the own rows; also the
-    /// start for the points of the blocks.
+    /// Makes the problem on the blocks at these `places`, with the approach so far. Also returns the start for the
+    /// points of the blocks, from the start of the own rows.
     pub(super) fn new(
         attempt: &Attempt<'a>,
         scattered: Scattered,
@@ -124,7 +123,7 @@ impl<'a> Candidates<'a> {
         (problem, x)
     }
 
-    /// The places of the blocks with points that overlap, or touch at the start.
+    /// Returns the places of the blocks with points that overlap, or touch at the start.
     pub(super) fn places(attempt: &Attempt, overlap: Overlap) -> Vec<usize> {
         let Contact { scaled, share, .. } = attempt.contact;
         let (clearance, start) = (scaled.clearance(), attempt.start.as_deref());
@@ -138,12 +137,12 @@ impl<'a> Candidates<'a> {
         gathered(share, own.collect::<Vec<_>>())
     }
 
-    /// The places of the blocks, and the approach so far.
+    /// Returns the places of the blocks, and the approach so far.
     pub(super) fn state(&self) -> (Vec<usize>, f64) {
         (self.points.blocks().places().to_vec(), self.approach)
     }
 
-    /// The values at the points of the blocks, of which `own` are those of the own rows.
+    /// Gathers the values at the points of the blocks from the `own` rows.
     fn at_points(&self, own: &[f64]) -> Vec<f64> {
         at_points(self.points.blocks(), &self.contact.share, own)
     }
@@ -160,15 +159,15 @@ impl<'a> Candidates<'a> {
         (self.lanes, self.pressure, self.image) = Default::default();
     }
 
-    /// Allocates them.
+    /// Allocates the vectors that are only needed within an iteration.
     fn reserve(&mut self) {
         let variables = self.linear.len();
         self.lanes = vec![0.0; variables];
         (self.pressure, self.image) = (vec![0.0; variables], vec![0.0; variables]);
     }
 
-    /// Measures the clearance from the approach so far. Behind the points of the blocks come some, up to a whole
-    /// stretch, that are far from contact.
+    /// Measures the clearance from the approach so far. The points of the blocks are followed by points far from
+    /// contact, up to a whole stretch.
     fn measure(&mut self) {
         let Self { contact, approach, .. } = *self;
         let far = 2.0 * (contact.scaled.mean_clearance() + approach.abs());
@@ -179,8 +178,8 @@ impl<'a> Candidates<'a> {
         self.linear = linear;
     }
 
-    /// Begins a search, to the `finest` tolerance or not. If that `certifies`, the displacement of the whole surface is
-    /// that of a certificate.
+    /// Begins a search, to the `finest` tolerance or not. If it `certifies`, the displacement of the whole surface
+    /// comes from a certificate.
     pub(super) fn begin(&mut self, finest: bool, certifies: bool) {
         (self.is_finest, self.certifies) = (finest, certifies);
         if self.certificate.take().is_some() {
@@ -188,8 +187,8 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// The penetration of the certificate of the pressure at the end of a search, in length; `None` if there is no
-    /// certificate.
+    /// Returns the penetration, in length, of the certificate of the pressure at the end of a search; `None` if there
+    /// is no certificate.
     pub(super) fn certified_penetration(&mut self, x: &[f64]) -> Option<f64> {
         if self.known == Known::Formerly {
             self.renew(x);
@@ -197,7 +196,7 @@ impl<'a> Candidates<'a> {
         self.certificate.as_ref().map(|certificate| certificate.residual.penetration * certificate.length_scale)
     }
 
-    /// Makes the certificate of a pressure, if displacements are those of certificates.
+    /// Computes the certificate of a pressure, if displacements come from certificates.
     fn renew(&mut self, x: &[f64]) {
         if !self.certifies || self.known == Known::Wholly {
             return;
@@ -260,7 +259,7 @@ impl<'a> Candidates<'a> {
         self.renew(x);
         match &self.certificate {
             Some(certificate) => {
-                // But for a constant, which has no effect under a mean pressure.
+                // Up to a constant, which has no effect under a mean pressure.
                 let gaps = self.at_points(&contiguous(&certificate.gap));
                 let lanes = self.lanes.iter_mut().zip(gaps.iter().zip(&self.linear));
                 lanes.for_each(|(u, (gap, linear))| *u = gap - linear);
@@ -273,7 +272,7 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// Lowers the surface such that points in contact have no gap on average, if the approach is not prescribed.
+    /// Lowers the surface until the mean gap of points in contact is zero, unless the approach is prescribed.
     pub(super) fn settle(&mut self, x: &[f64]) {
         self.displace(x);
         let points = self.at_points(&self.displacement);
@@ -288,16 +287,16 @@ impl<'a> Candidates<'a> {
         }
     }
 
-    /// Surveys all points. Blocks with gaps below `margin` are part of the search, or below a part of the deepest
-    /// penetration.
+    /// Checks all points. Blocks with gaps below `margin`, or below a fraction of the deepest penetration, join the
+    /// search.
     pub(super) fn survey(&self, mut margin: f64) -> Survey {
         let Self { contact, approach, points, displacement, least, .. } = self;
         let blocks = points.blocks();
         let Contact { scaled, share, .. } = contact;
         let clearance = scaled.clearance();
         let (width, before) = (share.columns() / LANES, share.own().start / LANES);
-        // The lowest gap of a block, or infinity if all are above the margin by the clearance and the least
-        // displacement of the row alone.
+        // Lowest gap of a block, or infinity if the clearance and the least displacement of the row alone show that all
+        // gaps are above the margin.
         let lowest_gap = |place: usize, margin: f64| {
             let row = (place - before) / width;
             let points = (place - before) * LANES..(place - before + 1) * LANES;
@@ -339,8 +338,8 @@ impl<'a> Candidates<'a> {
         Survey { penetration: -least, deepest: -lower(least, inside), margin, found: gathered(share, found) }
     }
 
-    /// Adds the blocks found, and leaves out those without pressure whose gaps are above the margin if the set
-    /// `may_shrink`. False if the blocks become too many.
+    /// Adds the blocks found. If the set `may_shrink`, removes the blocks without pressure that have gaps above the
+    /// margin. Returns false if there are too many blocks.
     pub(super) fn revise(&mut self, survey: &Survey, may_shrink: bool, x: &mut Vec<f64>) -> bool {
         let gaps: Vec<f64> = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c).collect();
         let places = self.points.blocks().places();
@@ -370,7 +369,7 @@ impl<'a> Candidates<'a> {
         true
     }
 
-    /// The pressure of the own rows.
+    /// Returns the pressure of the own rows.
     fn whole(&self, x: &[f64]) -> Vec<f64> {
         let share = &self.contact.share;
         let mut pressure = vec![0.0; share.own().len()];
@@ -391,7 +390,7 @@ impl<'a> Candidates<'a> {
     }
 }
 
-/// [`gfmd_vector::lowest`], by vectors.
+/// Computes [`gfmd_vector::lowest`] with vector instructions.
 #[multiversion(targets = "simd")]
 fn lowest(values: &[f64]) -> f64 {
     gfmd_vector::lowest(values)

@@ -1,60 +1,58 @@
-//! The numbers that were chosen for the search on few points: meaning, origin, and in brackets the change of the
-//! transform pairs of the default solver if the number is halved, and if it is doubled: the geometric mean over the
-//! cases of the example `pairs` of `gfmd-contact` at 256². `tests/sensitivity` measures it; two fields do not use this
-//! search.
+//! Chosen numbers of the search on few points: meaning, origin, and in brackets the change of the transform pairs of
+//! the default solver if the number is halved, and if it is doubled. The change is the geometric mean over the cases of
+//! the example `pairs` of `gfmd-contact` at 256², measured by `tests/sensitivity`; two fields do not use this search.
 
-/// The largest part of the points that may be in blocks at the start, so that this takes less time than transforms of
-/// the whole surface: on small grids, whose fields fit into caches, and on large ones. Measured times (commit a988493;
+/// Largest fraction of points in blocks at the start, so that the search takes less time than transforms of the whole
+/// surface: on small grids, with fields that fit into caches, and on large ones. Measured times (commit a988493;
 /// `cargo run --release -p gfmd-contact --example pairs` prints them) (+17.9 %, -7.5 %, of pairs).
 pub(super) const MOST_AT_START: [f64; 2] = [0.17, 0.2];
 
-/// The number of points of the largest small grid: its fields of single precision take 2 MiB. Measured as
-/// [`MOST_AT_START`] (no effect; 256² is below).
+/// Number of points of the largest small grid: its fields in single precision take 2 MiB. Measured as [`MOST_AT_START`]
+/// (no effect; 256² is below).
 pub(super) const SMALL: usize = 1 << 19;
 
-/// The largest part of the points that may be in blocks later. Chosen, more than at the start (no effect).
+/// Largest fraction of points in blocks later. Chosen, more than at the start (no effect).
 pub(super) const MOST: f64 = 0.35;
 
-/// The residual at which all points are checked for the first time, over the overlap. Chosen (0 %, -0.2 %).
+/// Residual, relative to the overlap, at which all points are checked for the first time. Chosen (0 %, -0.2 %).
 pub(super) const FIRST: f64 = 0.03;
 
-/// The part of the deepest penetration down to which the residual falls until all points are checked again. Derived
-/// from the errors of images, 4e-4 ([`Scattered`](gfmd_response::Scattered)) (0 %, +0.9 %).
+/// Residual, relative to the deepest penetration, at which all points are checked again. Derived from the errors of
+/// images, 4e-4 ([`Scattered`](gfmd_response::Scattered)) (0 %, +0.9 %).
 pub(super) const STAGE: f64 = 5e-4;
 
-/// The number of iterations in which it should do so. Measured: 8 to 20 are usual (commit 632d18c) (no effect).
+/// Largest number of iterations between checks of all points. Measured: 8 to 20 are usual (commit 632d18c) (no effect).
 pub(super) const PATIENCE: u64 = 60;
 
-/// The tolerance, over the finest one, below which a search goes on to the finest one at once. Chosen (0 %, +0.1 %).
+/// Tolerance, relative to the finest one, below which a search uses the finest one at once. Chosen (0 %, +0.1 %).
 pub(super) const AT_ONCE: f64 = 3.0;
 
-/// The gap, over the tolerance, below which a point becomes part of the search. Chosen (no effect).
+/// Gap, relative to the tolerance, below which a point joins the search. Chosen (no effect).
 pub(super) const NEAR: f64 = 0.5;
 
-/// The part of the deepest penetration below which a gap makes a point part of the search. Chosen against a quarter
-/// (commit 632d18c) (no effect).
+/// Gap, relative to the deepest penetration, below which a point joins the search. Chosen against a quarter (commit
+/// 632d18c) (no effect).
 pub(super) const NEARLY: f64 = 0.1;
 
-/// The factor by which the preconditioner exceeds that of the points. Derived: the quotients of this one and the
-/// inverse of the compliance are 0.8 to 1.7 (measured, commit 632d18c), and overestimating is safer
+/// Factor on the preconditioner of the points. Derived: the quotients of this preconditioner and the inverse of the
+/// compliance are 0.8 to 1.7 (measured, commit 632d18c), and overestimating is safer
 /// ([`precondition`](gfmd_relax::Preconditioned::precondition)) (+3.2 %, -0.1 %).
 pub(super) const SURPLUS: f32 = 1.2;
 
-/// The number of points that overlap a rigid plane at the start, for each that is expected to touch. Chosen (-5.2 %,
+/// Number of points that overlap a rigid plane at the start, for each point expected to touch. Chosen (-5.2 %,
 /// +18.5 %).
 pub(super) const OVERLAPPING: f64 = 3.0;
 
-/// The least number of such points. Chosen (0 %, +0.3 %).
+/// Least number of overlapping points. Chosen (0 %, +0.3 %).
 pub(super) const LEAST_OVERLAPPING: f64 = 32.0;
 
-/// The largest part of the points that may overlap: with more, there are hardly so few blocks that transforms of the
-/// whole surface take longer. As [`MOST_AT_START`] (no effect).
+/// Largest fraction of overlapping points: with more, there are hardly few enough blocks to save time against
+/// transforms of the whole surface. As [`MOST_AT_START`] (no effect).
 pub(super) const MOST_OVERLAPPING: f64 = 0.2;
 
 /// Estimated kappa, for the first guess of the area. Measured: 1.8 to 2.3 on self-affine surfaces (docs/results.md)
 /// (-5.2 %, +18.5 %).
 pub(super) const KAPPA: f64 = 2.0;
 
-/// The number of bins for the clearances below the mean, which set the precision of the overlap alone. Chosen (no
-/// effect).
+/// Number of bins for the clearances below the mean; it affects only the precision of the overlap. Chosen (no effect).
 pub(super) const BINS: usize = 4096;

@@ -1,4 +1,4 @@
-//! The points that may touch, by their heights alone.
+//! Points that may touch, from their heights alone.
 
 use super::constants::{BINS, KAPPA, LEAST_OVERLAPPING, MOST_OVERLAPPING, OVERLAPPING};
 use gfmd_vector::Share;
@@ -7,17 +7,17 @@ use rayon::prelude::*;
 use super::points::gathered;
 use crate::{Contact, Load};
 
-/// How deep a rigid plane would lie below the highest point of the surface at the start.
+/// Overlap of the surface with a rigid plane below its highest point, at the start.
 #[derive(Clone, Copy)]
 pub(super) struct Overlap {
-    /// The depth, in length.
+    /// Depth of the plane, in length.
     pub(super) depth: f64,
-    /// E* times the rms gradient, about: the pressure where the overlap is largest.
+    /// About E* times the rms gradient: the pressure where the overlap is largest.
     stiffness: f64,
 }
 
 impl Overlap {
-    /// `None` if too many points overlap.
+    /// Estimates the overlap. Returns `None` if too many points overlap.
     pub(super) fn of(contact: &Contact, load: Load) -> Option<Self> {
         let Contact { response, scaled: surface, share, .. } = contact;
         let clearance = surface.clearance();
@@ -31,13 +31,13 @@ impl Overlap {
         Some(Self { depth, stiffness })
     }
 
-    /// The pressure at a point with this clearance.
+    /// Returns the pressure at a point with this clearance.
     pub(super) fn pressure(self, clearance: f64) -> f64 {
         self.stiffness * ((self.depth - clearance) / self.depth).max(0.0)
     }
 }
 
-/// The rms gradient along the rows of a sixteenth of them, times √2.
+/// Returns √2 times the rms gradient along the rows, from every sixteenth row.
 fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
     let columns = share.columns();
     let row = |row: &[f64]| row.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
@@ -47,7 +47,7 @@ fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
     (2.0 * squares.iter().sum::<f64>() / count).sqrt() / spacing
 }
 
-/// The clearance below which lies this part of the points, or a few of them; `None` if it is too large a part.
+/// Returns the clearance below which a fraction `part` of the points, or a few, lie; `None` if these are too many.
 fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
     let asked = (part * share.total() as f64).max(LEAST_OVERLAPPING);
     let possible = asked <= MOST_OVERLAPPING * share.total() as f64;

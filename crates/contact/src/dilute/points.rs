@@ -11,32 +11,32 @@ use rayon::prelude::*;
 use crate::Contact;
 use crate::pull_push::PullPush;
 
-/// The number of blocks that a thread works on alone, and of their points.
+/// Number of blocks that one thread handles alone, and number of their points.
 const FEW: usize = 64;
 const STRETCH: usize = FEW * LANES;
 
-/// Blocks of points, with the compliance G between them and a preconditioner M, about its inverse between those that
-/// are free.
+/// Blocks of points, with the compliance G between them and a preconditioner M, which is about the inverse of G between
+/// the free points.
 ///
-/// M continues a gap from the points in contact to the coarse grid, as that of the whole surface does ([`PullPush`]),
-/// with the mean gap of a coarse cell in place of that of four points. What is interpolated from there is stiffened on
-/// the coarse grid, and the rest of the gap by the stiffness between near points:
+/// M continues a gap from the points in contact to the coarse grid, as the preconditioner of the whole surface does
+/// ([`PullPush`]), with the mean gap of a coarse cell in place of the mean of four points. The part interpolated from
+/// there is stiffened on the coarse grid, and the rest of the gap by the stiffness between near points:
 /// `M = Eᵀ Iᵀ K I E + (1 − I E)ᵀ S (1 − I E)` with the continuation E and the interpolation I.
 pub(crate) struct Points {
     scattered: Scattered,
     memory: ScatteredMemory,
     blocks: Blocks,
     extension: PullPush,
-    /// The rest of the gap at the points.
+    /// Rest of the gap at the points.
     rest: Vec<f32>,
     /// 1 for free points, else 0.
     free: Vec<f32>,
-    /// The number of transform pairs on the coarse grid.
+    /// Number of transform pairs on the coarse grid.
     pairs: u64,
 }
 
 impl Points {
-    /// The blocks at these places. `floating` as of [`PullPush::new`].
+    /// Makes the blocks at these `places`. `floating` has the meaning of [`PullPush::new`].
     pub(crate) fn new(contact: &Contact, scattered: Scattered, floating: bool, places: Vec<usize>) -> Self {
         let cells = scattered.coarse().points();
         Self {
@@ -65,35 +65,34 @@ impl Points {
         self.memory.release();
     }
 
-    /// The unit of compliances, in length/stress.
+    /// Returns the unit of compliances, in length/stress.
     pub(crate) fn unit(&self) -> f64 {
         self.scattered.unit()
     }
 
-    /// Transforms so far, in pairs of those of the whole surface.
+    /// Returns the number of transforms so far, in pairs of transforms of the whole surface.
     pub(crate) fn pairs(&self) -> f64 {
         self.pairs as f64 * self.scattered.effort()
     }
 
-    /// The count of [`pairs`](Self::pairs).
+    /// Returns the counter of [`pairs`](Self::pairs).
     pub(super) fn counter(&mut self) -> &mut u64 {
         &mut self.pairs
     }
 
-    /// True if M has no image of a constant.
+    /// Returns true if M maps constants to zero.
     pub(crate) fn keeps_constants(&self) -> bool {
         self.extension.keeps_constants()
     }
 
-    /// `out` ← G `pressure` over the unit.
+    /// Computes `out` = G `pressure` divided by the unit.
     pub(crate) fn displace(&mut self, pressure: &[f32], out: &mut [f32]) {
         self.pairs += 1;
         self.scattered.compliance(&self.blocks, pressure, &mut self.memory, out);
     }
 
-    /// `out` ← M g times the unit, of the gaps g that `gaps` tells of the points of each block; zero if a point is not
-    /// free. Points in contact are free, and those that are about to enter: with a negative gap, less than that which
-    /// is continued to them.
+    /// Computes `out` = M g times the unit, with the gaps g of the points of each block from `gaps`; zero if a point is
+    /// not free. Free points are in contact, or about to enter: with a negative gap below the gap continued to them.
     pub(crate) fn press(&mut self, gaps: impl Fn(usize) -> Gaps + Sync, out: &mut [f32]) {
         self.pairs += 1;
         for vector in [&mut self.rest, &mut self.free] {
@@ -127,7 +126,7 @@ impl Points {
     }
 }
 
-/// The gaps of the points of a block.
+/// Gaps of the points of a block.
 #[derive(Clone, Copy)]
 pub(crate) struct Gaps {
     /// True for points in contact.
@@ -135,22 +134,22 @@ pub(crate) struct Gaps {
     pub(crate) gap: [f32; LANES],
 }
 
-/// The number of coarse cells with points of a block. A coarse cell has the points around its coarse point.
+/// Number of coarse cells with points of a block. A coarse cell has the points around its coarse point.
 const CELLS: usize = LANES / COARSENING + 1;
 
-/// Which of these cells a lane lies in.
+/// Returns the number of the cell, among these, that contains a lane.
 const fn cell_of(lane: usize) -> usize {
     (lane + COARSENING / 2) / COARSENING
 }
 
-/// The cells of a row with points of the block in this column, of so many `columns` of cells.
+/// Returns the cells of a row, out of `columns` cells, with points of the block in this column.
 #[inline(always)]
 fn cells_of(column: usize, columns: usize) -> [usize; CELLS] {
     let first = column * (LANES / COARSENING);
     from_fn(|k| if first + k < columns { first + k } else { 0 })
 }
 
-/// Puts the numbers of points in contact, and their mean gaps, into a row of coarse cells.
+/// Writes the numbers of points in contact, and their mean gaps, into a row of coarse cells.
 #[multiversion(targets = "simd")]
 fn pull<F: Fn(usize) -> Gaps>(blocks: &Blocks, row: usize, gaps: F, (weights, values): (&mut [f32], &mut [f32])) {
     weights.fill(0.0);
@@ -173,7 +172,7 @@ fn pull<F: Fn(usize) -> Gaps>(blocks: &Blocks, row: usize, gaps: F, (weights, va
     divide(values, weights);
 }
 
-/// Divides sums over cells by the numbers of points in contact; zero without any.
+/// Divides sums over cells by the numbers of points in contact; zero if there are none.
 #[inline(always)]
 fn divide(values: &mut [f32], weights: &[f32]) {
     for (value, weight) in values.iter_mut().zip(weights) {
@@ -181,7 +180,7 @@ fn divide(values: &mut [f32], weights: &[f32]) {
     }
 }
 
-/// `rest` ← the gaps of free points less those that are continued to them; `free` ← 1 for these.
+/// Sets `rest` to the gaps of free points minus the gaps continued to them, and `free` to 1 at these points.
 #[multiversion(targets = "simd")]
 fn take_away<F: Fn(usize) -> Gaps>(
     blocks: Range<usize>,
@@ -202,7 +201,7 @@ fn take_away<F: Fn(usize) -> Gaps>(
     }
 }
 
-/// Adds to `out` at the points in contact their parts of the `values` of coarse cells: the transpose of [`pull`].
+/// Adds to `out`, at the points in contact, their parts of the `values` of coarse cells: the transpose of [`pull`].
 #[multiversion(targets = "simd")]
 fn push<F: Fn(usize) -> Gaps>(
     (blocks, some): (&Blocks, Range<usize>),
@@ -221,12 +220,12 @@ fn push<F: Fn(usize) -> Gaps>(
     }
 }
 
-/// True if there are blocks at these places, and at most this part of the points is in them.
+/// Returns true if there are blocks, with at most the fraction `most` of all points.
 pub(crate) fn are_few(places: &[usize], most: f64, points: usize) -> bool {
     !places.is_empty() && (places.len() * LANES) as f64 <= most * points as f64
 }
 
-/// The blocks in the own rows: the places of their values among those of all blocks, and among the own rows.
+/// Returns the blocks in the own rows: the ranges of their values among all blocks, and among the own rows.
 pub(crate) fn own_blocks(blocks: &Blocks, share: &Share) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
     let own = share.own();
     let all = blocks.places().iter().map(|place| place * LANES).enumerate();
@@ -235,7 +234,7 @@ pub(crate) fn own_blocks(blocks: &Blocks, share: &Share) -> impl Iterator<Item =
     here.map(move |(number, first)| (number * LANES..(number + 1) * LANES, first - start..first - start + LANES))
 }
 
-/// The values at the points of the blocks, of a field with these `own` rows.
+/// Gathers the values at the points of the blocks, from a field with the `own` rows.
 pub(crate) fn at_points<T: Copy + Serialise + Sync>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
     let [first, end] = [share.own().start, share.own().end].map(|point| point / LANES);
     let places = blocks.places();
@@ -245,7 +244,7 @@ pub(crate) fn at_points<T: Copy + Serialise + Sync>(blocks: &Blocks, share: &Sha
     gathered(share, here.collect::<Vec<_>>().into_flattened())
 }
 
-/// The values of all processes, of which `own` are the own ones.
+/// Gathers `own` from all processes.
 pub(crate) fn gathered<T: Copy + Serialise>(share: &Share, own: Vec<T>) -> Vec<T> {
     if share.is_whole() { own } else { share.collect(&own, &share.each(own.len())) }
 }
@@ -258,8 +257,8 @@ mod tests {
 
     use super::*;
 
-    /// The blocks with the highest points of a rough surface, this part of all, and which of their points are that
-    /// high.
+    /// Returns the blocks with the highest points of a rough surface, a fraction `part` of all, and flags that mark
+    /// these points.
     fn highest(height: Option<f64>, part: f64) -> (Points, Vec<bool>) {
         let material = Material::from_contact_modulus(1.0, 0.0).unwrap();
         let body = height.map_or_else(|| Body::half_space(material), |height| Body::slab(material, height).unwrap());

@@ -1,4 +1,4 @@
-//! One level of a pull-push, of which a process may hold its own rows only.
+//! Level of a pull-push. A process may hold only its own rows.
 
 use std::ops::Range;
 
@@ -8,13 +8,13 @@ use rayon::prelude::*;
 use super::{Edges, rows as row};
 
 pub(super) struct Level {
-    /// Those of all processes.
+    /// Number of cells of all processes.
     pub(super) cells: [usize; 2],
-    /// The rows that this process computes, all of them if it is alone.
+    /// Rows computed by this process, all of them if it is alone.
     own: Range<usize>,
-    /// The rows that it holds.
+    /// Rows held by this process.
     held: Range<usize>,
-    /// The rows that each process computes of a level that all of them hold.
+    /// Rows computed by each process, for a level that all of them hold.
     parts: Vec<Range<usize>>,
     /// Known weight above which the value of the cell has full weight.
     pub(super) full: f32,
@@ -27,10 +27,10 @@ pub(super) struct Level {
     value_beside: Beside,
 }
 
-/// Rows of a level that other processes hold: the one before the own rows, and the one behind them.
+/// Rows of a level held by other processes: the one before the own rows and the one after them.
 type Beside = [Vec<f32>; 2];
 
-/// The steps from one level to the next, row by row.
+/// Steps from one level to the next, row by row.
 impl Level {
     pub(super) fn new(cells: [usize; 2], full: f32, trust: f32) -> Self {
         let (rows, values) = (0..cells[0], cells[0] * cells[1]);
@@ -48,8 +48,8 @@ impl Level {
         }
     }
 
-    /// Shares the rows as those of the points, of which 2^`height` make one, are shared. `is_last`: all processes hold
-    /// this level, of which they compute their parts, and those above it.
+    /// Shares the rows like the rows of the points; a row stands for 2^`height` rows of points. If `is_last`, every
+    /// process computes its part of this level, and holds all of it and of the levels above.
     pub(super) fn over(&mut self, share: &Share, height: u32, is_last: bool) {
         let part = |rows: &Range<usize>| rows.start >> height..rows.end.div_ceil(1 << height);
         let parts: Vec<Range<usize>> = share.all_rows().iter().map(part).collect();
@@ -64,42 +64,42 @@ impl Level {
         self.value = vec![0.0; values];
     }
 
-    /// Learns what other processes have computed of the known weights: all of them, or the rows beside the own ones.
+    /// Receives the known weights computed by other processes: all of them, or the rows beside the own ones.
     pub(super) fn learn_known(&mut self, share: &Share) {
         let width = self.cells[1];
         learn(&self.own, &self.parts, width, &mut self.known, &mut self.known_beside, share);
     }
 
-    /// Learns what other processes have computed of the values.
+    /// Receives the values computed by other processes.
     pub(super) fn learn_value(&mut self, share: &Share) {
         let width = self.cells[1];
         learn(&self.own, &self.parts, width, &mut self.value, &mut self.value_beside, share);
     }
 
-    /// Learns the rows of the values beside the own ones, after a step on all rows held.
+    /// Receives the values beside the own rows, after a step on all rows held.
     pub(super) fn learn_beside(&mut self, share: &Share) {
         if self.parts.is_empty() {
             self.learn_value(share);
         }
     }
 
-    /// The places of the own rows among those held.
+    /// Returns the range of the own rows among the values held.
     fn own_values(&self) -> Range<usize> {
         let (first, width) = (self.held.start, self.cells[1]);
         (self.own.start - first) * width..(self.own.end - first) * width
     }
 
-    /// The values that are held, and the rows that they are.
+    /// Returns the values held, and their rows.
     pub(super) fn values(&mut self) -> (&mut [f32], Range<usize>) {
         (&mut self.value, self.held.clone())
     }
 
-    /// The known weights of row i.
+    /// Returns the known weights of row i.
     pub(super) fn known(&self, i: usize) -> &[f32] {
         self.row(&self.known, &self.known_beside, i)
     }
 
-    /// The values of row i.
+    /// Returns the values of row i.
     pub(super) fn value(&self, i: usize) -> &[f32] {
         self.row(&self.value, &self.value_beside, i)
     }
@@ -144,7 +144,7 @@ impl Level {
             let pair = row::pair_of(three.map(|b| near[b]), three.map(|b| far[b]), parts);
             children[2 * b..].iter_mut().zip(pair).for_each(|(value, child)| *value = child);
         }
-        // A row may have one child alone.
+        // A row may have only one child.
         let inner = children.get_mut(2..).unwrap_or_default().as_chunks_mut::<2>().0;
         row::interpolate(near, far, parts, inner);
     }
@@ -167,7 +167,7 @@ impl Level {
         );
     }
 
-    /// The transpose of [`push`](Self::push); `add(i, line, part)` adds row i below times `part`.
+    /// Applies the transpose of [`push`](Self::push); `add(i, line, part)` adds row i below times `part`.
     pub(super) fn push_transposed(
         &mut self,
         edges: Edges,
@@ -194,8 +194,8 @@ impl Level {
         );
     }
 
-    /// The transpose of [`pull`](Self::pull); calls `write(i, row, share)` with the share of the parent for a child of
-    /// unit weight.
+    /// Applies the transpose of [`pull`](Self::pull); calls `write(i, row, share)` with the share of the parent for a
+    /// child of unit weight.
     pub(super) fn pull_transposed(
         &self,
         (below, held): (&mut [f32], Range<usize>),
@@ -214,7 +214,7 @@ impl Level {
     }
 }
 
-/// Row i of a field of so many rows and columns, of which some are held.
+/// Returns row i of a field with `height` rows, from the rows held or the rows beside them.
 pub(super) fn held_row<'a, T>(
     field: &'a [T],
     beside: &'a [Vec<T>; 2],
@@ -228,8 +228,8 @@ pub(super) fn held_row<'a, T>(
     &beside[usize::from(i == held.end % height)]
 }
 
-/// Completes a field of which every process has computed its `own` rows: by all `parts` of a level that all hold, else
-/// by the rows beside.
+/// Completes a field after every process has computed its `own` rows: by all `parts` of a level that all processes
+/// hold, otherwise by the rows beside.
 fn learn(
     own: &Range<usize>,
     parts: &[Range<usize>],
@@ -245,12 +245,12 @@ fn learn(
     }
 }
 
-/// Row i of a field.
+/// Returns row i of a field.
 pub(super) fn row_of<T>(field: &[T], i: usize, columns: usize) -> &[T] {
     &field[i * columns..][..columns]
 }
 
-/// All rows of a field in parallel, in tasks of at least some 8000 values.
+/// Returns all rows of a field in parallel, in tasks of at least some 8000 values.
 fn rows(field: &mut [f32], columns: usize) -> impl IndexedParallelIterator<Item = &mut [f32]> {
     field.par_chunks_mut(columns).with_min_len(1 + 8192 / columns)
 }

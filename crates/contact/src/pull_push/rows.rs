@@ -1,5 +1,5 @@
-//! The steps on one row. Loops run over whole rows, without branches and with local constants, so that compilers
-//! vectorise them, for processors with wide vectors too.
+//! Steps on one row. Loops run over whole rows, without branches and with local constants, so that compilers vectorise
+//! them, also for processors with wide vectors.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -8,11 +8,11 @@ use multiversion::multiversion;
 
 use super::BITS;
 
-/// The values of the points of a row: x, gradient, and the upper bounds of x.
+/// Values of the points of a row: x, gradient, and the upper bounds of x.
 pub(super) type Points<'a> = (&'a [f64], &'a [f32], Ceiling<'a>);
 
-/// The weights of known points, and their values times these; for each word of bits a flag whether a point of it is not
-/// zero.
+/// Writes the weights of known points and their values times the weights. Sets a flag for each word of bits with a
+/// point that is not zero.
 #[multiversion(targets = "simd")]
 pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights: &mut [f32], values: &mut [f32]) {
     let (x, gradient, upper) = points;
@@ -35,7 +35,7 @@ pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights:
     }
 }
 
-/// The weights of cells with these known weights, and their values times these.
+/// Computes the weights of cells from their known weights, and the values times the weights.
 #[multiversion(targets = "simd")]
 pub(super) fn weigh(full: f32, cells: (&[f32], &[f32]), weights: &mut [f32], products: &mut [f32]) {
     let (known, values) = cells;
@@ -45,7 +45,7 @@ pub(super) fn weigh(full: f32, cells: (&[f32], &[f32]), weights: &mut [f32], pro
     }
 }
 
-/// Adds pairs of the row below; with an odd number the last is alone.
+/// Adds pairs of the row below; the last of an odd number is alone.
 #[multiversion(targets = "simd")]
 pub(super) fn add_pairs(line: &[f32], sums: &mut [f32]) {
     let (pairs, last) = line.as_chunks::<2>();
@@ -57,7 +57,7 @@ pub(super) fn add_pairs(line: &[f32], sums: &mut [f32]) {
     }
 }
 
-/// values ← values / known, zero where nothing is known.
+/// Divides values by known weights; zero where nothing is known.
 #[multiversion(targets = "simd")]
 pub(super) fn divide(values: &mut [f32], known: &[f32]) {
     for (value, known) in values.iter_mut().zip(known) {
@@ -65,7 +65,7 @@ pub(super) fn divide(values: &mut [f32], known: &[f32]) {
     }
 }
 
-/// The children of the inner cells of a row, from the rows nearest and next to theirs, times these parts.
+/// Interpolates the children of the inner cells of a row, from the nearest row and the next one, times these parts.
 #[multiversion(targets = "simd")]
 pub(super) fn interpolate(near: &[f32], far: &[f32], parts: [f32; 2], children: &mut [[f32; 2]]) {
     let windows = near.windows(3).zip(far.windows(3));
@@ -74,13 +74,13 @@ pub(super) fn interpolate(near: &[f32], far: &[f32], parts: [f32; 2], children: 
     }
 }
 
-/// The two children of a cell, between three cells of two rows.
+/// Returns the two children of a cell, between three cells of two rows.
 pub(super) fn pair_of(near: [f32; 3], far: [f32; 3], [close, distant]: [f32; 2]) -> [f32; 2] {
     let [before, own, after]: [f32; 3] = std::array::from_fn(|k| close * near[k] + distant * far[k]);
     [before, after].map(|other| 0.75 * own + 0.25 * other)
 }
 
-/// The inner cells of a row of images, from a line of pairs of children: the transpose of [`interpolate`].
+/// Computes the inner cells of a row of images, from a line of pairs of children: the transpose of [`interpolate`].
 #[multiversion(targets = "simd")]
 pub(super) fn gather(line: &[[f32; 2]], trust: f32, images: &mut [f32]) {
     for (image, window) in images.iter_mut().zip(line.windows(3)) {
@@ -89,7 +89,7 @@ pub(super) fn gather(line: &[[f32; 2]], trust: f32, images: &mut [f32]) {
     }
 }
 
-/// Blends the values of cells with those of the level above, as far as they are not known.
+/// Blends the values of cells with the level above, as far as they are not known.
 #[multiversion(targets = "simd")]
 pub(super) fn blend(full: f32, known: &[f32], pushed: &[f32], values: &mut [f32]) {
     for ((value, known), pushed) in values.iter_mut().zip(known).zip(pushed) {
@@ -98,7 +98,7 @@ pub(super) fn blend(full: f32, known: &[f32], pushed: &[f32], values: &mut [f32]
     }
 }
 
-/// `out`, the extended values of points ← their own ones where these are kept; one bit for each tells where.
+/// Replaces the extended values in `out` by own values at the points that keep them, and sets one bit for each of them.
 #[multiversion(targets = "simd")]
 pub(super) fn keep(points: Points<'_>, level: f32, above: &[AtomicBool], kept: &[AtomicU64], out: &mut [f32]) {
     let (x, gradient, upper) = points;
@@ -131,7 +131,7 @@ pub(super) fn hand_on(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]
     }
 }
 
-/// Adds `part` times what cells with these images pass to the level above.
+/// Adds to `line` `part` times the values that cells with these images pass to the level above.
 #[multiversion(targets = "simd")]
 pub(super) fn hand_up(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut [f32]) {
     let (known, images) = cells;
@@ -140,7 +140,7 @@ pub(super) fn hand_up(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut 
     }
 }
 
-/// The shares of the two children of each cell in its image.
+/// Computes the shares of the two children of each cell in its image.
 #[multiversion(targets = "simd")]
 pub(super) fn split(known: &[f32], images: &[f32], shares: &mut [[f32; 2]]) {
     for (pair, (image, known)) in shares.iter_mut().zip(images.iter().zip(known)) {
@@ -148,7 +148,7 @@ pub(super) fn split(known: &[f32], images: &[f32], shares: &mut [[f32; 2]]) {
     }
 }
 
-/// images ← the weight of the cells times images and the shares in the level above.
+/// Adds the shares in the level above to `images`, and multiplies by the weights of the cells.
 #[multiversion(targets = "simd")]
 pub(super) fn receive(full: f32, known: &[f32], shares: &[f32], images: &mut [f32]) {
     for ((image, known), share) in images.iter_mut().zip(known).zip(shares) {
@@ -156,7 +156,7 @@ pub(super) fn receive(full: f32, known: &[f32], shares: &[f32], images: &mut [f3
     }
 }
 
-/// t ← t of points that kept their values, with the shares of known ones; zero elsewhere.
+/// Adds the shares of known points to `t`, and sets points that did not keep their value to zero.
 #[multiversion(targets = "simd")]
 pub(super) fn end(x: &[f64], upper: Ceiling<'_>, kept: &[AtomicU64], shares: &[f32], t: &mut [f32]) {
     let points = shares.chunks(BITS).zip(x.chunks(BITS));

@@ -1,5 +1,5 @@
-//! The two contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, with
-//! both means prescribed, or with equal means and the approach subtracted from the clearances.
+//! Both contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, with both
+//! means prescribed, or with equal means and the approach subtracted from the clearances.
 
 use gfmd_field::Rows;
 use gfmd_relax::{Budget, Ceiling, Ending, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
@@ -37,12 +37,12 @@ pub(super) fn solve(
     Ok(Ended { pressure, effort, ending: minimum.ending })
 }
 
-/// The quadratic function whose minimum are the pressures.
+/// Quadratic function minimised by the pressures.
 struct Dual {
     linear: Vec<f64>,
     /// Compliance and stiffness of the uniform mode.
     uniform: [f64; 2],
-    /// The unit in which gradients are rounded.
+    /// Unit for the rounding of gradients.
     scale: f64,
     transforms: PlateTransforms,
     extension: Extension,
@@ -103,8 +103,8 @@ impl Paired for Dual {
     }
 }
 
-/// The linear map E from indentations known on the contacts to indentations of both faces. Long waves are extended from
-/// both contacts together, since the plate bends; what is left of the known values is extended on each face alone:
+/// Linear map E from indentations known on the contacts to indentations of both faces. Long waves are extended from
+/// both contacts together, since the plate bends; the rest of the known values is extended on each face alone:
 ///
 /// ```text
 ///   w = F W (r_upper, −r_lower)      W: shared extension, mean of both where both are known
@@ -118,14 +118,14 @@ struct Extension {
     /// Sum of the pressures, and mean of the known values.
     joint_x: Vec<f64>,
     joint: Vec<f32>,
-    /// The waves that the faces do not share.
+    /// Waves that the faces do not share.
     own: Vec<f32>,
     rows: Vec<f32>,
     wave: Vec<f64>,
     followed: Vec<f64>,
 }
 
-/// The gradient of a point out of contact that is not about to enter.
+/// Gradient of a point out of contact that is not about to enter.
 const OUTSIDE: f32 = 1.0;
 
 impl Extension {
@@ -144,7 +144,7 @@ impl Extension {
         }
     }
 
-    /// `out` ← E `gradient`.
+    /// Computes `out` = E `gradient`.
     fn extend(
         &mut self,
         x: &[f64],
@@ -190,7 +190,7 @@ impl Extension {
         }
     }
 
-    /// `out` ← Eᵀ `out`, with the map E of the last call of [`extend`](Self::extend).
+    /// Replaces `out` by Eᵀ `out`, with the map E of the last call of [`extend`](Self::extend).
     fn transpose(&mut self, x: &[f64], (out, scale): (&mut [f64], f64), transforms: &mut PlateTransforms) {
         let points = self.joint.len();
         let Self { joint_x, joint, own, rows, wave, followed, shared, faces, .. } = self;
@@ -220,7 +220,7 @@ impl Extension {
         for_each((&mut joint[..], &followed[..]), &|_, (joint, wave)| {
             joint.iter_mut().zip(wave).for_each(|(joint, wave)| *joint = *wave as f32);
         });
-        // The bits of the points that keep their values are those of the last extension.
+        // The bits of the points that keep their values come from the last extension.
         let mut image = std::mem::take(joint);
         let known = Known { x: joint_x, gradient: &[], level: 0.0, upper: Ceiling::All(f64::INFINITY) };
         shared.transpose(known, &mut image);
@@ -242,7 +242,7 @@ impl Extension {
     }
 }
 
-/// The rows of the extension of the known values.
+/// Computes the rows of the extension of the known values.
 fn spread(extension: &mut PullPush, known: Known, row: usize, out: &mut [f32]) {
     extension.prepare(known);
     let extension = &*extension;
@@ -259,7 +259,7 @@ mod tests {
 
     const N: usize = 32;
 
-    /// The preconditioner on contacts that are half of each face, applied to a field of the contacts.
+    /// Applies the preconditioner to fields on contacts on half of each face. Returns the contacts and the images.
     fn preconditioned(height: f64, load: Load, fields: &[Vec<f64>]) -> (Vec<f64>, Vec<Vec<f64>>) {
         let grid = Grid::square(N, 1.0).unwrap();
         let body = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), height).unwrap();

@@ -1,4 +1,4 @@
-//! The linear problem of the stiffness on few points, with compliance and approximate stiffness between these only.
+//! Linear problem of the stiffness on few points, with compliance and approximate stiffness between these only.
 
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::{Share, dot, total};
@@ -6,32 +6,32 @@ use gfmd_vector::{Share, dot, total};
 use crate::dilute::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::{Contact, Effort};
 
-/// The largest part of the points in blocks with which this takes less time than transforms of the whole surface.
+/// Largest fraction of points in blocks with which this takes less time than transforms of the whole surface.
 const MOST: f64 = 0.15;
 
-/// The least relative square of the residual that is left of one correction. Images between the points have errors of
+/// Least square of the residual after one correction, relative to the start. Images between the points have errors of
 /// 4e-4.
 const TOLERANCE: f64 = 1e-8;
 
-/// The largest number of iterations of one correction.
+/// Largest number of iterations of one correction.
 const ITERATIONS: usize = 60;
 
-/// The points in contact, in blocks, all of which every process knows.
+/// Points in contact, in blocks that every process knows.
 pub(super) struct Few {
     points: Points,
     share: Share,
-    /// 1 for points in contact.
+    /// 1 for points in contact, else 0.
     touching: Vec<f32>,
-    /// M 1 on the contact, with the preconditioner M, if it is not zero.
+    /// M 1 on the contact, with the preconditioner M, unless it is zero.
     constant: Option<Vec<f32>>,
-    /// The displacement of the contact less a constant, in the unit of the points.
+    /// Displacement of the contact minus a constant, in the unit of the points.
     residual: Vec<f32>,
     images: u64,
 }
 
 impl Few {
-    /// The points of the own rows with positive `pressure`; `None` if they are too many, or the contact is not
-    /// periodic.
+    /// Selects the points of the own rows with positive `pressure`; `None` if they are too many, or if the contact has
+    /// free boundaries or a hardness.
     pub(super) fn of(contact: &Contact, pressure: &[f64]) -> Option<Self> {
         if contact.free.is_some() || contact.hardness.is_some() {
             return None;
@@ -61,7 +61,7 @@ impl Few {
         Effort { iterations: self.images, transform_pairs: self.points.pairs() }
     }
 
-    /// Takes the displacement of the contact by a `uniform` pressure as its residual.
+    /// Sets the residual to the displacement of the contact under a `uniform` pressure.
     pub(super) fn start(&mut self, uniform: f64) {
         let Self { points, touching, residual, .. } = self;
         let uniform: Vec<f32> = touching.iter().map(|touches| touches * uniform as f32).collect();
@@ -70,7 +70,7 @@ impl Few {
         self.images += 1;
     }
 
-    /// Takes the residual of the own rows, in this `unit` of compliances. Returns ⟨r, M r⟩.
+    /// Sets the residual from the own rows, in this `unit` of compliances. Returns ⟨r, M r⟩.
     pub(super) fn take(&mut self, residual: &[f32], unit: f64) -> f64 {
         let factor = unit / self.points.unit();
         let mut residual = self.at_points(residual);
@@ -83,8 +83,8 @@ impl Few {
         slope
     }
 
-    /// Adds to `pressure` of the own rows about the one without a sum whose displacement is opposite to the residual on
-    /// the contact, but for a constant, to this relative square.
+    /// Adds to `pressure` of the own rows a correction without a sum. Its displacement is opposite to the residual on
+    /// the contact, up to a constant, to the relative square `tolerance`.
     pub(super) fn correct(&mut self, tolerance: f64, pressure: &mut [f32]) {
         let tolerance = tolerance.max(TOLERANCE);
         let mut residual = std::mem::take(&mut self.residual);
@@ -117,7 +117,7 @@ impl Few {
         }
     }
 
-    /// The values at the points of the blocks, of which `own` are those of the own rows; zero beside the contact.
+    /// Gathers the values at the points of the blocks from the `own` rows; zero outside the contact.
     fn at_points(&self, own: &[f32]) -> Vec<f32> {
         let values = at_points(self.points.blocks(), &self.share, own).into_iter().zip(&self.touching);
         values.map(|(value, touching)| if *touching > 0.0 { value } else { 0.0 }).collect()
@@ -129,7 +129,7 @@ impl Few {
         residual.iter_mut().zip(&self.touching).for_each(|(r, touching)| *r -= mean * touching);
     }
 
-    /// `out` ← M − M 1 1ᵀM/(1ᵀM 1) of the residual, which has no sum.
+    /// Computes `out` = (M − M 1 1ᵀM/(1ᵀM 1)) `residual`, which has no sum.
     fn precondition(&mut self, residual: &[f32], out: &mut [f32]) {
         let Self { points, touching, constant, .. } = self;
         points.press(gaps(touching, residual), out);
@@ -140,13 +140,13 @@ impl Few {
     }
 }
 
-/// Which points of each block touch, and their gaps.
+/// Returns the gaps of each block, with flags for points in contact.
 fn gaps(touching: &[f32], gap: &[f32]) -> impl Fn(usize) -> Gaps + Sync {
     let (touching, gap) = (touching.as_chunks().0, gap.as_chunks().0);
     move |block| Gaps { touches: touching[block].map(|touches: f32| touches > 0.0), gap: gap[block] }
 }
 
-/// Sets values beside the contact to zero.
+/// Sets values outside the contact to zero.
 fn keep(values: &mut [f32], touching: &[f32]) {
     values.iter_mut().zip(touching).for_each(|(value, touching)| *value *= touching);
 }

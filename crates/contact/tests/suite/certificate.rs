@@ -1,4 +1,4 @@
-//! Tests of refused input, and of states that are not certified.
+//! Tests of refused input, and of states without a certificate.
 
 use gfmd_contact::{Contact, Equilibrium, Load, Refusal, SolveError, Solver};
 use gfmd_field::Grid;

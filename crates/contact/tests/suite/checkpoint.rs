@@ -1,4 +1,4 @@
-//! Checkpoints of contacts: a solve that continues from one ends with the same bits, and so does a series of loads.
+//! Checkpoints of contacts: a solve that continues from one ends with the same bits, as does a series of loads.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use gfmd_surface::{Discretisation, SelfAffine};
 
-/// A watcher that keeps a checkpoint at one of its calls, or continues from it.
+/// Watcher that keeps a checkpoint at one of its calls, or continues from it.
 #[derive(Default)]
 struct Keeper {
     at: Option<usize>,
@@ -87,7 +87,7 @@ fn every_solver_continues_bit_for_bit() {
 
 #[test]
 fn the_automatic_solver_continues_after_its_change_of_method() {
-    // The preconditioned method uses up the iterations, and the other one judges its state.
+    // The preconditioned method uses up the iterations, and the next method judges its state.
     let contact = contact(96, Height::Infinite);
     let solve = |keeper: &mut Keeper| {
         let budget = Budget { tolerance: 1e-12, max_iterations: 8 };

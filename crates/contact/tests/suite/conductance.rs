@@ -1,4 +1,4 @@
-//! The conductance of the points in contact: dense solutions with kernels summed or integrated here, limits, units.
+//! Conductance of the points in contact: dense solutions with kernels summed or integrated here, limits, units.
 
 use std::f64::consts::{PI, TAU};
 
@@ -18,7 +18,7 @@ fn half_space() -> Body {
     Body::half_space(material(0.3))
 }
 
-/// Heights without a pattern.
+/// Returns heights without a pattern.
 fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
     let noise = |k: usize| ((k as f64 + 1.0) * 0.618_034).fract() + ((k as f64 + 1.0) * 0.754_878).fract();
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -27,9 +27,9 @@ fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
     })
 }
 
-/// The conductance per area of the points whose pressure is positive, by Gauss's method: the mean of the current
-/// densities that give all of them the potential 1, with the potential `resistance(i, j)` at the point i by a unit
-/// density on the cell j.
+/// Computes the conductance per area of the points with positive pressure by Gaussian elimination: the mean of the
+/// current densities that give all of them the potential 1. `resistance(i, j)` is the potential at the point i under a
+/// unit density on the cell j.
 fn dense(pressure: &Array2<f64>, resistance: impl Fn([usize; 2], [usize; 2]) -> f64) -> f64 {
     let inside: Vec<[usize; 2]> =
         pressure.indexed_iter().filter(|(_, p)| **p > 0.0).map(|((i, j), _)| [i, j]).collect();
@@ -54,7 +54,7 @@ fn dense(pressure: &Array2<f64>, resistance: impl Fn([usize; 2], [usize; 2]) -> 
     current.iter().sum::<f64>() / pressure.len() as f64
 }
 
-/// tanh(q H)/q, or 1/q.
+/// Returns tanh(q H)/q, or 1/q.
 fn kernel(q: f64, height: Height) -> f64 {
     match height {
         Height::Finite(height) => (q * height).tanh() / q,
@@ -62,7 +62,7 @@ fn kernel(q: f64, height: Height) -> f64 {
     }
 }
 
-/// The dense conductance on a periodic grid, by a sum over all waves but the uniform one.
+/// Computes the dense conductance on a periodic grid, by a sum over all waves except the uniform one.
 fn dense_periodic(pressure: &Array2<f64>, [lx, ly]: [f64; 2], height: Height) -> f64 {
     let (nx, ny) = pressure.dim();
     let number = |m: usize, n: usize| if 2 * m > n { m as f64 - n as f64 } else { m as f64 };
@@ -78,8 +78,8 @@ fn dense_periodic(pressure: &Array2<f64>, [lx, ly]: [f64; 2], height: Height) ->
     dense(pressure, |a, b| shift[[(a[0] + nx - b[0]) % nx, (a[1] + ny - b[1]) % ny]])
 }
 
-/// ∫ dA/√(r² + z²) over a cell with these sides, its centre at `at`: at z = 0 the sum over its edges of their distance
-/// times ∫ ds/r, elsewhere by quadrature.
+/// Returns ∫ dA/√(r² + z²) over a cell with these sides and its centre at `at`. At z = 0 it is the sum over the edges
+/// of their distance times ∫ ds/r, elsewhere a quadrature.
 fn cell(at: [f64; 2], [a, b]: [f64; 2], z: f64) -> f64 {
     if z == 0.0 {
         let edge = |d: f64, [from, to]: [f64; 2]| {
@@ -92,7 +92,7 @@ fn cell(at: [f64; 2], [a, b]: [f64; 2], z: f64) -> f64 {
     integrate(|x| integrate(|y| 1.0 / (at[0] + a * x).hypot(at[1] + b * y).hypot(z))) * a * b
 }
 
-/// ∫ f over −1/2 to 1/2, by Gauss's rule of four points on 16 pieces.
+/// Returns ∫ f over −1/2 to 1/2, by Gauss's rule of four points on 16 pieces.
 fn integrate(f: impl Fn(f64) -> f64) -> f64 {
     let nodes =
         [(0.339_981_043_584_856_3, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_9)];
@@ -103,7 +103,7 @@ fn integrate(f: impl Fn(f64) -> f64) -> f64 {
     (0..16).map(piece).sum()
 }
 
-/// An alternating sum of terms that fall slowly: the partial sums, averaged again and again.
+/// Returns an alternating sum of slowly falling terms, by repeated averages of the partial sums.
 fn alternating(term: impl Fn(usize) -> f64) -> f64 {
     let mut sum = 0.0;
     let mut sums: Vec<f64> = (0..60)
@@ -119,8 +119,8 @@ fn alternating(term: impl Fn(usize) -> f64) -> f64 {
     sums[0]
 }
 
-/// The resistance of a patch between two cells at these distances, with the images of a current behind the electrode
-/// and the surface.
+/// Returns the resistance of a patch between two cells at these distances, with the images of a current behind the
+/// electrode and the surface.
 fn free_table([nx, ny]: [usize; 2], lengths: [f64; 2], height: Height) -> Array2<f64> {
     let sides = [lengths[0] / nx as f64, lengths[1] / ny as f64];
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -198,7 +198,7 @@ fn a_patch_has_the_conductance_of_a_dense_solution() {
     }
 }
 
-/// A patch without a point apart: the stiffness of its uniform displacement is rounding alone, and no direction.
+/// On a patch without a point apart the stiffness of a uniform displacement is only rounding, and no direction.
 #[test]
 fn full_contact_of_a_patch_has_the_conductance_of_a_dense_solution() {
     let grids = [([6, 8], [1.22151, 1.62868]), ([8, 8], [1.0, 1.0]), ([5, 9], [1.0, 1.3])];
@@ -227,8 +227,8 @@ fn profiles_have_the_conductance_of_a_dense_solution() {
             let exact = dense_periodic(&state.pressure, [1.3, 1.0], height);
             assert_relative_eq!(found(Boundary::Periodic, &grid, height, &state.pressure), exact, max_relative = 1e-9);
         }
-        // The potential of a line of current on a slab is -ln tanh(π x/(4 H))/π, whose logarithm is integrated in
-        // closed form.
+        // The potential of a line of current on a slab is -ln tanh(π x/(4 H))/π. The singular part of the logarithm is
+        // integrated in closed form.
         let state = free.press(Load::MeanPressure(mean)).tolerance(1e-10).solve().unwrap();
         let side = 1.3 / 40.0;
         for h in [0.05, 0.3, 2.0] {
@@ -284,7 +284,7 @@ fn limits_have_their_values() {
     assert_relative_eq!(at(Height::Finite(h)) * h * (1.0 / fraction - 1.0), 1.0, max_relative = 1e-3);
     let falling = [1e-3, 0.01, 0.1, 1.0].map(|h| at(Height::Finite(h)));
     assert!(falling.is_sorted_by(|a, b| a > b), "{falling:?}");
-    // All points, and none.
+    // All points touch, or none.
     let (all, none) = (Array2::ones((32, 24)), Array2::zeros((32, 24)));
     for height in HEIGHTS {
         assert_eq!(found(Boundary::Periodic, &grid, height, &all), f64::INFINITY);
@@ -293,7 +293,7 @@ fn limits_have_their_values() {
             assert_eq!(found(boundary, &grid, height, &none), 0.0);
         }
     }
-    // Far from one in length.
+    // Lengths far from one.
     for boundary in Boundary::ALL {
         for height in [Height::Infinite, Height::Finite(0.2)] {
             let far = match height {

@@ -1,5 +1,5 @@
 //! Tests of the cost of an equilibration in transform pairs and in bytes, which do not depend on the machine. The
-//! bounds are about a fifth above the numbers needed when they were set.
+//! bounds are about a fifth above the numbers when they were set.
 #![allow(clippy::print_stdout, reason = "a test that counts nothing says so")]
 
 use std::path::Path;
@@ -168,13 +168,13 @@ fn the_number_of_threads_changes_no_bit() {
     assert!([2, 3, 8].into_iter().all(|threads| on(threads) == one));
 }
 
-/// The variable by which [`bytes_moved`] tells itself which load to solve for, in a process whose bytes are counted.
+/// Variable with the load that [`bytes_moved`] solves for in the process with counted bytes.
 const COUNTED: &str = "GFMD_COUNTED_LOAD";
 
-/// Its value for a contact that is only prepared.
+/// Value of [`COUNTED`] for a contact that is only prepared.
 const UNLOADED: &str = "none";
 
-/// A simulated cache counts the lines of 64 bytes that a solution fetches. It holds a quarter of a field, so that each
+/// A simulated cache counts the lines of 64 bytes fetched by a solution. It holds a quarter of a field, so that each
 /// pass over a vector counts, as on large grids.
 #[test]
 fn bytes_moved() {
@@ -201,12 +201,12 @@ fn bytes_moved() {
         (case, doubles, bound)
     });
     let found: Vec<_> = found.collect();
-    // Far below the bound nothing was counted.
+    // Far below the bound, nothing was counted.
     let within = |(_, doubles, bound): &(&str, f64, f64)| (0.5 * bound..=*bound).contains(doubles);
     assert!(found.iter().all(within), "p*, doubles for each point, bound: {found:?}");
 }
 
-/// The lines that this program fetches, on one thread, while it solves for a load.
+/// Returns the number of lines fetched by this program, on one thread, while it solves for a load.
 fn lines_fetched(case: &str, folder: &Path) -> f64 {
     let file = folder.join(case);
     let mut command = Command::new("valgrind");

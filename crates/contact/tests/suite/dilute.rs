@@ -1,5 +1,5 @@
-//! Contacts of so few points that the pressure is sought on these alone: [`Solver::Auto`] against
-//! [`Solver::PreconditionedCg`], which transforms the whole surface in every iteration.
+//! Contacts of few enough points for a search on these alone: [`Solver::Auto`] against [`Solver::PreconditionedCg`],
+//! which transforms the whole surface in every iteration.
 
 use gfmd_contact::{Contact, Equilibrium as _, Load, Solution, SolveError, Solver};
 use gfmd_field::Grid;
@@ -32,7 +32,7 @@ fn press(contact: &Contact, load: Load, solver: Solver) -> Solution {
     contact.press(load).solver(solver).tolerance(TOLERANCE).solve().unwrap()
 }
 
-/// Both methods find the same pressure at the same points; returns their pairs of transforms.
+/// Checks that both methods find the same pressure at the same points. Returns their transform pairs.
 fn compare(contact: &Contact, load: Load) -> [f64; 2] {
     let [few, all] = [Solver::Auto, Solver::PreconditionedCg].map(|solver| press(contact, load, solver));
     let highest = all.pressure.iter().copied().fold(0.0, f64::max);
@@ -41,7 +41,7 @@ fn compare(contact: &Contact, load: Load) -> [f64; 2] {
         assert!((*few > 0.0) == (*all > 0.0) || few.max(*all) < 1e-5 * highest, "{load:?}: {few} {all}");
     }
     assert!(few.residual.worst() <= TOLERANCE && few.pressure.iter().all(|p| *p >= 0.0));
-    // The certificate of a pressure is the one that the search has asked for, whoever asks.
+    // A new certificate of the pressure equals the one requested by the search.
     let mut certificate = contact.certify(&few.pressure, load).unwrap();
     certificate.effort = few.effort;
     assert!(certificate == few, "{load:?}: {:?} {:?}", certificate.residual, few.residual);
@@ -60,7 +60,7 @@ fn the_pressure_on_few_points_is_that_of_the_whole_surface() {
             (slab(0.5, 0.05), 0.3),
             (slab(0.0, 0.05), 0.8),
         ];
-        // Each body on one of the grids; the long tests have each on all.
+        // Each body on one of the grids; the long tests use all grids.
         for (_, (body, hurst)) in bodies.into_iter().enumerate().filter(|(body, _)| long() || body % 3 == shape) {
             let contact = Contact::new(&body, &grid, &rough(&grid, hurst)).unwrap();
             for reduced_pressure in [1e-6, 1e-4, 1e-3, 4e-3, 8e-3] {

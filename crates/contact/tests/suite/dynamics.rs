@@ -1,4 +1,4 @@
-//! Time step, damping and damping of every mode of the dynamics; what a watcher sees of it.
+//! Time step, damping and damping of every mode of the dynamics, and the information given to a watcher.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
 use ndarray::Array2;
 
-/// A few waves, of which most touch the body at some points and none at all.
+/// Returns the sum of a few waves.
 fn heights(grid: &Grid, size: f64) -> Array2<f64> {
     let [nx, ny] = grid.points();
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -84,7 +84,7 @@ impl Watch for Seen {
     }
 }
 
-/// Under a mean pressure the rigid surface stays at first touch, and u_z is that of the body less its base.
+/// Under a mean pressure the rigid surface stays at first touch, and the watcher sees u_z plus the approach.
 #[test]
 fn a_watcher_sees_displacement_and_energy_in_the_units_of_the_input() {
     let grid = Grid::square(16, 1.0).unwrap();
@@ -102,13 +102,13 @@ fn a_watcher_sees_displacement_and_energy_in_the_units_of_the_input() {
             assert!(seen.steps as u64 > found.effort.iterations, "{solver}");
             let differences = found.displacement.iter().zip(&seen.last).map(|(u, seen)| seen - (u + found.approach));
             assert!(differences.fold(0.0, |m, d| f64::max(m, d.abs())) < 1e-7 * normal, "{solver}");
-            // Elastic less the work of the push; the uniform displacement stores nothing here.
+            // Elastic energy minus the work of the push; the uniform displacement stores nothing here.
             let uniform = 0.5 * mean * mean * body.level_compliance()[1];
             let work = mean * (found.displacement.mean().unwrap() + found.approach);
             let energy = found.summary().elastic_energy - uniform - work;
             assert!((seen.energy / 256.0 - energy).abs() < 1e-6 * energy.abs(), "{solver}");
         }
-        // The coordinates of the augmented Lagrangian, and the pressure, are no displacement.
+        // Neither the coordinates of the augmented Lagrangian nor the pressure are a displacement.
         for solver in [Solver::AugmentedLagrangian, Solver::Auto] {
             let mut seen = Seen::default();
             contact.press(Load::MeanPressure(mean)).solver(solver).watch(&mut seen).solve().unwrap();

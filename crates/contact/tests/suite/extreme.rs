@@ -30,7 +30,7 @@ fn heights(grid: &Grid, size: f64) -> Array2<f64> {
     })
 }
 
-/// A contact in units in which the modulus, lengths along the surface and heights are larger by these factors.
+/// Makes a contact in units with modulus, lengths along the surface and heights larger by these factors.
 fn contact(height: Height, modulus: f64, lateral: f64, normal: f64) -> Contact {
     let grid = Grid::square(16, lateral).unwrap();
     let height = match height {
@@ -41,7 +41,7 @@ fn contact(height: Height, modulus: f64, lateral: f64, normal: f64) -> Contact {
     Contact::new(&body, &grid, &heights(&grid, 0.01 * normal)).unwrap()
 }
 
-/// Fields and numbers without their units.
+/// Returns fields and numbers without their units.
 fn reduced(solution: &Solution, stress: f64, length: f64) -> Vec<f64> {
     let mut all: Vec<f64> = solution.pressure.iter().map(|p| p / stress).collect();
     all.extend(solution.gap.iter().chain(&solution.displacement).map(|u| u / length));
@@ -94,7 +94,7 @@ fn the_reduced_result_is_the_same_in_all_units() {
     }
 }
 
-/// Numbers of contacts with all components (by one of its solvers) and with finite slopes, without their units.
+/// Returns numbers without units, of contacts with all components (by one of its solvers) or with finite slopes.
 fn with_all_components(solver: Option<Solver>, modulus: f64, lateral: f64) -> Vec<f64> {
     let grid = Grid::square(12, lateral).unwrap();
     let material = Material::from_contact_modulus(modulus, 0.3).unwrap();
@@ -164,7 +164,7 @@ fn units_without_room_for_all_digits_are_refused() {
     }
 }
 
-/// However small the approach, there is a contact, and its stiffness is that of a single point.
+/// However small the approach, there is a contact, with the stiffness of a single point.
 #[test]
 fn a_small_positive_approach_makes_contact() {
     for height in [Height::Infinite, Height::Finite(0.3)] {
@@ -193,7 +193,7 @@ fn a_small_positive_approach_makes_contact() {
     }
 }
 
-/// Without pressure the surface would be within a loose tolerance.
+/// A surface without pressure would be within a loose tolerance.
 #[test]
 fn a_small_approach_makes_contact_at_any_tolerance() {
     for height in [Height::Infinite, Height::Finite(0.3)] {
@@ -238,7 +238,7 @@ fn large_loads_end() {
     }
 }
 
-/// A slab a hundred thousand times longer than wide: without the preconditioner conjugate gradients do not converge.
+/// A slab ten thousand times longer than wide: without the preconditioner conjugate gradients do not converge.
 #[test]
 fn the_default_method_converges_on_very_long_cells() {
     for aspect in [1e-4, 1.78e-4, 1e-2, 1e2, 1e4] {

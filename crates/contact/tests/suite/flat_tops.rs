@@ -1,7 +1,7 @@
-//! Flat tops under small loads, where the displacement is very small beside the roughness, and approaches to surfaces
+//! Flat tops under small loads, with a displacement that is very small beside the roughness, and approaches to surfaces
 //! with a hardness, against the active set of a dense compliance matrix.
 //!
-//! The matrix is made here, from the compliance of half-space and slab (theory.md, sections 2 and 3) by a sum over
+//! The matrix is made here: from the compliance of half-space and slab (theory.md, sections 2 and 3) by a sum over
 //! waves, and with free boundaries from the displacement by a uniform pressure on a rectangle (Love 1929; Johnson 1985,
 //! section 3.3).
 
@@ -23,7 +23,7 @@ fn material() -> Material {
     Material::from_contact_modulus(E_STAR, NU).unwrap()
 }
 
-/// The compliance u/p of a wave, on a half-space or on a slab of this height that is clamped at its base.
+/// Returns the compliance u/p of a wave, on a half-space or on a slab of this height clamped at its base.
 fn compliance(q: f64, height: Option<f64>) -> f64 {
     let half_space = 2.0 / (E_STAR * q);
     let Some(height) = height else { return half_space };
@@ -35,7 +35,7 @@ fn compliance(q: f64, height: Option<f64>) -> f64 {
     half_space * (k * sinh - 2.0 * h) / (k * cosh + 2.0 * h * h + 0.5 * (k * k + 1.0))
 }
 
-/// The displacement at the points of a periodic cell by a unit pressure on point 0, without its mean.
+/// Returns the displacement at the points of a periodic cell under a unit pressure on point 0, without its mean.
 fn periodic([nx, ny]: [usize; 2], [lx, ly]: [f64; 2], height: Option<f64>) -> Vec<f64> {
     let number = |k: usize, n: usize| if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
     let mut columns = vec![0.0; nx * ny];
@@ -49,7 +49,7 @@ fn periodic([nx, ny]: [usize; 2], [lx, ly]: [f64; 2], height: Option<f64>) -> Ve
     columns
 }
 
-/// The displacement of a half-space at (x, y) by a unit pressure on the rectangle |x'| ≤ a, |y'| ≤ b.
+/// Returns the displacement of a half-space at (x, y) under a unit pressure on the rectangle |x'| ≤ a, |y'| ≤ b.
 fn love([x, y]: [f64; 2], [a, b]: [f64; 2]) -> f64 {
     let term = |s: f64, t: f64, u: f64, v: f64| {
         let (over, under) = (s + s.hypot(t), u + u.hypot(v));
@@ -62,7 +62,7 @@ fn love([x, y]: [f64; 2], [a, b]: [f64; 2]) -> f64 {
     sum / (PI * E_STAR)
 }
 
-/// The compliance between all points.
+/// Returns the compliance between all points.
 fn matrix(boundary: Boundary, points: [usize; 2], lengths: [f64; 2], height: Option<f64>) -> Vec<Vec<f64>> {
     let [nx, ny] = points;
     let [dx, dy] = [lengths[0] / nx as f64, lengths[1] / ny as f64];
@@ -98,8 +98,8 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// The exact state: pressures between 0 and `hardness` and the approach, by changes of the sets of points that are
-/// free, at zero and at the hardness until none is wrong.
+/// Computes the exact state, pressures between 0 and `hardness` and the approach, by changes of the sets of points that
+/// are free, at zero and at the hardness, until none is wrong.
 fn exact(g: &[Vec<f64>], clearance: &[f64], hardness: &[f64], load: Load) -> (Vec<f64>, f64) {
     #[derive(Clone, Copy, PartialEq)]
     enum Set {
@@ -157,7 +157,7 @@ fn apart(found: &Array2<f64>, expected: &[f64]) -> f64 {
     found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
 }
 
-/// A disc of radius 0.3 that stands out by 0.1.
+/// Returns a disc of radius 0.3 that stands out by 0.1.
 fn disc(n: usize) -> (Grid, Array2<f64>) {
     let at = |i: usize| i as f64 / n as f64 - 0.5;
     let heights = Array2::from_shape_fn((n, n), |(i, j)| if at(i).hypot(at(j)) <= 0.3 { 0.1 } else { 0.0 });
@@ -191,7 +191,7 @@ fn the_pressure_on_a_flat_top_is_the_load_times_a_fixed_field() {
                 };
                 let expected: Vec<f64> = fixed.iter().map(|p| p / 1e-6 * mean).collect();
                 for solver in [Solver::Auto, Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg] {
-                    // The preconditioned method, in single precision, has no start for the smallest loads, and says so.
+                    // In single precision the preconditioned method cannot start at the smallest loads, and reports it.
                     let single = solver == Solver::PreconditionedCg || hardness.is_finite();
                     if !contact.solvers().contains(&solver) || single && mean < 1e-12 {
                         continue;
@@ -255,8 +255,7 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     let squeezed = SqueezedContact::new(&body, &grid, &heights, &other).unwrap();
     let pressures = |mean: f64| {
         let load = Load::MeanPressure(mean);
-        // Between two surfaces the search does not begin under small loads on flat tops, which is an error, never a
-        // number.
+        // Between two surfaces the search does not start under small loads on flat tops: an error, never a number.
         let squeezed = match squeezed.press(load).solve() {
             Err(SolveError::NotConverged { .. }) if mean < 1e-4 => None,
             solved => Some(solved.unwrap_or_else(|error| panic!("{mean:e}, squeezed: {error}")).upper.pressure),
@@ -277,8 +276,7 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     }
 }
 
-/// The tops of a computed surface differ by rounding errors, which decide the contact once the displacement is below
-/// them.
+/// The tops of a computed surface differ by rounding errors, which decide the contact once the displacement is smaller.
 #[test]
 fn loads_below_the_rounding_of_the_heights_are_refused() {
     let (grid, mut heights) = disc(N);

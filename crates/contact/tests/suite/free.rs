@@ -1,4 +1,4 @@
-//! Contacts with free boundaries: identities, independence of the position, and what is refused.
+//! Contacts with free boundaries: identities, independence of the position, and refusals.
 
 use gfmd_contact::{Boundary, Contact, Equilibrium, Fields, Load, Refusal, Solution, SolveError, Solver};
 use gfmd_field::Grid;
@@ -9,7 +9,7 @@ fn half_space() -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap())
 }
 
-/// A rough surface that does not repeat.
+/// Returns a rough surface that does not repeat.
 fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
     Array2::from_shape_fn((nx, ny), |(i, j)| {
         let [x, y] = [i as f64 / nx as f64, j as f64 / ny as f64];

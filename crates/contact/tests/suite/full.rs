@@ -1,4 +1,4 @@
-//! Tests of the contact with all components against that with the normal component only, and of that without lateral
+//! Contact with all components against contact with the normal component only, and against contact without lateral
 //! displacement.
 
 use std::ops::ControlFlow;
@@ -10,7 +10,7 @@ use gfmd_green::{Body, Material};
 use gfmd_response::FullResponse;
 use ndarray::Array2;
 
-/// The sum of a few waves, none of them along a lattice direction only.
+/// Returns the sum of a few waves, none of them along a lattice direction only.
 fn heights(grid: &Grid) -> Array2<f64> {
     let [nx, ny] = grid.points();
     Array2::from_shape_fn((nx, ny), |(i, j)| {
@@ -104,12 +104,12 @@ fn unusable_input_and_too_few_steps_are_errors() {
     // One run starts from the interrupted state, one from the final state.
     let resting = press(0.001).starting_from(stopped.state()).solve().unwrap();
     let again = press(0.001).starting_from(Some(&resting)).solve().unwrap();
-    // The number of steps for which the set of touching points must not have changed.
+    // Number of steps during which the set of touching points must not change.
     assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
 }
 
-/// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3):
-/// the contact is that of such a modulus.
+/// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3),
+/// as for a modulus that is larger by it.
 #[test]
 fn a_half_space_that_is_held_sideways_is_stiffer_by_one_factor() {
     let grid = Grid::square(24, 1.0).unwrap();

@@ -12,13 +12,13 @@ fn rough(grid: &Grid) -> Array2<f64> {
     numbers.self_affine(1.0, SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) }).heights(grid, 1).unwrap()
 }
 
-/// A body with a factor in all moduli.
+/// Returns a body with all moduli multiplied by `factor`.
 fn body(height: Option<f64>, factor: f64) -> Body {
     let material = Material::from_contact_modulus(factor, 0.3).unwrap();
     height.map_or_else(|| Body::half_space(material), |height| Body::slab(material, height).unwrap())
 }
 
-/// A case: the boundary, the height of the slab, the load.
+/// Boundary, height of the slab, and load of a case.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     boundary: Boundary,
@@ -42,7 +42,7 @@ impl Case {
     }
 }
 
-/// A smooth field without symmetries.
+/// Returns a smooth field without symmetries.
 fn field(grid: &Grid, phase: f64) -> Array2<f64> {
     Array2::from_shape_fn(grid.points(), |(i, j)| (1.3 * i as f64 + phase).sin() * (0.7 * j as f64 - phase).cos() + 0.3)
 }
@@ -71,7 +71,7 @@ fn value(of: &Cotangents, solution: &Solution) -> f64 {
         + of.elastic_energy * energy
 }
 
-/// Half the difference of the number at two states, if the same points touch.
+/// Returns half the difference of the number at two states, if the same points touch.
 fn difference(of: &Cotangents, [a, b]: [&Solution; 2]) -> Option<f64> {
     let alike = a.pressure.iter().zip(&b.pressure).all(|(a, b)| (*a > 0.0) == (*b > 0.0));
     alike.then(|| 0.5 * (value(of, b) - value(of, a)))
@@ -141,7 +141,7 @@ fn the_derivative_of_the_mean_pressure_by_the_approach_is_the_stiffness() {
     let of = Cotangents { approach: 1.0, ..Cotangents::default() };
     let pressed = contact.gradient(&solution, Load::MeanPressure(0.01), &of).unwrap();
     assert_relative_eq!(pressed.load, 1.0 / stiffness, max_relative = 1e-8);
-    // A constant in the heights has no effect, and with all lengths the approach changes in proportion.
+    // A constant in the heights has no effect, and the approach is proportional to all lengths together.
     assert!(pressed.heights.sum().abs() < 1e-8, "{}", pressed.heights.sum());
     let scaled = (&pressed.heights * &rough(&grid)).sum() + 0.01 * pressed.load;
     assert_relative_eq!(scaled, solution.approach, max_relative = 1e-6);
@@ -195,7 +195,7 @@ fn unusable_derivatives_are_refused() {
     let solution = contact.press(Load::MeanPressure(0.01)).solve().unwrap();
     let found = contact.gradient(&solution, case.load, &Cotangents { approach: 1.0, ..none() });
     assert_eq!(found, Err(GradientError::NoLevel { found: 1.0 }));
-    // No derivative is none.
+    // Without derivatives of the number there is no gradient.
     let zero = contact.gradient(&solution, case.load, &none()).unwrap();
     assert_eq!((zero.load, zero.modulus, zero.heights.sum()), (0.0, 0.0, 0.0));
 }

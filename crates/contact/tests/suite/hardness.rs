@@ -59,7 +59,7 @@ fn a_hardness_that_is_not_reached_changes_nothing_but_rounding() {
 
 #[test]
 fn a_soft_surface_is_in_contact_where_the_load_needs_it() {
-    // Without elasticity to speak of, the area is the load over the hardness.
+    // With hardly any elasticity, the area is the load divided by the hardness.
     let contact = contact(Boundary::Periodic, 64).with_hardness(1e-4).unwrap();
     for share in [0.1, 0.5, 0.9] {
         let solution = contact.press(Load::MeanPressure(share * 1e-4)).solve().unwrap();
@@ -101,7 +101,7 @@ fn what_cannot_be_done_is_refused() {
     }
 }
 
-/// Grains in stripes, the softest a tenth as hard as the hardest.
+/// Returns grains in stripes, the softest a tenth as hard as the hardest.
 fn grains(n: usize, hardness: f64) -> Array2<f64> {
     Array2::from_shape_fn((n, n), |(i, j)| hardness * [1.0, 0.1, 0.4][(i / 5 + j / 7) % 3])
 }

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-contact` as one program: those of one file by `cargo test -p gfmd-contact --test suite FILE::`.
+//! Tests of `gfmd-contact` as one program. One file runs with `cargo test -p gfmd-contact --test suite FILE::`.
 
 mod certificate;
 mod checkpoint;
@@ -16,7 +16,7 @@ mod squeezed;
 mod steep;
 mod stiffness;
 
-/// True for the long tests (`.ci/long`).
+/// Returns true for the long tests (`.ci/long`).
 fn long() -> bool {
     std::env::var_os("GFMD_LONG").is_some()
 }

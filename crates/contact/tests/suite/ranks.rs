@@ -1,4 +1,4 @@
-//! A contact over ranks, which threads play, has the bits of one process.
+//! A contact over ranks, played by threads, has the bits of one process.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
     .unwrap()
 }
 
-/// A contact to be made by one process or by one of several, from its rows of the heights.
+/// Contact to be made by one process, or by one of several from its rows of the heights.
 #[derive(Clone)]
 struct Case {
     grid: Grid,
@@ -70,7 +70,7 @@ impl Case {
     }
 }
 
-/// The bits of everything that a contact yields: numbers, and the own rows of fields.
+/// Bits of all results of a contact: numbers, and the own rows of fields.
 type Bits = (Vec<u64>, Vec<Vec<u64>>);
 
 fn bits(state: &Solution, stiffness: &Stiffness) -> Bits {
@@ -134,7 +134,7 @@ fn a_contact_over_ranks_has_the_bits_of_one_process() {
             let approach = 0.5 * contact.alone().surface().mean_clearance();
             for size in sizes.iter().copied().filter(|size| *size <= Share::most(points, 1)) {
                 compare(&contact, Load::MeanPressure(0.002), Solver::Auto, size);
-                // So little touches that the pressure is sought on few points.
+                // Few enough points touch for the search on few points.
                 compare(&contact, Load::MeanPressure(3e-5), Solver::Auto, size);
             }
             compare(&contact, Load::Approach(approach), Solver::Auto, 2);
@@ -196,7 +196,7 @@ proptest! {
     }
 }
 
-/// Stops after so many iterations.
+/// Stops after a number of iterations.
 struct Stop(u64);
 
 impl Watch for Stop {
@@ -232,7 +232,7 @@ fn what_cannot_be_shared_is_refused_by_all() {
         let refused = case.over(ranks).equilibrate(load, Solver::Verlet, &Budget::default(), None, &mut ());
         assert!(matches!(refused, Err(SolveError::Refused(Refusal::Solver { .. }))));
     });
-    // A refusal that only one of them sees.
+    // A refusal that only one process detects.
     let mut broken = case.clone();
     broken.heights[[40, 3]] = f64::NAN;
     let state = case.alone().press(Load::MeanPressure(0.005)).solve().unwrap();

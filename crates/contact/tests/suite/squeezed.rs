@@ -1,4 +1,4 @@
-//! A slab between two rough surfaces: limits that are contacts of one surface, exact identities, and refusals.
+//! Slab between two rough surfaces: limits that are contacts of one surface, exact identities, and refusals.
 
 use gfmd_contact::{
     Budget, Contact, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver,
@@ -35,7 +35,7 @@ fn solve(contact: &SqueezedContact, load: Load) -> SqueezedSolution {
     contact.press(load).tolerance(1e-11).solve().unwrap()
 }
 
-/// The largest difference of two fields over the largest value of the second.
+/// Returns the largest difference of two fields divided by the largest value of the second.
 fn apart(found: &Array2<f64>, wanted: &Array2<f64>) -> f64 {
     let scale = wanted.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     found.iter().zip(wanted).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / scale
@@ -69,7 +69,7 @@ fn mirror_images_are_one_surface_on_a_sliding_base_of_half_the_height() {
     }
 }
 
-/// A flat surface stays in contact with a slab that is thick enough, and then is a sliding base.
+/// A flat surface stays in contact with a slab that is thick enough, and acts as a sliding base.
 #[test]
 fn a_flat_surface_is_a_sliding_base() {
     let (surface, flat) = (heights(2), Array2::zeros((N, N)));
@@ -89,7 +89,7 @@ fn a_flat_surface_is_a_sliding_base() {
     assert_near(turned.approach, found.approach, 1e-9);
 }
 
-/// The faces of a slab higher than its cell do not feel each other, but for e^(−q height).
+/// The faces of a slab higher than its cell interact only by e^(−q height).
 #[test]
 fn a_thick_slab_has_two_contacts_of_half_spaces() {
     let surfaces = [heights(1), heights(2)];
@@ -137,7 +137,7 @@ fn forces_balance_and_residuals_are_those_of_the_fields() {
             let gap = surface.mapv(|h| highest - h) - &face.displacement - face.approach;
             assert!(apart(&face.gap, &gap) < 1e-9);
         }
-        // One pressure more here and less there is no equilibrium.
+        // A larger pressure on one face alone breaks the equilibrium.
         let mut wrong = state.upper.pressure.clone();
         wrong *= 1.001;
         let judged = contact.certify([&wrong, &state.lower.pressure], load).unwrap();
@@ -158,7 +158,7 @@ fn the_approach_of_a_load_gives_the_load() {
     }
 }
 
-/// The number of iterations stays low where the slab is not very thin.
+/// The number of iterations is low unless the slab is very thin.
 #[test]
 fn thin_and_thick_slabs_take_few_iterations() {
     for (height, most) in [(1.0 / 32.0, 400), (0.125, 60), (0.5, 25), (10.0, 20)] {

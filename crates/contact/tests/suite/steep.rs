@@ -9,7 +9,7 @@ use ndarray::Array2;
 
 const N: usize = 31;
 
-/// Reproducible waves with numbers up to four, of the rms gradient `gradient`.
+/// Returns reproducible waves with wavenumbers up to three and the rms gradient `gradient`.
 fn rough(gradient: f64, is_line: bool) -> (Grid, Array2<f64>) {
     let grid = if is_line { Grid::line(N, 1.0).unwrap() } else { Grid::square(N, 1.0).unwrap() };
     let mut heights = Array2::zeros(grid.points());
@@ -48,7 +48,7 @@ fn the_mean_pressure_is_the_derivative_of_the_energy() {
         let state = at(approach);
         assert!(state.worst() <= 1e-12);
         approx::assert_relative_eq!(slope, state.normal.mean_pressure, max_relative = 1e-6);
-        // The contact with small slopes has this, too, but at another pressure.
+        // The contact with small slopes has this property too, but at another pressure.
         let flat = Contact::new(&body(nu), &grid, &heights).unwrap().press(Load::Approach(approach)).solve().unwrap();
         assert!((flat.mean_pressure / state.normal.mean_pressure - 1.0).abs() > 0.01);
     }
@@ -81,12 +81,12 @@ fn an_incompressible_body_feels_the_first_order_in_its_lateral_displacement_only
     assert!((state.projected_area().unwrap() / state.summary().area_fraction - 1.0).abs() < 1e-3);
     let soft =
         SteepContact::new(&body(0.0), &grid, &heights).unwrap().press(Load::MeanPressure(0.001)).solve().unwrap();
-    // The lateral strains of a half-space add up to -(1 - 2 nu)(1 + nu)/E times the pressure less its mean (Johnson
+    // The lateral strains of a half-space add up to -(1 - 2 nu)(1 + nu)/E times the pressure minus its mean (Johnson
     // 1985, section 3.6).
     let ratio = soft.projected_area().unwrap() / soft.summary().area_fraction - 1.0;
     let strain = soft.summary().mean_pressure_in_contact - soft.normal.mean_pressure;
     assert!((ratio / -strain - 1.0).abs() < 0.05, "{ratio:e} {strain:e}");
-    // The rigid surface is held sideways by what its slopes push.
+    // The rigid surface is held sideways against the push of its slopes.
     let [x, y] = state.mean_shear;
     assert!(x.hypot(y) < 0.01 * state.normal.mean_pressure && x != 0.0);
 }
@@ -99,7 +99,7 @@ fn a_slab_and_both_controls_give_the_same_state() {
     let pressed = contact.press(Load::MeanPressure(0.02)).tolerance(1e-11).solve().unwrap();
     let moved = contact.press(Load::Approach(pressed.normal.approach)).tolerance(1e-11).solve().unwrap();
     approx::assert_relative_eq!(moved.normal.mean_pressure, 0.02, max_relative = 1e-9);
-    // From another state the same one is reached.
+    // Another start leads to the same state.
     let larger = contact.press(Load::MeanPressure(0.03)).solve().unwrap();
     let again = contact.press(Load::MeanPressure(0.02)).tolerance(1e-11).starting_from(Some(&larger)).solve().unwrap();
     approx::assert_relative_eq!(again.normal.approach, pressed.normal.approach, max_relative = 1e-9);
@@ -146,7 +146,7 @@ fn a_loose_tolerance_is_met() {
     }
 }
 
-/// The displacement by such a pressure is not finite: a certificate of the undeformed surface would be wrong.
+/// The displacement under this pressure is not finite: a certificate of the undeformed surface would be wrong.
 #[test]
 fn a_displacement_that_is_not_finite_has_no_certificate() {
     let (grid, heights) = rough(0.2, false);

@@ -1,4 +1,4 @@
-//! The stiffness of a contact: difference quotients, dense solutions, limits, cost.
+//! Stiffness of a contact: difference quotients, dense solutions, limits, cost.
 
 use gfmd_contact::{Boundary, Contact, Equilibrium, Load, Solution, Stiffness};
 use gfmd_field::Grid;
@@ -34,7 +34,7 @@ fn is_as_exact_as_stated(usual: Stiffness, found: Stiffness) {
     assert!(usual.error <= Stiffness::TOLERANCE, "{usual:?}");
 }
 
-/// Mean pressure over displacement of a uniform displacement of the points in contact, by Gauss's method.
+/// Computes mean pressure divided by displacement for a uniform displacement of the contact, by Gaussian elimination.
 fn dense(grid: Grid, body: &Body, state: &Solution) -> f64 {
     let response = std::sync::Arc::new(NormalResponse::new(grid, body));
     let mut transforms = NormalTransforms::of(&response);
@@ -79,7 +79,7 @@ fn layers_have_the_stiffness_of_a_dense_solution() {
     }
 }
 
-/// Constants continued to so few points resist nothing to within rounding, which must not steer the search.
+/// Constants continued to very few points resist only by rounding errors, which must not steer the search.
 #[test]
 fn layers_near_full_contact_have_the_stiffness_of_a_dense_solution() {
     let ([line, square], poisson) = ([Grid::line(35, 1.0), Grid::new([11, 9], [1.0, 0.9])].map(Result::unwrap), 0.3);
@@ -200,7 +200,7 @@ fn it_costs_a_third_of_the_contact_from_first_touch_to_nearly_full_contact() {
     }
 }
 
-/// A hardness that is not reached changes nothing, but for the corrections on few points, which it does without.
+/// A hardness that is not reached changes nothing, but it excludes the corrections on few points.
 #[test]
 fn few_points_have_the_stiffness_of_the_whole_surface_for_few_transforms() {
     let grid = Grid::new([256, 320], [1.0, 1.25]).unwrap();

@@ -1,9 +1,9 @@
-//! The tests of `gfmd-curve`.
+//! Tests of `gfmd-curve`.
 
 use approx::assert_relative_eq;
 use gfmd_curve::{Curve, CurveError};
 
-/// Values and slopes of scipy.interpolate.PchipInterpolator.
+/// Reference: values and slopes of scipy.interpolate.PchipInterpolator.
 #[test]
 fn values_and_slopes_are_those_of_scipy() {
     let points = [[0.0, 1.0], [0.5, 0.9], [1.5, -0.4], [2.0, -0.6], [3.5, -0.6], [4.0, 0.3], [5.0, 0.0]];
@@ -57,7 +57,7 @@ fn errors_fall_with_the_third_power_of_the_spacing_and_those_of_integrals_with_t
 
 #[test]
 fn curves_keep_the_shape_of_their_points_and_continue_along_tangents() {
-    // A jump in one step, and a plateau.
+    // A jump within one step, and a plateau.
     let curve = Curve::new(&[[0.0, 1.0], [1.0, 1.0], [1.001, 0.0], [2.0, 0.0], [3.0, 0.0]]).unwrap();
     let values: Vec<f64> = (0..=3000).map(|k| curve.at(f64::from(k) / 1000.0)[0]).collect();
     assert!(values.windows(2).all(|pair| pair[1] <= pair[0] + 1e-12) && values.iter().all(|y| (0.0..=1.0).contains(y)));
@@ -66,7 +66,7 @@ fn curves_keep_the_shape_of_their_points_and_continue_along_tangents() {
     assert_relative_eq!(curve.at(-3.0)[0], value - 2.0 * slope, max_relative = 1e-14);
     assert_eq!(curve.at(-3.0)[1], slope);
     assert_relative_eq!(curve.integral(-3.0), -(2.0 * value - 2.0 * slope), max_relative = 1e-14);
-    // The integral has the curve as its derivative, and no jump at a point.
+    // The derivative of the integral is the curve, and the integral has no jump at a point.
     for x in [-1.7, -1.0, -0.3, 0.0, 0.4, 1.0, 1.6, 2.0, 2.5] {
         let step = 1e-6;
         let found = (curve.integral(x + step) - curve.integral(x - step)) / (2.0 * step);

@@ -28,7 +28,7 @@ fn free(plane: usize, place: f64, sign: f64) -> Dislocation {
     Dislocation { plane, place, sign, obstacle: None }
 }
 
-/// Eight dislocations on three planes while the punch goes down for 1 ns.
+/// Moves eight dislocations on three planes while the punch goes down for 1 ns.
 fn pressed(steps: usize) -> Crystal {
     let domain = domain(Body::slab(material(), 1.0).unwrap(), 2.0, 135, 60..75);
     let all = [
@@ -88,7 +88,7 @@ fn a_pair_far_from_everything_falls_together_as_the_square_root_of_time() {
     let [one, other] = crystal.dislocations() else { panic!("a pair") };
     let distance = one.place - other.place;
     assert!((distance - 0.25).abs() < 2e-4, "{distance}");
-    // Then they meet, and nothing is left.
+    // Then they meet and annihilate.
     for _ in 0..80 {
         crystal.advance(time / 100.0, 0.0).unwrap();
     }
@@ -108,7 +108,7 @@ fn a_dislocation_near_a_free_surface_leaves_and_a_step_stays() {
         }
     }
     assert_eq!(crystal.events().departed, 1);
-    // The positive one slipped the left side forward, that is upwards.
+    // The positive dislocation slipped the left side forward, that is upwards.
     let u = crystal.state().displacement();
     let spacing = 2.0 / 255.0;
     let (left, right) = ((0.8 / spacing) as usize, (0.8 / spacing) as usize + 1);
@@ -124,7 +124,7 @@ fn surface_and_pressure_do_not_jump_when_a_dislocation_leaves() {
         let state =
             |all: &[Dislocation]| Crystal::new(world.clone(), slip(&[x]), all, &[], &[]).unwrap().state().clone();
         let (near, gone) = (state(&[free(0, -1e-7, sign), partner]), state(&[partner]));
-        // Both have the waves of the grid only, near the step itself with all of its Gibbs phenomenon.
+        // Both contain only the waves of the grid, with the full Gibbs phenomenon near the step itself.
         let scale = B * (PI / 3.0).sin();
         for (i, (near, gone)) in near.displacement().iter().zip(gone.displacement()).enumerate() {
             let distance = (i as f64 * 2.0 / 135.0 - x).abs();
@@ -159,7 +159,7 @@ fn obstacles_hold_up_to_their_strength_and_sources_wait() {
     assert!(fed.events().nucleated > 0);
     let never = run(100.0, &[Source { strength: 50.0, ..source }]);
     assert_eq!(never.events().nucleated, 0);
-    // The dislocations that were sent out lower the pressure at the same depth, and the balance closes over the jumps.
+    // The emitted dislocations lower the pressure at the same depth, and the balance closes over the jumps.
     assert!(fed.state().mean_pressure() < never.state().mean_pressure());
     let balance = fed.balance();
     assert!(balance.error().abs() < 0.02 * balance.dissipated, "{balance:?}");

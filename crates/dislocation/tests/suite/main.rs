@@ -1,4 +1,4 @@
-//! The tests of `gfmd-dislocation` as one program: those of one file by
+//! The tests of `gfmd-dislocation` as one program. To run one file:
 //! `cargo test -p gfmd-dislocation --test suite FILE::`.
 
 mod dynamics;

@@ -52,7 +52,7 @@ fn forces_and_stresses_are_those_of_head_and_of_a_boundary_value_problem() {
         let domain = Domain::new(&body, &grid, &[false; 255]).unwrap();
         let state = domain.state(&edges, &[], 0.0, 0.0).unwrap();
         compare(&state, &file, &file[key], 1e-9);
-        // A free surface and nothing that pulls.
+        // A free surface without any pressure.
         assert!(state.mean_pressure().abs() < 1e-15);
         for i in 0..7 {
             let stress = state.stress([0.1 * f64::from(i) + 0.03, 0.0], None).unwrap();
@@ -61,8 +61,8 @@ fn forces_and_stresses_are_those_of_head_and_of_a_boundary_value_problem() {
     }
 }
 
-/// Three dislocations on two planes at 60 degrees below a punch, with the steps of those that left: one coordinate
-/// along each plane, and the depth.
+/// Three dislocations on two planes at 60 degrees below a punch, with the steps of departed ones: one coordinate along
+/// each plane, and the depth.
 struct Case {
     domain: Domain,
     angle: f64,
@@ -81,7 +81,7 @@ impl Case {
                 burgers: [SIGNS[i] * b * c, SIGNS[i] * b * s],
             })
             .collect();
-        // The partner of the third has left on its plane.
+        // The partner of the third dislocation has left on its plane.
         let step = Step { x: 0.61, jump: [b * c, b * s] };
         let nu = self.domain.material().poisson();
         let rise: f64 = (0..3).map(|i| SIGNS[i] * b * s * c * along[i]).sum::<f64>() * (1.0 - 2.0 * nu) / (1.0 - nu);

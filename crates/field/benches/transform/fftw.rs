@@ -20,12 +20,12 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Returns `None` if FFTW or its library for threads is missing.
+    /// Returns `None` if FFTW or its thread library is missing.
     pub(crate) fn new([nx, ny]: [usize; 2], threads: usize) -> Option<Self> {
         let sizes = [c_int::try_from(nx).ok()?, c_int::try_from(ny).ok()?];
         const MEASURE: c_uint = 0;
-        // SAFETY: names and signatures are those of FFTW's manual, section "API Reference"; the arrays have the sizes
-        // that its "Real-data DFTs" asks for, and no plan is made before threads are set up.
+        // SAFETY: names and signatures follow the FFTW manual, section "API Reference"; the arrays have the sizes
+        // required in "Real-data DFTs", and no plan is made before threads are set up.
         unsafe {
             let [plain, threaded] = libraries()?;
             function::<unsafe extern "C" fn() -> c_int>(threaded, b"fftw_init_threads")?();
@@ -49,7 +49,7 @@ impl Pair {
         }
     }
 
-    /// A forward and an inverse transform, not normalised. The field is zero, since any other would grow without bound.
+    /// Runs an unnormalised forward and inverse transform. The field is zero, since any other would grow without bound.
     pub(crate) fn run(&mut self) {
         for plan in self.plans {
             // SAFETY: the plan and its arrays live as long as `self`.
@@ -60,7 +60,7 @@ impl Pair {
 
 impl Drop for Pair {
     fn drop(&mut self) {
-        // SAFETY: FFTW made the plans and arrays; each is given back once and not used again.
+        // SAFETY: FFTW made the plans and arrays; each is freed once and not used again.
         unsafe {
             self.plans.into_iter().for_each(|plan| (self.destroy)(plan));
             (self.free)(self.field.cast());
@@ -69,8 +69,8 @@ impl Drop for Pair {
     }
 }
 
-/// The plain library, with its names visible to the library for threads, and the library for threads. They are never
-/// closed, since threads of FFTW wait inside for more work.
+/// Returns the plain library, with its names visible to the thread library, and the thread library. They are never
+/// closed, since FFTW threads inside wait for more work.
 fn libraries() -> Option<&'static [Library; 2]> {
     static LIBRARIES: OnceLock<Option<[Library; 2]>> = OnceLock::new();
     LIBRARIES.get_or_init(open).as_ref()
@@ -79,7 +79,7 @@ fn libraries() -> Option<&'static [Library; 2]> {
 #[cfg(unix)]
 fn open() -> Option<[Library; 2]> {
     use libloading::os::unix::{self, RTLD_GLOBAL, RTLD_NOW};
-    // SAFETY: FFTW's libraries run no code when loaded.
+    // SAFETY: the FFTW libraries run no code when loaded.
     let plain = unsafe { unix::Library::open(Some("libfftw3.so.3"), RTLD_NOW | RTLD_GLOBAL) }.ok()?;
     // SAFETY: as above.
     let threaded = unsafe { Library::new("libfftw3_threads.so.3") }.ok()?;
@@ -91,10 +91,10 @@ fn open() -> Option<[Library; 2]> {
     None
 }
 
-/// The function with this name.
+/// Looks up the function with this name.
 ///
 /// # Safety
-/// `F` is its type.
+/// `F` must be the type of the function.
 unsafe fn function<F: Copy>(library: &Library, name: &[u8]) -> Option<F> {
     // SAFETY: promised by the caller.
     unsafe { library.get::<F>(name).ok().map(|symbol| *symbol) }

@@ -1,4 +1,4 @@
-//! Convolutions on a patch against their sums.
+//! Convolutions on a patch, compared with direct sums.
 
 use gfmd_field::{Convolution, Grid};
 
@@ -16,7 +16,7 @@ fn a_convolution_is_the_sum_on_any_grid() {
         let mut ws = convolution.workspace();
         let field = noise(grid.len(), 0.3);
         let mut out = vec![f64::NAN; grid.len()];
-        // Twice: the memory of the first call must not show in the second.
+        // Twice: the memory of the first call must not affect the second.
         for _ in 0..2 {
             convolution.apply(&field, &mut out, &mut ws).unwrap();
         }
@@ -33,7 +33,7 @@ fn a_convolution_is_the_sum_on_any_grid() {
     }
 }
 
-/// The number of points of the cell around a patch of so many.
+/// Returns the number of points of the cell around a patch of `points` points.
 fn padded(points: usize) -> usize {
     Grid::square(points, 1.0).unwrap().padded().unwrap().points()[1]
 }

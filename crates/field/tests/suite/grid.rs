@@ -3,7 +3,7 @@
 use gfmd_field::{Grid, GridError, Mode};
 use num_complex::Complex64;
 
-/// Spectra of these many modes are as large as memory can be.
+/// Largest number of modes with a spectrum that fits into memory.
 const MOST_POINTS: usize = isize::MAX as usize / size_of::<Complex64>();
 
 #[test]

@@ -1,4 +1,4 @@
-//! Identities between transforms, which hold for any implementation.
+//! Identities between transforms that hold for any implementation.
 
 use std::f64::consts::TAU;
 
@@ -28,7 +28,7 @@ fn convolved(transform: &Transform, kernel: &[f64], field: &[f64]) -> Vec<f64> {
     out
 }
 
-/// A kernel that differs from mode to mode, with k(q) = k(−q) as any operator on real fields has.
+/// Returns a kernel that differs from mode to mode, with k(q) = k(−q) as for any operator on real fields.
 fn kernel(grid: &Grid) -> Vec<f64> {
     grid.modes().map(|mode| (0.3 * mode.wavenumber()).cos() + 0.2).collect()
 }
@@ -49,7 +49,7 @@ fn a_cosine_is_one_mode() {
             let phase = if mode.is_self_conjugate() { 0.0 } else { 0.7 };
             let field: Vec<f64> = (0..grid.len())
                 .map(|r| {
-                    // Whole turns are subtracted before the cosine, so that it is exact for large numbers, too.
+                    // Whole turns are subtracted before the cosine, so that it is also exact for large numbers.
                     let turns = (m * (r / ny) as i64).rem_euclid(nx as i64) as f64 / nx as f64
                         + (n * (r % ny) as i64).rem_euclid(ny as i64) as f64 / ny as f64;
                     (TAU * turns + phase).cos()

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-field` as one program: those of one file by `cargo test -p gfmd-field --test suite FILE::`.
+//! Tests of `gfmd-field` as one program; run one file with `cargo test -p gfmd-field --test suite FILE::`.
 
 mod convolution;
 mod cosines;

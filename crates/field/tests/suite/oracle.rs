@@ -1,4 +1,4 @@
-//! Transforms against the sum of their definition; on larger grids tests/tests/suite/transforms.rs compares them with
+//! Transforms compared with their defining sums. On larger grids, tests/tests/suite/transforms.rs compares them with
 //! `ndrustfft`.
 
 use gfmd_field::{Grid, Transform};
@@ -45,8 +45,7 @@ fn largest(differences: impl Iterator<Item = f64>) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// The spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} by its definition, from the wave vectors and the positions of the
-/// points.
+/// Computes the spectrum f̃(q) = (1/N) Σ_r f(r) e^{−i q·r} directly, from wave vectors and positions.
 fn sum_of_the_definition(grid: &Grid, field: &[f64]) -> Vec<Complex64> {
     let [nx, ny] = grid.points();
     let [dx, dy] = grid.spacing();
@@ -79,7 +78,7 @@ fn inverse_is_the_real_part_of_the_sum_over_all_modes() {
     for points in GRIDS {
         let grid = grid(points);
         let transform = Transform::new(grid);
-        // Amplitudes that belong to no real field, with imaginary parts at all modes.
+        // Amplitudes of no real field, with imaginary parts in all modes.
         let values = field(&Grid::new([grid.spectrum_len(), 2], [1.0, 1.0]).unwrap());
         let spectrum: Vec<Complex64> = values.chunks(2).map(|pair| Complex64::new(pair[0], pair[1])).collect();
         let mut found = vec![0.0; grid.len()];

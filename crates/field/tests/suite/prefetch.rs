@@ -1,4 +1,4 @@
-//! The hint to the cache, the one use of `unsafe` in the crate, as it stands in the source: Miri runs this file alone.
+//! The cache hint, the only `unsafe` code in the crate, included from its source: Miri runs this file alone.
 
 #[path = "../../src/prefetch.rs"]
 mod source;

@@ -1,4 +1,4 @@
-//! Transforms over ranks, which threads play, have the bits of one process.
+//! Transforms over ranks, played by threads, have the same bits as with one process.
 
 use gfmd_field::{Grid, Real, Rows, Share, Transform};
 use gfmd_vector::ThreadRanks;
@@ -13,12 +13,12 @@ fn same<T: Real>(a: &[T], b: &[T]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.widened().to_bits() == b.widened().to_bits())
 }
 
-/// Convolution, quadratic form, forward and inverse transforms over this many ranks against those of one process.
+/// Compares convolution, quadratic form and transforms over several ranks with the results of one process.
 fn assert_bits_of_one<T: Real>([nx, ny]: [usize; 2], size: usize) {
     let grid = Grid::new([nx, ny], [1.0, 2.0]).unwrap();
     let half = ny / 2 + 1;
     let (field, full) = (noise::<T>(nx * ny, 0.3), noise::<T>(nx * half, 0.1));
-    // Even in q_x, as kernels of which a quarter is stored.
+    // Even in q_x, as kernels with a stored quarter.
     let line = nx / 2 + 1;
     let quarter: Vec<T> = full.chunks(nx).flat_map(|column| column[..line].iter().copied()).collect();
     let transform = Transform::<T>::new(grid);
@@ -37,7 +37,7 @@ fn assert_bits_of_one<T: Real>([nx, ny]: [usize; 2], size: usize) {
         let transform = Transform::<T>::over(grid, &share);
         let (ws, lanes, own) = (&mut transform.workspace(), transform.lanes(), share.own());
         let mut out = vec![T::ZERO; own.len()];
-        // Twice: the memory of the first call must not show in the second.
+        // Twice: the memory of the first call must not affect the second.
         for (whole, form, kernel, line) in whole.iter().chain(&whole) {
             let kernel = &kernel[lanes.start * line..lanes.end * line];
             transform.convolve(kernel, &field[own.clone()], &mut out, ws).unwrap();
@@ -94,7 +94,7 @@ fn slices_that_do_not_fit_the_share_are_refused() {
     });
 }
 
-/// The lanes of one process are those of the half spectrum, whatever the shape of the grid.
+/// One process has all lanes of the half spectrum, for any shape of the grid.
 #[test]
 fn one_process_has_all_lanes() {
     for points in [[8, 6], [9, 1], [1, 9], [1, 8], [1, 1], [2, 2]] {

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::DEFLATE;
 
-/// Writes the box of `lengths` entries starting at `first`, row-major.
+/// Writes a box of `lengths` entries starting at `first`, row-major.
 pub(super) fn write<T: H5Type + Copy + Default + Sync>(
     dataset: &Dataset,
     first: &[usize],
@@ -42,7 +42,7 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
     }
     let counts: Vec<usize> = axes().map(|((_, length), (chunk, _))| length.div_ceil(*chunk)).collect();
     let chunk_length = chunk.iter().product::<usize>();
-    // The first entries of the chunks, within the box.
+    // First entry of each chunk, relative to the box.
     let corner = |place: IxDyn| place.slice().iter().zip(&chunk).map(|(at, chunk)| at * chunk).collect();
     let corners: Vec<Vec<usize>> = indices(&counts[..]).into_iter().map(corner).collect();
     for corners in corners.chunks(rayon::current_num_threads()) {
@@ -71,7 +71,7 @@ pub(super) fn write<T: H5Type + Copy + Default + Sync>(
     Ok(())
 }
 
-/// Applies the filters "shuffle" (the first bytes of all numbers, then the second ones, and so on) and "deflate".
+/// Applies the filters "shuffle" (the first bytes of all numbers, then the second bytes, and so on) and "deflate".
 fn compress(bytes: &[u8], size: usize) -> std::io::Result<Vec<u8>> {
     let count = bytes.len() / size;
     let mut shuffled = vec![0; bytes.len()];
@@ -85,7 +85,7 @@ fn compress(bytes: &[u8], size: usize) -> std::io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// The bytes of numbers.
+/// Returns the bytes of numbers.
 fn bytes<T: H5Type>(values: &[T]) -> &[u8] {
     #[allow(unsafe_code, reason = "numbers in memory are their own bytes")]
     // SAFETY: `write` calls this for integers and real numbers only, which have no padding; bytes need no alignment.
@@ -110,8 +110,8 @@ unsafe extern "C" {
 fn put(dataset: &Dataset, offset: &[hsize_t], bytes: &[u8]) -> Result<(), hdf5::Error> {
     let status = hdf5::sync::sync(|| {
         #[allow(unsafe_code, reason = "the `hdf5` crate does not write compressed chunks")]
-        // SAFETY: `dataset` is open, `offset` has a number for each of its dimensions, and `bytes` has `size` bytes,
-        // all of which outlive the call; `sync` holds the library's lock.
+        // SAFETY: `dataset` is open, `offset` has a number for each of its dimensions, the size is the length of
+        // `bytes`, and all of them outlive the call; `sync` holds the library's lock.
         unsafe {
             H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, offset.as_ptr(), bytes.len(), bytes.as_ptr().cast())
         }

@@ -1,4 +1,4 @@
-//! The checksum of the whole content of a file, which reveals a changed or damaged file.
+//! Checksum of the whole content of a file, which reveals a changed or damaged file.
 
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
@@ -8,22 +8,20 @@ use rayon::prelude::*;
 use crate::Checksum;
 use gfmd_topography::stored::{Decode, Hdf5, Number, text};
 
-/// The root attribute with the checksum of all other content.
+/// Root attribute with the checksum of all other content.
 pub(super) const NAME: &str = "content_sha256";
 
-/// The largest number of values of a piece: that of a chunk in files of this program.
+/// Largest number of values in a piece, equal to a chunk in files of this program.
 const PIECE: usize = 1 << 18;
 
-/// The largest number of bytes of a chunk, of a result that another program has written again. Each chunk is expanded
-/// whole.
+/// Largest chunk in bytes, for results rewritten by another program. Each chunk is expanded whole.
 const LARGEST_CHUNK: usize = 1 << 28;
 
-/// The number of values that are added to the checksum at a time.
+/// Number of values added to the checksum at a time.
 const BATCH: usize = 1 << 10;
 
-/// The checksum of the names, shapes and values of all variables, and of all attributes that are single numbers or
-/// texts.
-/// `None` if `stop` returned true meanwhile.
+/// Computes the checksum of the names, shapes and values of all variables, and of all attributes that are single
+/// numbers or texts. Returns `None` if `stop` returned true meanwhile.
 pub(super) fn checksum(file: &Hdf5, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<String>, String> {
     let mut sum = Sum { sum: Checksum::default(), stop };
     match group(file, &file.root()?, "", &mut Vec::new(), &mut sum) {
@@ -33,7 +31,7 @@ pub(super) fn checksum(file: &Hdf5, stop: &(dyn Fn() -> bool + Sync)) -> Result<
     }
 }
 
-/// A checksum that grows until it is stopped.
+/// Running checksum that can be stopped.
 struct Sum<'a> {
     sum: Checksum,
     stop: &'a (dyn Fn() -> bool + Sync),
@@ -45,7 +43,7 @@ impl Sum<'_> {
     }
 }
 
-/// Reasons why a checksum is not computed.
+/// Reason why a checksum is not computed.
 enum Ended {
     Stopped,
     Unreadable(String),
@@ -63,7 +61,7 @@ impl From<Error> for Ended {
     }
 }
 
-/// Refuses a variable whose chunks are larger than those of results.
+/// Returns an error if the chunks of a variable are larger than [`LARGEST_CHUNK`].
 pub(super) fn check_chunk(file: &Hdf5, path: &str) -> Result<(), String> {
     let found = file.chunk_bytes(path)?;
     if found <= LARGEST_CHUNK {
@@ -72,8 +70,7 @@ pub(super) fn check_chunk(file: &Hdf5, path: &str) -> Result<(), String> {
     Err(format!("its chunks have {found} bytes; those of a result have at most {LARGEST_CHUNK}"))
 }
 
-/// Adds a group, which must not be one of the groups at the addresses `seen`: a damaged file can link a group into
-/// itself.
+/// Adds a group, which must not be at one of the addresses `seen`: a damaged file can link a group into itself.
 fn group(file: &Hdf5, of: &Group, path: &str, seen: &mut Vec<u64>, sum: &mut Sum) -> Result<(), Ended> {
     if seen.contains(&of.address()) {
         return Err(format!("the group {path} has two names").into());
@@ -111,7 +108,7 @@ fn attributes(mut attributes: Vec<Attribute>, path: &str, sum: &mut Sum) -> Resu
             kind @ (Datatype::FloatingPoint { .. } | Datatype::FixedPoint { .. }) => {
                 sum.bytes(&bits(&attribute.raw_data, kind)?);
             }
-            // Texts of fixed length are the marks of dimension scales.
+            // Texts of fixed length mark dimension scales.
             Datatype::String { size: StringSize::Fixed(_), .. } => {}
             _ => sum.bytes(attribute.read_string()?.as_bytes()),
         }
@@ -135,7 +132,7 @@ fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Sum) -> Result
     }
 }
 
-/// The bytes of a number of any type, converted to 64 bits without loss.
+/// Returns the bytes of a number of any type, converted to 64 bits without loss.
 fn bits(bytes: &[u8], kind: &Datatype) -> Result<[u8; 8], Error> {
     match kind {
         Datatype::FloatingPoint { .. } => f64::decode(bytes, kind).map(f64::to_le_bytes),
@@ -144,7 +141,7 @@ fn bits(bytes: &[u8], kind: &Datatype) -> Result<[u8; 8], Error> {
     }
 }
 
-/// Adds the values of a variable, the `bytes` of each. Pieces are read on all threads.
+/// Adds the values of a variable, converted by `bytes`. Pieces are read on all threads.
 fn values<T: Number>(
     file: &Hdf5,
     path: &str,
@@ -174,8 +171,8 @@ fn values<T: Number>(
     Ok(())
 }
 
-/// The pieces of a variable in their order, as [`Hdf5::part`] reads them. They have at most [`PIECE`] values, or more
-/// where chunks do, so that each chunk is expanded once: their ends are ends of chunks.
+/// Returns the pieces of a variable in order, as [`Hdf5::part`] reads them. Pieces have at most [`PIECE`] values, or
+/// more with larger chunks; they end at ends of chunks, so that each chunk is expanded only once.
 fn pieces(shape: &[usize], chunk: &[usize]) -> Vec<Vec<[usize; 2]>> {
     let (Some((&length, inner)), Some((&step, inner_chunk))) = (shape.split_first(), chunk.split_first()) else {
         return vec![Vec::new()];
@@ -186,7 +183,7 @@ fn pieces(shape: &[usize], chunk: &[usize]) -> Vec<Vec<[usize; 2]>> {
     let inner_count = inner.iter().fold(1_usize, |product, &length| product.saturating_mul(length));
     let entries = ((PIECE / inner_count.max(1)) / step).max(1) * step;
     let outer = (0..length).step_by(entries).map(|start| [start, length.min(start + entries)]);
-    // Within a chunk of several entries there is no piece.
+    // Chunks of several entries are not divided.
     let is_whole = inner_count <= PIECE || entries > 1;
     let inner = if is_whole { vec![Vec::new()] } else { pieces(inner, inner_chunk) };
     let joined = |outer| inner.iter().map(move |inner| std::iter::once(outer).chain(inner.iter().copied()).collect());
@@ -228,7 +225,7 @@ mod tests {
         for (shape, chunk) in cases {
             let (mut next, mut seen) = (0, std::collections::BTreeSet::new());
             for piece in pieces(shape, chunk) {
-                // The values of a piece follow those of the piece before.
+                // The values of each piece follow the values of the previous piece.
                 let place = |axis: usize, piece: &[[usize; 2]]| piece.get(axis).map_or(0, |range| range[0]);
                 let start = (0..shape.len()).fold(0, |at, axis| at * shape[axis] + place(axis, &piece));
                 assert_eq!(start, next, "{shape:?} {chunk:?} {piece:?}");

@@ -10,8 +10,7 @@ use ndarray::ArrayD;
 use super::{Archive, Attribute, Dimension, Provenance, Variable};
 use crate::{FileError, Output};
 
-/// A result in memory instead of a file: its numbers as `f64`, and the record of everything else that a file has, from
-/// which the file can be written later ([`Draft`]).
+/// Result in memory instead of a file: numbers as `f64`, and a record of all other content for a [`Draft`].
 #[derive(Clone, Debug, Default)]
 pub struct Memory(Arc<Mutex<Content>>);
 
@@ -21,11 +20,11 @@ struct Content {
     provenance: Provenance,
     entries: Vec<Entry>,
     is_finished: bool,
-    /// The bytes of numbers that may be stored; all if it is `None`.
+    /// Maximum number of bytes of numbers; `None` for no limit.
     room: Option<u64>,
 }
 
-/// A file that is not written yet, without the fields, which are given when it is.
+/// File that is not written yet, without the fields, which are passed to [`Draft::write`].
 #[derive(Clone, Debug)]
 pub struct Draft {
     values: BTreeMap<String, ArrayD<f64>>,
@@ -33,7 +32,7 @@ pub struct Draft {
     entries: Vec<Entry>,
 }
 
-/// A variable or an attribute of a file.
+/// Variable or attribute of a file.
 #[derive(Clone, Debug)]
 enum Entry {
     Numbers(Described, Numbers),
@@ -41,7 +40,7 @@ enum Entry {
     Attribute { path: String, name: String, value: Attribute },
 }
 
-/// A variable without its values.
+/// Variable without its values.
 #[derive(Clone, Debug)]
 struct Described {
     path: String,
@@ -50,12 +49,12 @@ struct Described {
     long_name: String,
 }
 
-/// The way in which numbers are written.
+/// Way in which numbers are written.
 #[derive(Clone)]
 enum Numbers {
     /// All at once.
     Whole,
-    /// Entry by entry along the first dimension; those that are NaN throughout are left out.
+    /// Entry by entry along the first dimension; entries that are NaN throughout are left out.
     Entries,
     /// Row by row.
     Rows,
@@ -63,12 +62,12 @@ enum Numbers {
     Typed(Arc<Write>),
 }
 
-/// Writes a variable with values of its own.
+/// Function that writes a variable with values of its own.
 type Write = dyn Fn(&mut Archive, &str, &Variable) -> Result<(), FileError> + Send + Sync;
 
-/// A number that an [`Archive`] writes.
+/// Number that an [`Archive`] writes.
 pub trait Value: H5Type + Copy + Default + Send + Sync {
-    /// The number as `f64`.
+    /// Converts the number to `f64`.
     fn real(self) -> f64;
 }
 
@@ -85,15 +84,15 @@ macro_rules! values {
 values! { f32 f64 u8 u32 u64 i64 }
 
 impl Memory {
-    /// Removes the variables below `group`, such as `/fields/`, and returns them by path, with the draft of the file of
-    /// which they are a part; `None` if no archive was finished.
+    /// Removes the variables below `group`, such as `/fields/`, and returns them by path, with the draft of their file.
+    /// The draft is `None` if no archive was finished.
     pub fn take(&self, group: &str) -> (BTreeMap<String, ArrayD<f64>>, Option<Draft>) {
         let Content { values, provenance, entries, is_finished, .. } = std::mem::take(&mut *self.content());
         let (fields, values) = values.into_iter().partition(|(path, _)| path.starts_with(group));
         (fields, is_finished.then_some(Draft { values, provenance, entries }))
     }
 
-    /// Limits the bytes of all numbers together.
+    /// Limits the total number of bytes of all numbers.
     #[must_use]
     pub fn limited(self, room: Option<u64>) -> Self {
         self.content().room = room;
@@ -106,7 +105,7 @@ impl Memory {
         *content = Content { provenance: provenance.clone(), room: content.room, ..Content::default() };
     }
 
-    /// Completes it.
+    /// Completes the file.
     pub(super) fn finish(&self) {
         self.content().is_finished = true;
     }
@@ -122,7 +121,7 @@ impl Memory {
         self.store(path, variable, values.iter().copied().map(T::real), numbers)
     }
 
-    /// Stores a variable whose values follow entry by entry, or row by row.
+    /// Stores a variable whose values are written later, entry by entry or row by row.
     pub(super) fn define(&self, path: &str, variable: &Variable, by_rows: bool) -> Result<(), FileError> {
         let numbers = if by_rows { Numbers::Rows } else { Numbers::Entries };
         self.store(path, variable, std::iter::empty(), numbers)
@@ -160,12 +159,12 @@ impl Memory {
         self.content().entries.push(Entry::Attribute { path: path.into(), name: name.into(), value });
     }
 
-    /// The shape of a variable; empty if there is none.
+    /// Returns the shape of a variable; empty if there is none.
     pub(super) fn shape(&self, path: &str) -> Vec<usize> {
         self.content().values.get(path).map_or_else(Vec::new, |values| values.shape().to_vec())
     }
 
-    /// Writes values into a variable from index `start`, row-major; `None` beyond its end.
+    /// Writes values into a variable from index `start`, row-major. Returns `None` beyond its end.
     pub(super) fn write(&self, path: &str, start: usize, values: &[f64]) -> Option<()> {
         let mut content = self.content();
         let all = content.values.get_mut(path)?.as_slice_mut()?;
@@ -179,7 +178,7 @@ impl Memory {
 }
 
 impl Draft {
-    /// Gives an attribute that the file has another text.
+    /// Replaces the text of an existing attribute.
     pub fn replace(&mut self, group: &str, attribute: &str, text: &str) {
         for entry in &mut self.entries {
             match entry {
@@ -189,8 +188,8 @@ impl Draft {
         }
     }
 
-    /// Writes the file with the `fields` that were taken out, and returns its path. It has the contents of a file that
-    /// was written at once.
+    /// Writes the file with the `fields` that were taken out, and returns its path. Its content is the same as if it
+    /// had been written directly.
     ///
     /// # Errors
     /// Fields that are missing or have another shape; a file that cannot be written.

@@ -12,7 +12,7 @@ use super::{FileError, content};
 use crate::Input;
 use crate::attribute::Attribute;
 
-/// An HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file is an error.
+/// HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file gives an error.
 pub struct Reader {
     path: PathBuf,
     input: Input,
@@ -20,13 +20,12 @@ pub struct Reader {
     memory: Mutex<Memory>,
 }
 
-/// What a reader remembers of its file.
+/// Cached content of a file.
 #[derive(Default)]
 struct Memory {
-    /// The lengths of the dimensions of a group, by its name.
+    /// Lengths of the dimensions of a group, by group name.
     lengths: BTreeMap<String, Vec<usize>>,
-    /// Entries along the first dimension of a variable that are compressed together: the variable, the first entry, and
-    /// the values.
+    /// Entries along the first dimension of a variable compressed together: variable, first entry, and values.
     block: Option<(String, usize, Box<dyn Any + Send>)>,
 }
 
@@ -47,7 +46,7 @@ impl Reader {
         }
     }
 
-    /// True if the content of the file matches its checksum; `None` if the file has none.
+    /// Returns true if the content of the file matches its checksum, or `None` if the file has no checksum.
     ///
     /// # Errors
     /// A file that cannot be read to its end.
@@ -55,7 +54,7 @@ impl Reader {
         self.is_intact_until(&|| false)
     }
 
-    /// Compares as [`is_intact`](Self::is_intact) does, until `stop` returns true; the content does not match then.
+    /// Compares like [`is_intact`](Self::is_intact) until `stop` returns true, which counts as a mismatch.
     ///
     /// # Errors
     /// A file that cannot be read to its end.
@@ -68,7 +67,7 @@ impl Reader {
     }
 
     /// Computes the checksum of the content: names, shapes and values of all variables, and all attributes that are
-    /// single numbers or texts, except for the checksum itself.
+    /// single numbers or texts, except the checksum itself.
     ///
     /// # Errors
     /// A file that cannot be read to its end.
@@ -80,18 +79,18 @@ impl Reader {
         content::checksum(&self.file, stop).map_err(|reason| self.failed("(all)", reason))
     }
 
-    /// The variable that needs most memory when it is read, and the bytes; `None` of a file without variables.
+    /// Returns the variable that needs most memory when read, and its bytes, or `None` for a file without variables.
     pub fn largest(&self) -> Option<(String, u64)> {
         let bytes = |path: String| {
             let shape = self.file.shape(&path).ok()?;
-            // The numbers as they are stored, and as they are used.
+            // Each number is stored twice: as in the file and as used.
             let bytes = shape.iter().fold(16_u64, |product, &length| product.saturating_mul(length as u64));
             Some((path, bytes))
         };
         self.variables().into_iter().filter_map(bytes).max_by_key(|(_, bytes)| *bytes)
     }
 
-    /// The paths of all variables, as deep as those of results are.
+    /// Returns the paths of all variables, down to the depth of results.
     fn variables(&self) -> Vec<String> {
         let (mut groups, mut found) = (vec![(String::new(), 0)], Vec::new());
         for _ in 0..MOST_GROUPS {
@@ -108,7 +107,7 @@ impl Reader {
         found
     }
 
-    /// The SHA-256 of the open file, even if another file has taken its name.
+    /// Returns the SHA-256 of the open file, even if another file has taken its name.
     ///
     /// # Errors
     /// A file that cannot be read, or was changed in place since it was opened.
@@ -117,41 +116,40 @@ impl Reader {
         sum.map_err(|source| FileError::Io { action: "read", path: self.path.clone(), source })
     }
 
-    /// The path of the file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The names in a group, sorted; empty if there is no such group.
+    /// Returns the names in a group, sorted; empty if there is no such group.
     pub fn names(&self, group: &str) -> Vec<String> {
         self.file.names(group).unwrap_or_default()
     }
 
-    /// True if there is a variable at `path`.
+    /// Returns true if there is a variable at `path`.
     pub fn contains(&self, path: &str) -> bool {
         self.file.contains(path)
     }
 
-    /// The lengths of a variable's dimensions.
+    /// Returns the lengths of the dimensions of a variable.
     pub fn shape(&self, path: &str) -> Result<Vec<usize>, FileError> {
         self.check(path)?;
         self.file.shape(path).map_err(|reason| self.failed(path, reason))
     }
 
-    /// All values of a variable, row-major; numbers of another type are converted to `T`.
+    /// Reads all values of a variable, row-major. Numbers of another type are converted to `T`.
     pub fn values<T: Number>(&self, path: &str) -> Result<Vec<T>, FileError> {
         self.check(path)?;
         self.file.values(path).map_err(|reason| self.failed(path, reason))
     }
 
-    /// All values of a variable of any program, with the scale and the missing values (NaN) that its attributes say by
-    /// the conventions of NetCDF.
+    /// Reads all values of a variable of any program, scaled and with NaN for missing values by the NetCDF conventions.
     pub fn physical(&self, path: &str) -> Result<Vec<f64>, FileError> {
         self.check(path)?;
         self.file.physical(path).map_err(|reason| self.failed(path, reason))
     }
 
-    /// Entry `index` along the first dimension of a variable.
+    /// Reads entry `index` along the first dimension of a variable.
     pub fn slab<T: Number + 'static>(&self, path: &str, index: usize) -> Result<Vec<T>, FileError> {
         let shape = self.shape(path)?;
         let Some(&length) = shape.first().filter(|&&length| index < length) else {
@@ -179,13 +177,13 @@ impl Reader {
         Ok(found)
     }
 
-    /// All values of a variable of strings.
+    /// Reads all values of a variable of strings.
     pub fn texts(&self, path: &str) -> Result<Vec<String>, FileError> {
         self.check(path)?;
         self.file.texts(path).map_err(|reason| self.failed(path, reason))
     }
 
-    /// The attributes of the group or variable at `path` that are single numbers or texts, in the order of their names.
+    /// Returns the attributes of the group or variable at `path` that are single numbers or texts, sorted by name.
     /// Attributes that mark and link dimensions are left out.
     ///
     /// # Errors
@@ -194,22 +192,22 @@ impl Reader {
         self.file.attributes(path).and_then(values).map_err(|reason| self.failed(&attribute(path, "*"), reason))
     }
 
-    /// True if the variable at `path` has the coordinates of a dimension.
+    /// Returns true if the variable at `path` holds the coordinates of a dimension.
     pub fn is_coordinate(&self, path: &str) -> bool {
         self.contains(path) && self.text(path, "CLASS").is_ok_and(|class| class == "DIMENSION_SCALE")
     }
 
-    /// A text attribute of the group or variable at `path`; `/` is the root.
+    /// Reads a text attribute of the group or variable at `path`; `/` is the root.
     pub fn text(&self, path: &str, name: &str) -> Result<String, FileError> {
         self.file.text(path, name).map_err(|reason| self.failed(&attribute(path, name), reason))
     }
 
-    /// A numerical attribute of the group or variable at `path`.
+    /// Reads a numerical attribute of the group or variable at `path`.
     pub fn number(&self, path: &str, name: &str) -> Result<f64, FileError> {
         self.file.number(path, name).map_err(|reason| self.failed(&attribute(path, name), reason))
     }
 
-    /// Returns an error with the existing names if there is no variable at `path`.
+    /// Returns an error for a missing variable, with the existing names, or for invalid chunks or an invalid shape.
     fn check(&self, path: &str) -> Result<(), FileError> {
         let group = path.rsplit_once('/').map_or("/", |(group, _)| if group.is_empty() { "/" } else { group });
         if !self.contains(path) {
@@ -218,7 +216,7 @@ impl Reader {
         }
         content::check_chunk(&self.file, path).map_err(|reason| self.failed(path, reason))?;
         let shape = self.file.shape(path).map_err(|reason| self.failed(path, reason))?;
-        // A file of another program may have dimensions elsewhere.
+        // Files of other programs may have dimensions elsewhere.
         if shape.is_empty() || self.file.number("/", "schema_version").is_err() || self.is_coordinate(path) {
             return Ok(());
         }
@@ -230,7 +228,7 @@ impl Reader {
         Err(self.failed(path, reason))
     }
 
-    /// The lengths of the dimensions of a group.
+    /// Returns the lengths of the dimensions of a group.
     fn lengths(&self, group: &str) -> Vec<usize> {
         if let Some(known) = self.memory().lengths.get(group) {
             return known.clone();
@@ -253,7 +251,7 @@ impl Reader {
     }
 }
 
-/// The most groups inside each other, and in all, in which variables are sought: a group may contain itself.
+/// Maximum depth and number of groups searched for variables: a group may contain itself.
 const DEEPEST: usize = 4;
 const MOST_GROUPS: usize = 10_000;
 
@@ -267,7 +265,7 @@ fn attribute(path: &str, name: &str) -> String {
     format!("{}@{name}", path.trim_end_matches('/'))
 }
 
-/// The attributes that are single numbers, or texts of any length, by name.
+/// Returns the attributes that are single numbers, or texts of any length, by name.
 fn values(all: Vec<hdf5_reader::Attribute>) -> Result<Vec<(String, Attribute)>, String> {
     let mut found = Vec::new();
     for one in all.into_iter().filter(|one| one.shape.is_empty()) {
@@ -275,7 +273,7 @@ fn values(all: Vec<hdf5_reader::Attribute>) -> Result<Vec<(String, Attribute)>, 
             kind @ Datatype::FloatingPoint { .. } => f64::decode(&one.raw_data, kind).map(Into::into),
             kind @ Datatype::FixedPoint { signed: true, .. } => i64::decode(&one.raw_data, kind).map(Into::into),
             kind @ Datatype::FixedPoint { .. } => u64::decode(&one.raw_data, kind).map(Into::into),
-            // Texts of fixed length are the marks of dimension scales.
+            // Texts of fixed length mark dimension scales.
             Datatype::String { size: StringSize::Fixed(_), .. } => continue,
             _ => one.read_string().map(Into::into),
         };

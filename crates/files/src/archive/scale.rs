@@ -1,7 +1,7 @@
 //! Dimension scales of the HDF5 Dimension Scale Specification: four attributes, written without the high-level library.
 //!
 //! A scale has the attributes CLASS = "DIMENSION_SCALE", NAME, and REFERENCE_LIST (the variables that use it, and the
-//! index of the dimension); a variable has the attribute DIMENSION_LIST (the scales of each dimension).
+//! index of the dimension). A variable has the attribute DIMENSION_LIST (the scales of each dimension).
 
 use hdf5::types::{FixedAscii, TypeDescriptor, VarLenArray};
 use hdf5::{Dataset, Datatype, File, ObjectReference1};
@@ -9,7 +9,7 @@ use hdf5_sys::h5t::{H5T_str_t, H5Tset_strpad};
 
 use super::Dimension;
 
-/// A dimension scale in the file and the variables that use it.
+/// Dimension scale in the file and the variables that use it.
 #[derive(Debug)]
 pub(super) struct Scale {
     path: String,
@@ -17,7 +17,7 @@ pub(super) struct Scale {
     users: Vec<(String, usize)>,
 }
 
-/// One entry of REFERENCE_LIST.
+/// Entry of REFERENCE_LIST.
 #[derive(Clone, Copy, hdf5::H5Type)]
 #[repr(C)]
 struct User {
@@ -38,7 +38,7 @@ impl Scale {
         &self.dimension
     }
 
-    /// Records that this is dimension `position` of the variable at `path`.
+    /// Records the scale as dimension `position` of the variable at `path`.
     pub(super) fn attach(&mut self, path: &str, position: usize) {
         self.users.push((path.to_owned(), position));
     }
@@ -57,7 +57,7 @@ impl Scale {
     }
 }
 
-/// Makes a dataset a dimension scale.
+/// Marks a dataset as a dimension scale.
 pub(super) fn mark(dataset: &Dataset, name: &str) -> Result<(), hdf5::Error> {
     write_terminated(dataset, "CLASS", "DIMENSION_SCALE")?;
     write_terminated(dataset, "NAME", name)

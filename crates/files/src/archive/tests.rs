@@ -53,7 +53,7 @@ fn put_all(output: &Output) {
     archive.finish().unwrap();
 }
 
-/// A draft makes the file that is written at once, byte for byte, and no file of a result that was not finished.
+/// A draft writes the same bytes as a direct write, and writes no file for an unfinished result.
 #[test]
 fn a_draft_makes_the_same_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -66,7 +66,7 @@ fn a_draft_makes_the_same_file() {
     let mut draft = draft.unwrap();
     assert_eq!(draft.write(&Output::claim(&later).unwrap(), &fields).unwrap(), later);
     assert!(fs::read(&at_once).unwrap() == fs::read(&later).unwrap());
-    // Without its fields, or with fields of another shape, there is no file.
+    // Missing fields, or fields of another shape, give no file.
     let cut = fields
         .iter()
         .map(|(path, values)| (path.clone(), values.slice(ndarray::s![.., .., ..1]).to_owned().into_dyn()));
@@ -147,7 +147,7 @@ fn a_changed_value_shape_or_attribute_is_noticed() {
         |file| file.unlink("/fit/kappa_tfc"),
     ];
     write_all(&path);
-    // A process that another test starts may hold the lock of a file that was open then; a copy has no lock.
+    // A process started by another test may hold the lock of a file that was open then; a copy has no lock.
     let copy = |from: &std::path::Path, name: &str| {
         let to = folder.path().join(name);
         fs::copy(from, &to).unwrap();
@@ -167,8 +167,7 @@ fn a_changed_value_shape_or_attribute_is_noticed() {
     assert_eq!(read(&empty).is_intact().unwrap(), None);
 }
 
-/// A file with damaged bytes, or cut, is an error or noticed, or the bytes were nobody's: all that can be read is as it
-/// was.
+/// A damaged or truncated file gives an error or a wrong checksum, or has unchanged content.
 #[test]
 fn a_damaged_file_neither_ends_the_process_nor_goes_unnoticed() {
     let folder = tempfile::tempdir().unwrap();
@@ -282,7 +281,7 @@ fn a_second_claim_is_refused_until_the_first_ends() {
     Output::claim(&path).unwrap();
 }
 
-/// Opens a copy of a file: a process that another test starts may hold the lock of a file that was open then.
+/// Opens a copy of a file: a process started by another test may hold the lock of a file that was open then.
 fn read(path: &std::path::Path) -> Reader {
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("copy.h5");
@@ -290,7 +289,7 @@ fn read(path: &std::path::Path) -> Reader {
     Reader::open(&copy).unwrap()
 }
 
-/// A command that runs the named test in another process, with the path of its file in the environment.
+/// Returns a command that runs the named test in another process, with the path of its file in the environment.
 fn again(test: &str, path: &std::path::Path, limit: &str) -> Command {
     let mut command = Command::new("sh");
     command.arg("-c").arg(format!("{limit} exec \"$0\" --exact archive::tests::{test}"));
@@ -339,7 +338,7 @@ fn a_full_disk_is_one_clear_line_and_the_good_file_stays() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     fs::write(&path, b"good").unwrap();
-    // A limit in blocks of 512 bytes; with SIGXFSZ ignored a write beyond it fails as on a full disk.
+    // Limit in blocks of 512 bytes; with SIGXFSZ ignored, a write beyond it fails as on a full disk.
     let limit = "trap '' XFSZ; ulimit -f 2048;";
     let status = again("a_full_disk_is_one_clear_line_and_the_good_file_stays", &path, limit).status().unwrap();
     assert!(status.success());
@@ -450,7 +449,7 @@ fn rows_in_blocks_of_chunks_make_the_file_of_whole_fields() {
     }
 }
 
-/// The library undoes the filters that it has not applied, also of chunks that stick out.
+/// The library undoes filters that were applied outside it, also for chunks that extend beyond the edge.
 #[test]
 fn chunks_of_any_shape_are_read_by_the_library() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,12 +2,12 @@
 
 use crate::Warnings;
 
-/// A named dimension with its coordinates, written once per group as an HDF5 dimension scale.
+/// Named dimension with its coordinates, written once per group as an HDF5 dimension scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
     /// Name, also of the coordinate variable: `load`, `x`, `run` ...
     pub name: String,
-    /// The coordinate of each entry.
+    /// Coordinate of each entry.
     pub coordinates: Coordinates,
     /// Unit of the coordinates: `1`, `length` ...
     pub units: String,
@@ -15,10 +15,10 @@ pub struct Dimension {
     pub long_name: String,
 }
 
-/// The coordinates along a dimension.
+/// Coordinates along a dimension.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coordinates {
-    /// The indices 0, 1, 2, ...; the number gives the length.
+    /// Indices 0, 1, 2, ...; the number is the length.
     Index(usize),
     /// Positions.
     Values(Vec<f64>),
@@ -27,25 +27,25 @@ pub enum Coordinates {
 }
 
 impl Dimension {
-    /// A dimension with the indices from zero as coordinates.
+    /// Creates a dimension with the indices from zero as coordinates.
     pub fn index(name: &str, length: usize, long_name: &str) -> Self {
         let coordinates = Coordinates::Index(length);
         Self { name: name.into(), coordinates, units: "1".into(), long_name: long_name.into() }
     }
 
-    /// A dimension with positions as coordinates.
+    /// Creates a dimension with positions as coordinates.
     pub fn values(name: &str, values: Vec<f64>, units: &str, long_name: &str) -> Self {
         let coordinates = Coordinates::Values(values);
         Self { name: name.into(), coordinates, units: units.into(), long_name: long_name.into() }
     }
 
-    /// A dimension with names as coordinates.
+    /// Creates a dimension with names as coordinates.
     pub fn labels(name: &str, labels: &[&str], long_name: &str) -> Self {
         let coordinates = Coordinates::Labels(labels.iter().map(|&label| label.into()).collect());
         Self { name: name.into(), coordinates, units: "1".into(), long_name: long_name.into() }
     }
 
-    /// Number of entries.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         match &self.coordinates {
             Coordinates::Index(length) => *length,
@@ -54,18 +54,18 @@ impl Dimension {
         }
     }
 
-    /// True if there are no entries.
+    /// Returns true if there are no entries.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// The description of a variable without its values.
+/// Description of a variable without its values.
 #[derive(Clone, Copy, Debug)]
 pub struct Variable<'a> {
     /// Dimensions, slowest first, in the memory order of the values; empty for a single number.
     pub dimensions: &'a [&'a Dimension],
-    /// Unit, or the kind of quantity if any consistent set of units is valid: `stress`, `length`, `1`.
+    /// Unit, or the kind of quantity if any consistent units are valid: `stress`, `length`, `1`.
     pub units: &'a str,
     /// Meaning in words.
     pub long_name: &'a str,
@@ -84,7 +84,7 @@ pub struct Provenance {
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Commit from which the program was built, or `unknown`.
+    /// Commit the program was built from, or `unknown`.
     pub git_commit: String,
     /// Command line.
     pub command: String,
@@ -96,6 +96,6 @@ pub struct Provenance {
     pub machine: String,
     /// Number of threads.
     pub threads: usize,
-    /// Warnings on the result; those made before the file is finished are written.
+    /// Warnings on the result; warnings added before the file is finished are written.
     pub warnings: Warnings,
 }

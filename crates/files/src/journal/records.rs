@@ -1,19 +1,19 @@
-//! The records of a journal on any storage.
+//! Records of a journal on any storage.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
 use crate::Checksum;
 
-/// The operations on a file that a journal needs. Tests implement them by a file that fails at any operation.
+/// File operations that a journal needs. Tests implement them with a file that fails at any operation.
 pub(super) trait Storage {
     fn length(&mut self) -> io::Result<u64>;
     fn read(&mut self, offset: u64, length: usize) -> io::Result<Vec<u8>>;
     /// Truncates the file to `length` bytes.
     fn cut(&mut self, length: u64) -> io::Result<()>;
-    /// Writes at the end.
+    /// Writes bytes at the end.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
-    /// Returns when everything is on the disk.
+    /// Waits until everything is on the disk.
     fn sync(&mut self) -> io::Result<()>;
 }
 
@@ -42,13 +42,13 @@ impl Storage for File {
     }
 }
 
-/// Reasons why a journal cannot be continued.
+/// Reason why a journal cannot be continued.
 #[derive(Debug)]
 pub(super) enum Unusable {
     Io(io::Error),
     NoJournal,
     Other,
-    /// A record, counted from 1.
+    /// Damaged record, counted from 1.
     Damaged {
         record: usize,
     },
@@ -60,10 +60,10 @@ impl From<io::Error> for Unusable {
     }
 }
 
-/// The length of the line before a record.
+/// Length of the line before a record.
 const LINE: usize = 16 + 1 + 64 + 1 + 8 + 1;
 
-/// The line before a record: its length, its checksum, and a check of both.
+/// Returns the line before a record: its length, its checksum, and a check of both.
 fn line(record: &[u8]) -> String {
     let guarded = format!("{:016x} {}", record.len(), checksum(record));
     let check = checksum(guarded.as_bytes());
@@ -76,7 +76,7 @@ fn checksum(bytes: &[u8]) -> String {
     sum.text()
 }
 
-/// The length and the checksum that a line states, if its check holds.
+/// Returns the length and checksum in a line if its check is correct.
 fn parse(line: &[u8]) -> Option<(usize, &str)> {
     let text = std::str::from_utf8(line.strip_suffix(b"\n")?).ok()?;
     let (guarded, check) = text.rsplit_once(' ')?;
@@ -85,26 +85,26 @@ fn parse(line: &[u8]) -> Option<(usize, &str)> {
     usize::from_str_radix(length, 16).ok().filter(|_| holds).map(|length| (length, sum))
 }
 
-/// The bytes that follow the records known so far.
+/// Content after the records known so far.
 enum Next {
     /// Nothing.
     End,
-    /// A record of this length.
+    /// Complete record of this length.
     Whole(usize),
-    /// The trace of a kill.
+    /// Incomplete record, left by a killed process.
     Torn,
     Damaged,
 }
 
-/// The records of a journal.
+/// Records of a journal.
 #[derive(Debug)]
 pub(super) struct Records<F> {
     file: F,
-    /// Offset and length of every record, the head included.
+    /// Offset and length of every record, including the head.
     places: Vec<(u64, usize)>,
-    /// The length of all whole records in the file.
+    /// Total length of all whole records in the file.
     whole: u64,
-    /// True after an append that failed: the last record may be incomplete, so no record may follow it.
+    /// True after a failed append: the last record may be incomplete, so no record may follow it.
     broken: bool,
 }
 
@@ -127,7 +127,7 @@ impl<F: Storage> Records<F> {
         Ok(Self::find(file, head)?.0)
     }
 
-    /// Finds all complete records; true if an incomplete one follows them.
+    /// Finds all complete records. The flag is true if an incomplete record follows them.
     fn find(file: F, head: &[u8]) -> Result<(Self, bool), Unusable> {
         let mut records = Self { file, places: Vec::new(), whole: 0, broken: false };
         let length = records.file.length()?;
@@ -148,7 +148,7 @@ impl<F: Storage> Records<F> {
         }
     }
 
-    /// Returns true if the file contains the beginning of a journal with this head, or zeros after a loss of power.
+    /// Returns true if the file contains the beginning of a journal with this head, or zeros after a power failure.
     fn is_begun(&mut self, length: u64, head: &[u8]) -> io::Result<bool> {
         let found = self.file.read(0, length as usize)?;
         let mut expected = line(head).into_bytes();
@@ -167,7 +167,7 @@ impl<F: Storage> Records<F> {
         }
         let line = self.file.read(self.whole, LINE)?;
         let Some((size, sum)) = parse(&line) else {
-            // After a loss of power a file may end with zeros in place of bytes that were not synced.
+            // After a power failure a file may end with zeros in place of bytes that were not synced.
             let rest = self.file.read(self.whole, left as usize)?;
             return Ok(if rest.iter().all(|byte| *byte == 0) { Next::Torn } else { Next::Damaged });
         };
@@ -199,7 +199,7 @@ impl<F: Storage> Records<F> {
         &self.file
     }
 
-    /// The number of records after the head.
+    /// Returns the number of records after the head.
     pub(super) fn len(&self) -> usize {
         self.places.len().saturating_sub(1)
     }
@@ -250,7 +250,7 @@ mod tests {
     }
 
     fn record(number: u8) -> Vec<u8> {
-        // Bytes of all kinds, line breaks included.
+        // Bytes of all kinds, including line breaks.
         (0..40 + 10 * number).map(|i| i.wrapping_mul(37) ^ number).collect()
     }
 
@@ -260,14 +260,14 @@ mod tests {
         bytes
     }
 
-    /// The content of a file as the system sees it, and its content after a loss of power.
+    /// Content of a file as the system sees it, and its content after a power failure.
     #[derive(Clone, Debug, Default)]
     struct Disk {
         seen: Vec<u8>,
         synced: Vec<u8>,
     }
 
-    /// A file whose process is killed after `left` operations, in the middle of the next one if it is a write.
+    /// File of a process that is killed after `left` operations, in the middle of the next one if it is a write.
     #[derive(Clone, Debug)]
     struct Mortal {
         disk: Rc<RefCell<Disk>>,
@@ -353,7 +353,7 @@ mod tests {
                     kept.extend(written.into_iter().filter(|(written, _)| *written).flat_map(|(_, batch)| batch));
                 }
                 let Disk { seen, synced } = disk.borrow().clone();
-                // A loss of power may leave a part of the bytes that were not synced, or zeros in their place.
+                // A power failure may leave only part of the bytes that were not synced, or zeros in their place.
                 let partly = seen[..synced.len().midpoint(seen.len()).min(seen.len())].to_vec();
                 let mut zeros = synced.clone();
                 zeros.resize(seen.len().max(synced.len()), 0);
@@ -403,7 +403,7 @@ mod tests {
                         assert_eq!(record, if position < last { 2 } else { 3 }, "{position}");
                     }
                     Err(Unusable::Io(error)) => panic!("{error}"),
-                    // The last record cannot be told from one that a loss of power has cut; it is made again.
+                    // The last record cannot be distinguished from one cut by a power failure; it is written again.
                     Ok(mut records) => {
                         assert!(position >= last, "{position}");
                         assert_eq!(contents(&mut records), [record(1)]);

@@ -32,18 +32,18 @@ const FREE: Settings = Settings {
     paired: true,
 };
 
-/// A standard normal number by the Box-Muller transform.
+/// Returns a standard normal number by the Box–Muller transform.
 fn normal(rng: &mut Pcg64) -> f64 {
     let (u, v): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
     (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
-/// The kappa of one datum with one realisation, without noise.
+/// Returns kappa of one datum with one realisation, without noise.
 fn exact(truth: &Parameters, eps: [f64; 3]) -> Datum {
     Datum::new(eps, [(0, truth.predict(eps))].into())
 }
 
-/// Four levels per axis, one axis at a time from one corner, as in a sweep.
+/// Returns four levels per axis, one axis at a time from one corner, as in a sweep.
 fn star() -> Vec<[f64; 3]> {
     let corner = [0.5, 0.25, 0.5];
     let mut all = vec![corner];
@@ -57,7 +57,7 @@ fn star() -> Vec<[f64; 3]> {
     all
 }
 
-/// A sweep with noise: each surface (eps_t, eps_f, seed) has noise common to its data, and each datum noise of its own.
+/// Returns a sweep with noise: each surface (eps_t, eps_f, seed) has noise common to its data, and each datum its own.
 fn noisy(truth: &Parameters, places: &[[f64; 3]], seeds: u64, common: f64, own: f64, rng: &mut Pcg64) -> Vec<Datum> {
     let mut surfaces: BTreeMap<(u64, u64, u64), f64> = BTreeMap::new();
     let mut numbers: BTreeMap<(u64, u64), u64> = BTreeMap::new();
@@ -123,7 +123,7 @@ fn noisy_data_are_recovered_within_the_interval() {
     assert!(found.bootstrap.unwrap().failed == 0);
 }
 
-/// The fraction of `experiments` intervals that contain the truth.
+/// Returns the fraction of `experiments` intervals that contain the truth.
 fn coverage(seeds: u64, settings: &Settings, experiments: u64) -> f64 {
     let truth = Parameters { exponents: [1.0, 1.0, 1.13], ..TRUTH };
     let hits = (0..experiments).into_par_iter().filter(|&experiment| {
@@ -143,7 +143,7 @@ fn intervals_contain_the_truth_as_often_as_they_say() {
         let rate = coverage(seeds, &settings, 200);
         assert!((0.90..=0.985).contains(&rate), "{seeds} realisations: {rate}");
     }
-    // Without a bootstrap, by linear propagation.
+    // Without a bootstrap: linear propagation.
     let rate = coverage(6, &Settings { resamples: 0, ..settings }, 200);
     assert!((0.90..=0.985).contains(&rate), "linear: {rate}");
 }
@@ -230,7 +230,7 @@ fn profiles_have_their_minimum_at_the_fit() {
         approx::assert_relative_eq!(least.chi_squared, found.chi_squared, max_relative = 1e-9);
         approx::assert_relative_eq!(least.kappa_tfc, found.kappa_tfc.value, max_relative = 1e-7);
     }
-    // A fixed exponent has a profile, too: it shows how much chi^2 the choice costs.
+    // A fixed exponent also has a profile, which shows the cost of the choice in chi^2.
     let fixed = fit(&data, &Settings { model: Model::default(), ..FREE }).unwrap();
     let point = fixed.terms[2].profile.iter().find(|point| point.exponent == 1.0).unwrap();
     approx::assert_relative_eq!(point.chi_squared, fixed.chi_squared, max_relative = 1e-9);
@@ -386,8 +386,8 @@ fn missing_realisations_are_made_up_for() {
     assert!(found.kappa_tfc.ci95.is_some());
 }
 
-/// A ladder of nested surfaces as a sweep computes them: the finer the grid, the fewer of them. The scatter of a
-/// surface falls along eps_f but stays correlated; the edge of the contact adds 0.83 of its measure to kappa.
+/// Returns a ladder of nested surfaces as a sweep computes them, with fewer surfaces on finer grids. The scatter of a
+/// surface falls along eps_f but stays correlated; the edge of the contact adds 0.83 times its measure to kappa.
 fn ladder(truth: &Parameters, seeds: u64, rng: &mut Pcg64) -> Vec<Datum> {
     let rungs = [(8.0, 4.0), (16.0, 4.0), (32.0, 4.0), (64.0, 4.0), (8.0, 8.0), (8.0, 16.0), (16.0, 8.0)];
     let surfaces: Vec<f64> = (0..8 * seeds).map(|_| normal(rng)).collect();
@@ -440,7 +440,7 @@ fn exact_ladders_give_the_limit_and_the_factor_of_the_edge() {
     }
 }
 
-/// The fraction of intervals on ladders that contain the truth, and their mean width, over `experiments` ladders.
+/// Returns the fraction of intervals that contain the truth, and their mean width, over `experiments` ladders.
 fn ladder_coverage(settings: &Settings, seeds: u64, experiments: u64) -> (f64, f64) {
     let intervals: Vec<[f64; 2]> = (0..experiments)
         .into_par_iter()
@@ -458,14 +458,14 @@ fn ladder_coverage(settings: &Settings, seeds: u64, experiments: u64) -> (f64, f
 fn intervals_of_nested_surfaces_contain_the_truth_and_are_narrow() {
     for seeds in [4, 8, 16] {
         let (rate, width) = ladder_coverage(&ON_LADDER, seeds, 1000);
-        // A chi^2 above its degrees of freedom by chance widens an interval, too.
+        // A chi^2 that exceeds its degrees of freedom by chance also widens an interval.
         assert!((0.93..=0.995).contains(&rate), "{seeds} realisations: {rate}");
         let (_, alone) = ladder_coverage(&Settings { paired: false, ..ON_LADDER }, seeds, 50);
         assert!(width < 0.5 * alone, "{seeds} realisations: {width} with surfaces compared, {alone} without");
     }
 }
 
-/// kappa = 1.9 + 0.6 eps_f^0.7 (1 + 1.5 eps_t^2), as a model whose exponent is fitted.
+/// kappa = 1.9 + 0.6 eps_f^0.7 (1 + 1.5 eps_t^2), as a model with a fitted exponent.
 #[test]
 fn a_crossed_term_falls_with_the_power_of_eps_f() {
     let truth = Parameters {
@@ -496,13 +496,13 @@ fn a_crossed_term_falls_with_the_power_of_eps_f() {
         let isolated = found.isolate(datum, Axis::Thermodynamic);
         approx::assert_relative_eq!(isolated, 1.9 + 0.9 * power, max_relative = 1e-8);
     }
-    // The derivative with respect to an exponent that two terms have.
+    // Tests the derivative with respect to an exponent that two terms share.
     let noisy = noisy(&truth, &places, 6, 0.0, 1e-5, &mut Pcg64::seed_from_u64(3));
     let noisy = fit(&noisy, &Settings { resamples: 400, ..settings }).unwrap();
     let [low, high] = noisy.kappa_tfc.ci95.unwrap();
     let linear = 1.96 * noisy.kappa_tfc.standard_error.unwrap();
     assert!(low < 1.9 && 1.9 < high && (0.5 * (high - low) / linear - 1.0).abs() < 0.25, "{low} {high} {linear}");
-    // A constant in place of the crossed term misses these data, and chi^2 and the interval say so.
+    // A constant in place of the crossed term misses these data, as chi^2 and the interval show.
     let additive = fit(&data, &Settings { model: Model { crossed: false, ..model }, ..settings }).unwrap();
     assert!((additive.kappa_tfc.value - 1.9).abs() > 1e-3);
 }
@@ -523,7 +523,7 @@ fn an_expected_factor_of_the_edge_is_one_more_observation() {
     assert!(found.factor.standard_error.unwrap() < 0.011 && found.share.unwrap() < alone.edge.unwrap().share.unwrap());
     assert!(found.share.unwrap() < both.kappa_tfc.standard_error.unwrap());
     assert_eq!(both.degrees_of_freedom, alone.degrees_of_freedom + 1);
-    // A factor that grows with eps_c^2 is found, too.
+    // A factor that grows with eps_c^2 is found as well.
     let coarse = Parameters { edge: [0.83, 0.1], ..LADDER };
     let grown = ladder(&coarse, 64, &mut Pcg64::seed_from_u64(3));
     let edge = Edge { factor: 0.8, standard_error: 0.5, coarse: 0.5 };
@@ -533,7 +533,7 @@ fn an_expected_factor_of_the_edge_is_one_more_observation() {
         let error = found.standard_error.unwrap();
         assert!((found.value - truth).abs() < 4.0 * error && error < 0.1, "{found:?} {truth}");
     }
-    // A single grid has the expected factor.
+    // On a single grid the expected factor applies.
     let one: Vec<Datum> = data.iter().filter(|datum| datum.eps_c == 0.25).cloned().collect();
     let settings = |edge| Settings { model: Model { edge: Some(edge), ..ON_EDGE }, ..ON_LADDER };
     let known = fit(&one, &settings(Edge { factor: 0.8, standard_error: 0.01, coarse: 0.0 })).unwrap();
@@ -544,7 +544,7 @@ fn an_expected_factor_of_the_edge_is_one_more_observation() {
 
 #[test]
 fn intervals_are_widened_where_chi_squared_is_too_large() {
-    // A curve through which no line goes: chi^2 is 100 times its degrees of freedom.
+    // A curve that no line fits: chi^2 is 100 times its degrees of freedom.
     let truth = Parameters { coefficients: [0.0, 0.0, 1.7], exponents: [1.0, 1.0, 2.5], ..TRUTH };
     let places: Vec<[f64; 3]> = (0..5).map(|i| [0.5, 0.1, 0.5_f64.powi(i)]).collect();
     let data = noisy(&truth, &places, 5, 0.0, 1e-3, &mut Pcg64::seed_from_u64(2));

@@ -1,4 +1,4 @@
-//! Flows with closed forms, dense solutions, identities, bad input.
+//! Flows with closed forms, dense solutions, identities, and bad input.
 
 use approx::assert_relative_eq;
 use gfmd_field::Grid;
@@ -19,7 +19,7 @@ fn solved(k: &Array2<f64>, boundary: Boundary) -> Flow {
     found
 }
 
-/// Numbers between 0 and 1.
+/// Generates numbers between 0 and 1.
 fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -40,7 +40,7 @@ fn layers_in_series_and_side_by_side_are_exact() {
         assert!(along_y.conductivity[0][1].abs() < 1e-8 && along_y.conductivity[1][0].abs() < 1e-8);
         let uniform = solved(&Array2::from_elem((5, 8), 3.0), boundary);
         assert_relative_eq!(uniform.conductivity[0][0], 3.0, max_relative = 1e-14);
-        // Flux, times unit: everywhere the mean.
+        // The flux, with its unit, equals the mean everywhere.
         let path = uniform.paths[0].as_ref().unwrap();
         assert!(path.flux.iter().all(|flux| (flux - 3.0).abs() < 1e-13));
     }
@@ -58,7 +58,7 @@ fn a_chequerboard_approaches_the_geometric_mean() {
         let found = flow(&square(n), board.view(), Boundary::Periodic).unwrap();
         found.conductivity[0][0] / contrast.sqrt() - 1.0
     });
-    // The corners slow it down.
+    // The corners slow down convergence.
     assert!(
         errors[2].abs() < 0.0125 && errors[0].abs() > errors[1].abs() && errors[1].abs() > errors[2].abs(),
         "{errors:?}"
@@ -72,10 +72,10 @@ fn random_mixtures_have_the_conductivities_of_duality_and_of_effective_media() {
     let mut number = random(7);
     let grains = Array2::from_shape_fn((n / 8, n / 8), |_| number());
     let field = Array2::from_shape_fn((n, n), |(i, j)| grains[[i / 8, j / 8]]);
-    // Half of each: the geometric mean (Keller 1964, Dykhne 1970), which is also Bruggeman's.
+    // Half of each: the geometric mean (Keller 1964, Dykhne 1970), in agreement with Bruggeman.
     let half = solved(&field.mapv(|x| if x < 0.5 { 1.0 } else { 4.0 }), Boundary::Periodic);
     assert_relative_eq!(half.conductivity[0][0], 2.0, max_relative = 0.06);
-    // Bruggeman: Σ c (k − K)/(k + K) = 0; with a tenth of holes K = 1 − 2 c.
+    // Bruggeman: Σ c (k − K)/(k + K) = 0; with a fraction c = 0.1 of holes, K = 1 − 2 c.
     let holes = solved(&field.mapv(|x| if x < 0.1 { 0.0 } else { 1.0 }), Boundary::Periodic);
     assert_relative_eq!(holes.conductivity[1][1], 0.8, max_relative = 0.06);
 }
@@ -91,7 +91,7 @@ fn what_does_not_percolate_conducts_exactly_nothing() {
         assert_eq!((dam.percolates, dam.conductivity[0], dam.conductivity[1][0]), ([false, true], [0.0; 2], 0.0));
         assert_relative_eq!(dam.conductivity[1][1], 31.0 / 32.0, max_relative = 1e-8);
     }
-    // Along both axes by a channel that climbs.
+    // A diagonal channel percolates along both axes.
     let stairs = Array2::from_shape_fn((16, 16), |(i, j)| if (i + 16 - j) % 16 < 2 { 1.0 } else { 0.0 });
     let found = solved(&stairs, Boundary::Periodic);
     assert_eq!(found.percolates, [true; 2]);
@@ -102,7 +102,7 @@ fn what_does_not_percolate_conducts_exactly_nothing() {
     assert_eq!(nothing.conductivity, [[0.0; 2]; 2]);
 }
 
-/// The conductivity along x by Gauss's method, from the faces in words of this test.
+/// Computes the conductivity along x by Gaussian elimination, with its own definition of the faces.
 fn dense(k: &Array2<f64>, boundary: Boundary) -> f64 {
     let (nx, ny) = k.dim();
     let (n, ends) = (nx * ny, boundary == Boundary::Free);
@@ -148,7 +148,7 @@ fn dense(k: &Array2<f64>, boundary: Boundary) -> f64 {
     let scale = rows[0][0].max(1e-3);
     for p in 0..n {
         if rows[p][p] < 1e-11 * scale {
-            // A part without a reservoir, or a closed cell: its level is any.
+            // A part without a reservoir, or a closed cell: its level is arbitrary.
             rows[p].fill(0.0);
             rows[p][p] = 1.0;
         }
@@ -163,7 +163,7 @@ fn dense(k: &Array2<f64>, boundary: Boundary) -> f64 {
         let known: f64 = (p + 1..n).map(|q| rows[p][q] * level[q]).sum();
         level[p] = (rows[p][n] - known) / rows[p][p];
     }
-    // Through the section behind the first row of cells.
+    // The flow through the section behind the first row of cells.
     faces
         .iter()
         .filter(|f| f.0 / ny == 0 && f.3 > 0.0)
@@ -199,14 +199,14 @@ fn the_tensor_is_symmetric_and_turns_with_the_field() {
     assert!(found[0][1].abs() > 1e-2);
     let turned = solved(&Array2::from_shape_fn((48, 48), |(i, j)| field(j, i)), Boundary::Periodic).conductivity;
     assert_relative_eq!(turned[0][0], found[1][1], max_relative = 1e-7);
-    // Bounds of Wiener: between harmonic and arithmetic means.
+    // Wiener bounds: between the harmonic and the arithmetic mean.
     let (mean, inverse) = (0..48 * 48).map(|c| field(c / 48, c % 48)).fold((0.0, 0.0), |s, k| (s.0 + k, s.1 + 1.0 / k));
     assert!(found[0][0] < mean / 2304.0 && found[0][0] > 2304.0 / inverse);
 }
 
 #[test]
 fn contrasts_of_many_orders_take_few_iterations_and_units_do_not_matter() {
-    // Gaps cubed: narrow channels beside closed patches, k over twenty orders.
+    // Cubed gaps: narrow channels beside closed patches, with k over twenty orders of magnitude.
     for n in [64, 256] {
         let gap = Array2::from_shape_fn((n, n), |(i, j)| {
             let [x, y] = [i, j].map(|k| std::f64::consts::TAU * k as f64 / n as f64);
@@ -274,7 +274,7 @@ fn threads_change_no_bit() {
     assert_eq!(on(1), on(2));
 }
 
-/// A cell is solved block by block, wherever its origin is, and with a chequerboard that has a seam.
+/// The result is independent of the origin of the cell, with several blocks and with a seam in the chequerboard.
 #[test]
 fn the_origin_of_a_cell_does_not_matter() {
     for [nx, ny] in [[300, 210], [211, 300], [195, 203]] {

@@ -1,3 +1,3 @@
-//! The tests of `gfmd-flow` as one program: those of one file by `cargo test -p gfmd-flow --test suite FILE::`.
+//! Tests of `gfmd-flow` as one program; run one file with `cargo test -p gfmd-flow --test suite FILE::`.
 
 mod flow;

@@ -1,5 +1,5 @@
-//! The contribution of layers to the compliance of a patch: integrals over all wavenumbers of their compliance less
-//! that of the half-space, times a Bessel function, or the cosine of a profile (theory.md, section 3.1).
+//! Contribution of layers to the compliance of a patch. It is the integral over all wavenumbers of the difference from
+//! the half-space compliance, times a Bessel function, or a cosine for a profile (theory.md, section 3.1).
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,12 +8,11 @@ use rayon::prelude::*;
 
 use crate::{Base, Blocks, Body, Condition, GreenError, Height};
 
-/// Tabulated functions of the distance from a point force or a line force: the contribution of layers to its
-/// displacement.
+/// Contribution of layers to the displacement by a point or line force, tabulated as functions of the distance.
 ///
-/// The integrands vanish as e^(−2 q h) beyond the inverse of the thinnest top layer's height h, and the functions are
-/// smooth over distances of 2 h. Quadrature and interpolation are those of Gauss and of Chebyshev on pieces, exact to
-/// about 1e-13 of the largest value.
+/// The integrands decay as e^(−2 q h) for q above 1/h, with the height h of the thinnest top layer, and the functions
+/// are smooth over distances of 2 h. Piecewise Gauss quadrature and Chebyshev interpolation are exact to about 1e-13 of
+/// the largest value.
 struct Radial<const M: usize> {
     /// Length of a piece of the table.
     piece: f64,
@@ -24,17 +23,16 @@ struct Radial<const M: usize> {
     nodes: Vec<[f64; 2]>,
 }
 
-/// The contribution of layers to the displacement caused by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*)
-/// J₀(q r) dq over it, on a line 1/π ∫ (G_zz(q) − 2/(E* q)) cos(q x) dq.
+/// Contribution of layers to the displacement caused by a uniform pressure on a cell: 1/(2π) ∫ (q G_zz(q) − 2/E*) J₀(q
+/// r) dq integrated over the cell, or on a line, 1/π ∫ (G_zz(q) − 2/(E* q)) cos(q x) dq.
 pub(super) struct Correction {
     table: Radial<1>,
-    /// The displacement of a line.
+    /// Far-field part for a line.
     far: Option<Far>,
 }
 
-/// The part of the correction of a line that grows with the distance, as the displacement of half-spaces does: with the
-/// difference D of q G_zz(q) between long waves and short ones, 1/π ∫ D e^(−a q) cos(q x)/q dq = −D/(2 π) ln((x² +
-/// a²)/Lx²).
+/// Part of the line correction that grows with the distance, like the displacement of a half-space: with the difference
+/// D of q G_zz(q) between long and short waves, 1/π ∫ D e^(−a q) cos(q x)/q dq = −D/(2 π) ln((x² + a²)/Lx²).
 struct Far {
     /// D/(2 π).
     factor: f64,
@@ -44,29 +42,29 @@ struct Far {
     length: f64,
 }
 
-/// The part that layers add to the [matrix](super::PatchMatrix) of a half-space, but zz.
+/// Contribution of layers to the [matrix](super::PatchMatrix) of a half-space, except zz.
 pub(super) struct MatrixCorrection(Radial<3>);
 
 /// Number of coefficients of a piece, and of nodes of an interval of the quadrature over q.
 const ORDER: usize = 16;
 
-/// The largest distance on the patch over the height of the top layer. The effort grows with the square.
+/// Largest distance on the patch divided by the height of the top layer. The effort grows with its square.
 const FARTHEST: f64 = 200.0;
 
-/// The largest side of a cell over the height of the top layer.
+/// Largest side of a cell divided by the height of the top layer.
 const WIDEST: f64 = 4.0;
 
-/// q h beyond which e^(−2 q h) (q h)² is a rounding error.
+/// Value of q h above which e^(−2 q h) (q h)² is a rounding error.
 const LAST: f64 = 24.0;
 
-/// Number of times that the first interval of q is halved, for a stiff layer on a soft body.
+/// Number of halvings of the first interval of q, for a stiff layer on a soft body.
 const HALVINGS: i32 = 40;
 
 impl Correction {
-    /// The correction of this compliance for a body with layers; `None` for a half-space, or two of them.
+    /// Returns the correction of `compliance` for a body with layers; `None` for one or two half-spaces.
     ///
     /// # Errors
-    /// A plate, which has no support; layers that are too thin for the patch or for its cells.
+    /// Returns an error for a plate, which has no support, and for layers too thin for the patch or its cells.
     pub(super) fn of(body: &Body, grid: &Grid, compliance: fn(&Body, f64) -> f64) -> Result<Option<Self>, GreenError> {
         let Some(layers) = Layers::of(body)? else { return Ok(None) };
         let half_space = 2.0 / body.contact_modulus();
@@ -83,7 +81,7 @@ impl Correction {
         Ok(Some(Self { table, far: Some(far) }))
     }
 
-    /// ∫∫ c dA over a cell whose centre lies at `at` relative to the point; on a line ∫ c dx.
+    /// Returns ∫∫ c dA over a cell centred at `at` relative to the point; on a line, ∫ c dx.
     pub(super) fn integral(&self, at: [f64; 2]) -> f64 {
         let Some(Far { factor, depth, length }) = self.far else {
             let [integral] = self.table.integral(at, |_, c| c);
@@ -96,7 +94,7 @@ impl Correction {
     }
 }
 
-/// The limit of q G_zz(q) for long waves: that of the half-spaces below all layers; 0 for bodies held by a base.
+/// Returns the long-wave limit of q G_zz(q), given by the half-spaces below all layers; 0 for bodies held by a base.
 fn long_waves(body: &Body) -> f64 {
     let first = match (body.height(), body.base()) {
         (Height::Infinite, _) => 2.0 / Body::half_space(*body.material()).contact_modulus(),
@@ -107,15 +105,15 @@ fn long_waves(body: &Body) -> f64 {
 }
 
 impl MatrixCorrection {
-    /// The correction for a body with layers; `None` for a half-space, or two of them.
+    /// Returns the correction for a body with layers; `None` for one or two half-spaces.
     ///
     /// # Errors
-    /// A plate, or a body on a sliding base; layers that are too thin for the patch or for its cells.
+    /// Returns an error for a plate or a body on a sliding base, and for layers too thin for the patch or its cells.
     pub(super) fn of(body: &Body, grid: &Grid) -> Result<Option<Self>, GreenError> {
         let Some(layers) = Layers::of(body)? else { return Ok(None) };
         let bodies = || [Some(body), body.second()].into_iter().flatten();
         bodies().try_for_each(check_lateral_support)?;
-        // Each block is a constant over q.
+        // Each compliance block is a constant divided by q.
         let mut half_spaces = bodies().map(|body| Body::half_space(*body.material()));
         let Some(first) = half_spaces.next() else { return Ok(None) };
         let half_space = half_spaces.next().map_or(first.clone(), |second| first.against(second));
@@ -130,7 +128,7 @@ impl MatrixCorrection {
         Ok(Some(Self(Radial::of(&layers, grid, density, bessel)?)))
     }
 
-    /// The entries xx, yy, xy, xz, yz: integrals over a cell whose centre lies at `at` relative to the point.
+    /// Returns the entries xx, yy, xy, xz, yz: integrals over a cell centred at `at` relative to the point.
     pub(super) fn integral(&self, at: [f64; 2]) -> [f64; 5] {
         self.0.integral(at, |[x, y], [mean, coupled, split]| {
             let r = x.hypot(y);
@@ -141,7 +139,7 @@ impl MatrixCorrection {
     }
 }
 
-/// J₀, J₁, J₂.
+/// Returns the Bessel functions J₀, J₁, J₂.
 fn bessel(x: f64) -> [f64; 3] {
     let [zeroth, first] = [libm::j0(x), libm::j1(x)];
     // The recurrence loses digits near zero.
@@ -149,8 +147,8 @@ fn bessel(x: f64) -> [f64; 3] {
 }
 
 impl<const M: usize> Radial<M> {
-    /// The integrals of `density(q)`, entry by entry times `wave(q r)`, over q, on the distances in the periodic cell
-    /// in which the patch lies.
+    /// Tabulates the integrals of `density(q)` times `wave(q r)` over q, entry by entry, for all distances in the
+    /// periodic cell that contains the patch.
     fn of(
         layers: &Layers,
         grid: &Grid,
@@ -183,7 +181,7 @@ impl<const M: usize> Radial<M> {
         Ok(Self { piece, pieces, sides, nodes })
     }
 
-    /// ∫∫ `of(place, functions)` dA over a cell whose centre lies at `at` relative to the point.
+    /// Returns ∫∫ `of(place, functions)` dA over a cell centred at `at` relative to the point.
     fn integral<const K: usize>(&self, at: [f64; 2], of: impl Fn([f64; 2], [f64; M]) -> [f64; K]) -> [f64; K] {
         let Self { sides: [a, b], nodes, .. } = self;
         let mut sums = [0.0; K];
@@ -195,7 +193,7 @@ impl<const M: usize> Radial<M> {
         sums.map(|sum| a * b * sum)
     }
 
-    /// The functions at the distance r, by Clenshaw's recurrence.
+    /// Returns the functions at the distance r, by Clenshaw recurrence.
     fn at(&self, r: f64) -> [f64; M] {
         let index = ((r / self.piece) as usize).min(self.pieces.len() - 1);
         let x = 2.0 * (r / self.piece - index as f64) - 1.0;
@@ -208,7 +206,7 @@ impl<const M: usize> Radial<M> {
     }
 }
 
-/// Checks that the body has a lateral support.
+/// Checks that the body has lateral support.
 fn check_lateral_support(body: &Body) -> Result<(), GreenError> {
     match body.ground() {
         Some(ground) if ground.lateral == Condition::Free => Err(GreenError::FreeSliding),
@@ -216,19 +214,19 @@ fn check_lateral_support(body: &Body) -> Result<(), GreenError> {
     }
 }
 
-/// Heights of the layers of a body, or of two.
+/// Layer heights of one body or a pair.
 struct Layers {
-    /// The smallest height of a top layer.
+    /// Smallest height of a top layer.
     thinnest: f64,
-    /// The total height of the layers; of a pair, that of the body with the larger one.
+    /// Total height of the layers; in a pair, the larger total.
     all: f64,
 }
 
 impl Layers {
-    /// `None` for half-spaces.
+    /// Returns the heights; `None` for half-spaces.
     ///
     /// # Errors
-    /// A plate.
+    /// Returns an error for a plate.
     fn of(body: &Body) -> Result<Option<Self>, GreenError> {
         let bodies = [Some(body), body.second()].into_iter().flatten();
         let layers = bodies.map(thickness).collect::<Result<Vec<_>, _>>()?.into_iter().flatten();
@@ -237,7 +235,7 @@ impl Layers {
     }
 }
 
-/// The heights of the top layer and of all layers of a body; `None` for a half-space.
+/// Returns the heights of the top layer and of all layers of a body; `None` for a half-space.
 fn thickness(body: &Body) -> Result<Option<[f64; 2]>, GreenError> {
     let Height::Finite(height) = body.height() else { return Ok(None) };
     match body.base() {
@@ -247,7 +245,7 @@ fn thickness(body: &Body) -> Result<Option<[f64; 2]>, GreenError> {
     }
 }
 
-/// The integrands at the nodes of their quadrature, without the waves.
+/// Integrands at the quadrature nodes, without the waves.
 struct Spectrum<const M: usize> {
     /// q, and the integrands times the weight.
     terms: Vec<(f64, [f64; M])>,
@@ -256,7 +254,7 @@ struct Spectrum<const M: usize> {
 impl<const M: usize> Spectrum<M> {
     fn of(density: impl Fn(f64) -> [f64; M] + Sync, thinnest: f64, all: f64, farthest: f64) -> Self {
         let last = LAST / thinnest;
-        // An interval is short beside the waves and the changes of the layers.
+        // An interval is short compared with the waves and the variations from the layers.
         let count = (last * (farthest / 4.0).max(all)).ceil();
         let first = last / count;
         let halved = (0..HALVINGS).map(|k| first * 0.5_f64.powi(k + 1));
@@ -280,7 +278,7 @@ impl<const M: usize> Spectrum<M> {
     }
 }
 
-/// The Chebyshev coefficients of the entries of `f` on the interval from `start` of this `length`.
+/// Returns the Chebyshev coefficients of the entries of `f` on the interval of `length` from `start`.
 fn chebyshev<const M: usize>(start: f64, length: f64, f: &dyn Fn(f64) -> [f64; M]) -> [[f64; M]; ORDER] {
     let angle = |k: usize| PI * (k as f64 + 0.5) / ORDER as f64;
     let values: [[f64; M]; ORDER] = std::array::from_fn(|k| f(start + 0.5 * length * (1.0 + angle(k).cos())));
@@ -292,7 +290,8 @@ fn chebyshev<const M: usize>(start: f64, length: f64, f: &dyn Fn(f64) -> [f64; M
     })
 }
 
-/// Nodes and weights of Gauss's quadrature on −1/2 to 1/2: the zeros of Legendre's polynomial, by Newton's method.
+/// Computes nodes and weights of Gauss quadrature on −1/2 to 1/2, from the zeros of the Legendre polynomial by Newton's
+/// method.
 fn legendre(count: usize) -> Vec<[f64; 2]> {
     let n = count as f64;
     // P_n and its slope.
@@ -337,7 +336,7 @@ mod tests {
         }
     }
 
-    /// A uniform pressure compresses a slab by its height over the P-wave modulus.
+    /// A uniform pressure compresses a slab by height divided by P-wave modulus.
     #[test]
     fn cells_of_a_slab_add_up_to_its_uniform_compression() {
         for (poisson, height) in [(0.0, 0.05), (0.3, 0.02), (0.45, 0.03)] {
@@ -393,7 +392,7 @@ mod tests {
         }
     }
 
-    /// Far away, the displacement changes as that of the base.
+    /// Far away, the displacement changes as on the bare base.
     #[test]
     fn far_from_a_line_of_force_a_coating_does_not_matter() {
         let grid = Grid::line(64, 64.0).unwrap();
@@ -406,7 +405,7 @@ mod tests {
         }
     }
 
-    /// The sum over all cells is the response to a uniform traction; entries that are odd add up to nothing.
+    /// The sum over all cells is the response to a uniform traction; odd entries cancel.
     #[test]
     fn cells_of_a_slab_add_up_to_its_uniform_shear() {
         for (poisson, height) in [(0.0, 0.05), (0.3, 0.02), (0.45, 0.03)] {
@@ -446,7 +445,7 @@ mod tests {
         }
     }
 
-    /// Far away, a coated body is its base.
+    /// Far away, a coated body behaves like its base.
     #[test]
     fn far_from_the_force_a_coating_does_not_matter() {
         for ratio in [0.05, 20.0] {

@@ -1,4 +1,4 @@
-//! Exact temperatures: a strip and a square, at rest and moving.
+//! Comparison with exact temperatures: a strip and a square, at rest and moving.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use ndarray::Array2;
 
 use crate::{heat, patches, thermal};
 
-/// e^z K₀(z) and e^z K₁(z), by the trapezoidal rule on their integrals, which decay doubly exponentially.
+/// Computes e^z K₀(z) and e^z K₁(z) by the trapezoidal rule; the integrands decay doubly exponentially.
 fn bessel(z: f64) -> [f64; 2] {
     let step = 0.25 / (z + 16.0).sqrt();
     let mut sums = [0.5, 0.5];
@@ -24,13 +24,13 @@ fn bessel(z: f64) -> [f64; 2] {
     sums.map(|sum| step * sum)
 }
 
-/// ∫ e^{−u} K₀(|u|) du from 0 to z.
+/// Computes ∫ e^{−u} K₀(|u|) du from 0 to z.
 fn before(z: f64) -> f64 {
     let [k0, k1] = if z == 0.0 { return 0.0 } else { bessel(z.abs()) };
     if z > 0.0 { z * (-2.0 * z).exp() * (k0 - k1) + 1.0 } else { 1.0 + z * (k0 + k1) }
 }
 
-/// Hurwitz' zeta function.
+/// Hurwitz zeta function.
 fn zeta(s: f64, a: f64) -> f64 {
     let n = 40;
     let end = f64::from(n) + a;
@@ -40,17 +40,17 @@ fn zeta(s: f64, a: f64) -> f64 {
         + s / 12.0 * end.powf(-s - 1.0)
 }
 
-/// Jaeger's temperature of a strip of half width 1 and flux 1 on a body of conductivity 1 at the distance x from its
-/// middle (1942).
+/// Jaeger's (1942) temperature of a strip of half width 1 and flux 1 on a body of conductivity 1, at distance x from
+/// its middle.
 fn strip(x: f64, beta: f64) -> f64 {
     (before(beta * (x + 1.0)) - before(beta * (x - 1.0))) / (PI * beta)
 }
 
-/// Temperature of a strip in a cell of length L, above the mean: the trails of the strips in front pass over it.
+/// Temperature of a strip in a cell of length L, relative to the mean: the trails of the strips in front pass over it.
 fn strip_in_cell(x: f64, beta: f64, length: f64) -> f64 {
     let near = 100;
     let images: f64 = (-near..=near).map(|n| strip(x - f64::from(n) * length, beta)).sum();
-    // Far behind, a strip is a line with the heat 2: (2/k) √(α/(πvξ)) (1 − 1/(8βξ)), v/α = 2β.
+    // Far behind, a strip acts as a line source with heat 2: (2/k) √(α/(πvξ)) (1 − 1/(8βξ)), v/α = 2β.
     let sum = |s: f64| length.powf(-s) * zeta(s, f64::from(near) + 1.0 - x / length);
     images + 2.0 / (TAU * beta).sqrt() * (sum(0.5) - sum(1.5) / (8.0 * beta))
 }
@@ -67,7 +67,7 @@ fn a_moving_strip_has_jaegers_temperature() {
             let flash = Flash::new(grid, [0.6, 0.0], thermal(1.0, 0.3 / peclet), None).unwrap();
             let state = heat(&flash, &flux, 1e-8);
             let highest = strip(-1.0, peclet).max(strip(-0.5, peclet));
-            // The steps of the flux at the ends of the strip are those of the grid.
+            // Excludes the steps of the flux at the ends of the strip, which the grid does not resolve.
             let is_inside = |x: &f64| (x.abs() - 1.0).abs() > 0.25;
             let worst = (0..n)
                 .filter(|i| is_inside(&place(*i)))
@@ -79,9 +79,9 @@ fn a_moving_strip_has_jaegers_temperature() {
     }
 }
 
-/// The temperature at the middle of a moving square of side 2 from its images in a square cell, above the mean: the sum
-/// of e^{−β(r+x)}/r, averaged over y in a square, less its mean. Image n stands in front, so that its trail passes over
-/// the middle; far behind, r + x is y²/(2|x|).
+/// Contribution of the periodic images to the temperature at the middle of a moving square of side 2, relative to the
+/// mean: the sum of e^{−β(r+x)}/r, averaged over y in a square, minus its mean. Image n lies in front, so that its
+/// trail passes over the middle; far behind, r + x is y²/(2|x|).
 fn images(beta: f64, length: f64) -> f64 {
     let rows = 20_000;
     let mut sum = 2.0 * (1..9).map(|m| (-beta * f64::from(m) * length).exp() / (f64::from(m) * length)).sum::<f64>();
@@ -95,7 +95,7 @@ fn images(beta: f64, length: f64) -> f64 {
         let most = (6.0 / (scale * length)).ceil() as i32;
         sum += part(0) + 2.0 * (1..=most).map(part).sum::<f64>();
     }
-    // The mean, ∫∫ e^{−β(r+x)}/r dx dy = ∫ 2 e^{−βx} K₀(β|x|) dx, to the middle between two rows.
+    // The mean, ∫∫ e^{−β(r+x)}/r dx dy = ∫ 2 e^{−βx} K₀(β|x|) dx, up to the middle between two rows.
     let end = (f64::from(rows) + 0.5) * length;
     let mean = 2.0 * (1.0 - before(-beta * end)) / beta;
     4.0 / TAU * (sum - mean / (length * length))
@@ -110,7 +110,7 @@ fn a_square_has_its_temperature_at_rest_and_that_of_tian_and_kennedy_when_it_mov
     let flux = Array2::from_shape_fn((n, n), |(i, j)| if inside(i) && inside(j) { 1.0 } else { 0.0 });
     let rest = heat(&Flash::new(grid, [0.0, 0.0], thermal(1.0, 1.0), None).unwrap(), &flux, 1e-8);
     let exact = 4.0 / PI * (1.0 + 2.0_f64.sqrt()).ln();
-    // The images and the mean, by Madelung's sum of a square lattice.
+    // The images and the mean, by the Madelung sum of a square lattice.
     let found = rest.max_rise + 3.90026 * 4.0 / (TAU * length);
     assert_relative_eq!(found, exact, max_relative = 3e-3);
     for peclet in [1.0, 10.0, 100.0] {

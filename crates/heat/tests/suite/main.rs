@@ -1,4 +1,4 @@
-//! The tests of `gfmd-heat` as one program: those of one file by `cargo test -p gfmd-heat --test suite FILE::`.
+//! Tests of `gfmd-heat` as one program; run one file with `cargo test -p gfmd-heat --test suite FILE::`.
 
 mod closed_forms;
 mod two_bodies;
@@ -15,7 +15,7 @@ fn heat(flash: &Flash, flux: &Array2<f64>, tolerance: f64) -> Heated {
     flash.heat(flux, &Budget { tolerance, ..Budget::default() }, &mut ()).unwrap()
 }
 
-/// A flux in patches of many sizes.
+/// Returns a flux in patches of many sizes.
 fn patches(grid: &Grid, seed: u64) -> Array2<f64> {
     let place = |i: usize, n: usize| i as f64 / n as f64;
     let [nx, ny] = grid.points();

@@ -27,7 +27,7 @@ fn both_bodies_have_one_temperature_where_they_touch() {
         let state = heat(&flash, &flux, 1e-10);
         assert!(state.residual <= 1e-10 && (&flux * &state.temperature).sum() > 0.0);
         assert!(state.iterations < 80, "{} iterations at {speed}, {conductivity}", state.iterations);
-        // A better conductor takes more of the heat, and a moving surface more than one at rest.
+        // A better conductor takes more of the heat, and so does a moving surface.
         match conductivity {
             1e-3 => assert!(state.fraction > 0.999),
             1e3 => assert!(state.fraction < 0.1),
@@ -35,7 +35,7 @@ fn both_bodies_have_one_temperature_where_they_touch() {
         }
         let again = flash.certify(&flux, &state.into_body).unwrap();
         assert_eq!((again.temperature, again.residual), (state.temperature, state.residual));
-        // The heat of another search does not make equal temperatures, nor does heat that flows through the gap.
+        // A different flux does not give equal temperatures, nor does heat that flows across the gap.
         let mut other = state.into_body.clone();
         let place = flux.iter().position(|q| *q == 0.0).unwrap();
         other[[place / 40, place % 40]] = 1.0;
@@ -56,7 +56,7 @@ fn the_number_of_iterations_hardly_grows_with_the_grid() {
 
 #[test]
 fn every_tolerance_is_met() {
-    // The rise is not known when the search begins, and the first estimate of it may be far too large.
+    // The rise is unknown when the search begins, and its first estimate may be far too large.
     for case in 0..60 {
         let grid = Grid::square(16, 1.0).unwrap();
         let flash =
@@ -102,7 +102,7 @@ fn a_search_that_ends_early_carries_its_state() {
     };
     let error = of(Budget::default(), &mut stop);
     assert!(matches!(error, HeatError::Interrupted { .. }) && error.into_state().unwrap().residual > 1e-8);
-    // Rounding is said to be the reason, not passed over.
+    // Rounding is reported as a failure.
     let error = of(Budget { tolerance: 1e-15, ..Budget::default() }, &mut ());
     assert!(matches!(error, HeatError::NotConverged { .. }), "{error}");
 }

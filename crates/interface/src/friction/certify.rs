@@ -9,7 +9,7 @@ use super::increment::Increment;
 use super::state::{FrictionResidual, FrictionState};
 use crate::numbers::{higher_each, mean};
 
-/// Computes the state of an increment by new transforms of its tractions.
+/// Computes the state of an increment from new transforms of its tractions.
 pub(super) fn certify(increment: &mut Increment) -> FrictionState {
     let lateral = increment.lateral();
     let traction = increment.traction(&increment.shear[..lateral]);
@@ -54,7 +54,7 @@ pub(super) fn certify(increment: &mut Increment) -> FrictionState {
         &|range| {
             range.fold([0.0; 3], |sums, i| {
                 let sticks = limits.values[i] > 0.0 && magnitude(i) < limits.values[i] * (1.0 - 1e-9);
-                // The shear is at its limit while a point slips, and the limit changes on the way.
+                // The shear is at its limit while a point slips, and the limit changes during the increment.
                 let mean = 0.5 * (limits_before[i] + limits.values[i]) / limits.values[i];
                 let work: f64 = (0..components).map(|c| -traction[c * n + i] * slip[c * n + i]).sum();
                 let work = if limits.values[i] > 0.0 { mean * work } else { 0.0 };

@@ -1,31 +1,31 @@
-//! The dependence of an increment on its division. Within an increment the surfaces stick, or slip against the shear at
-//! its end, which is exact where the limits of the shear and its direction stay. Where they change on the way, above
-//! all at points that come into contact, it is an error of first order in the length of the increment.
+//! Dependence of an increment on its division. Within an increment the surfaces stick, or slip against the shear at its
+//! end. This is exact where the limits of the shear and its direction are constant. Where they change, above all at
+//! points that come into contact, the error is of first order in the length of the increment.
 
 use gfmd_law::Limit;
 use ndarray::Axis;
 
 use super::{FrictionState, FrictionalContact};
 
-/// The shear below which there is none, over its limits: rounding, and what the tolerance of the solver leaves.
+/// Shear relative to its limits that counts as zero: rounding errors and errors within the solver tolerance.
 const NO_SHEAR: f64 = 1e-6;
-/// How near to its limit the shear of a point is that slips, relative to the limit.
+/// Relative distance to the limit within which a point slips.
 const AT_LIMIT: f64 = 1e-9;
 
-/// Sums over the points of the shear and its limits at both ends of an increment.
+/// Sums, over the points, of the shear and its limits at both ends of an increment.
 #[derive(Default)]
 struct Changes {
-    /// The larger limit.
+    /// Larger of the two limits.
     largest: f64,
-    /// The magnitudes of the shear at both ends.
+    /// Magnitudes of the shear at both ends.
     sheared: f64,
-    /// The change of the limit, and that of the direction of a shear at its limit.
+    /// Changes of the limit and of the direction of a shear at its limit.
     changed: f64,
 }
 
 impl FrictionalContact {
-    /// Returns true if limits or directions of the shear change so much in an increment from `start`, or from the
-    /// undeformed surface, to `end` that its division may change the shear by more than `tolerance` (see
+    /// Returns true if the limits or directions of the shear change so much in an increment from `start`, or from the
+    /// undeformed surface, to `end` that division may change the shear by more than `tolerance` (see
     /// [`distance`](Self::distance)).
     pub(crate) fn depends_on_division(
         &self,
@@ -37,11 +37,11 @@ impl FrictionalContact {
         sheared > NO_SHEAR * largest && changed > tolerance.sqrt() * largest
     }
 
-    /// The elastic energy of the difference of two states under one drive, both reached from `start`, or from the
-    /// undeformed surface, over the energy of the shear that depends on the way: the elastic energy of `b` times the
-    /// square of the ratio of its mean limit to its mean pressure, about the energy of a shear at its limit everywhere,
-    /// times the fraction of the limits that changes between `start` and `b`. So measured, the energies of the errors
-    /// of many short steps sum to that of a long one.
+    /// Returns the relative energy of the difference of two states under one drive, both reached from `start` or from
+    /// the undeformed surface. The reference is the energy of the path-dependent shear: the elastic energy of `b` times
+    /// the squared ratio of its mean limit to its mean pressure (about the energy of a shear at its limit everywhere)
+    /// times the fraction of the limits that changes between `start` and `b`. With this measure, the error energies of
+    /// many short steps add up to the error energy of a long one.
     pub(crate) fn distance(&self, start: Option<&FrictionState>, a: &FrictionState, b: &FrictionState) -> f64 {
         let points = b.gap.len() as f64;
         let apart = |(((t, u), s), v): (((&f64, &f64), &f64), &f64)| (t - s) * (u - v);
@@ -53,7 +53,7 @@ impl FrictionalContact {
         if scale > 0.0 { energy.abs() / scale } else { 0.0 }
     }
 
-    /// The changes in an increment from `start`, or from the undeformed surface, to `end`.
+    /// Computes the changes in an increment from `start`, or from the undeformed surface, to `end`.
     fn changes(&self, start: Option<&FrictionState>, end: &FrictionState) -> Changes {
         let at_start = |i: usize| start.map_or((0.0, [0.0; 2]), |start| self.point(start, i));
         let mut changes = Changes::default();
@@ -65,14 +65,14 @@ impl FrictionalContact {
             changes.changed += (after - before).abs();
             let slips = |limit: f64, shear: f64| limit > 0.0 && shear >= limit * (1.0 - AT_LIMIT);
             if slips(before, magnitudes[0]) && slips(after, magnitudes[1]) {
-                // A slip that turns about goes through stick and is exact.
+                // A reversal of slip passes through stick and is exact.
                 changes.changed += (from[0] * to[1] - from[1] * to[0]).abs() / magnitudes[0].max(magnitudes[1]);
             }
         }
         changes
     }
 
-    /// The limit of the shear at a point of a state, and the shear there.
+    /// Returns the shear limit and the shear at a point of a state.
     fn point(&self, state: &FrictionState, i: usize) -> (f64, [f64; 2]) {
         let [nx, ny] = self.response.grid().points();
         let at = [i / ny, i % ny];

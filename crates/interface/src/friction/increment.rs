@@ -9,22 +9,22 @@ use super::response::Transforms;
 use super::state::FrictionState;
 use super::tangential::{Limits, TangentialProblem};
 
-/// An increment that is being solved.
+/// Increment during its solution.
 pub(super) struct Increment<'a> {
     pub(super) contact: &'a FrictionalContact,
     pub(super) drive: Drive,
     pub(super) transforms: Transforms,
     pub(super) normal: NormalProblem,
-    /// Lateral displacement of the elastic surface if nothing slips.
+    /// Lateral displacement of the elastic surface without slip.
     pub(super) stuck: Vec<f64>,
-    /// The limits of the shear at the start.
+    /// Limits of the shear at the start.
     pub(super) limits_before: Vec<f64>,
     pub(super) pressure: Vec<f64>,
-    /// The scale of lengths in the residuals: that of the load, or that of the displacement as soon as it is known.
+    /// Length scale of the residuals: from the load, or from the displacement once it is known.
     pub(super) length_scale: f64,
-    /// Traction on the elastic surface with all components; z is 0.
+    /// Traction on the elastic surface with all components; the z component is 0.
     pub(super) shear: Vec<f64>,
-    /// The displacement G of the shear.
+    /// Displacement G τ caused by the shear.
     sheared: Vec<f64>,
 }
 
@@ -64,17 +64,17 @@ impl<'a> Increment<'a> {
         increment
     }
 
-    /// The number of lateral values: those of x, or of x and y.
+    /// Returns the number of lateral values, for x or for x and y.
     pub(super) fn lateral(&self) -> usize {
         self.stuck.len()
     }
 
-    /// The number of transform pairs so far.
+    /// Returns the number of transform pairs so far.
     pub(super) fn pairs(&self) -> f64 {
         self.transforms.pairs() + self.normal.pairs as f64
     }
 
-    /// Passes the fraction `share` of the change of u_z by the shear to the normal problem.
+    /// Passes the fraction `share` of the change of u_z caused by the shear to the normal problem.
     pub(super) fn lift(&mut self, share: f64) {
         let lateral = self.lateral();
         let Self { contact, transforms, shear, sheared, normal, drive, .. } = self;
@@ -87,7 +87,7 @@ impl<'a> Increment<'a> {
         }
     }
 
-    /// Finds the pressure under the present shear.
+    /// Finds the pressure for the present shear.
     pub(super) fn press(&mut self, budget: &Budget, watch: &mut dyn Watch) -> Result<Minimum, RelaxError> {
         let target = Target {
             mean: if let Load::MeanPressure(mean) = self.drive.load { Some(mean) } else { None },
@@ -97,17 +97,17 @@ impl<'a> Increment<'a> {
         ProjectedCg.minimise(&mut self.normal, &mut self.pressure, &target, watch)
     }
 
-    /// The limits that the present pressure sets.
+    /// Returns the shear limits for the present pressure.
     pub(super) fn limits(&self) -> Limits {
         Limits::new(self.contact.limit, &self.pressure, self.length_scale)
     }
 
-    /// The traction on the elastic surface from the pressure and `shear`.
+    /// Returns the traction on the elastic surface from the pressure and `shear`.
     pub(super) fn traction(&self, shear: &[f64]) -> Vec<f64> {
         shear.iter().copied().chain(self.pressure.iter().map(|p| -p)).collect()
     }
 
-    /// Finds the shear under the present pressure.
+    /// Finds the shear for the present pressure.
     pub(super) fn shear(&mut self, budget: &Budget, watch: &mut dyn Watch) -> Descended {
         let lateral = self.lateral();
         let limits = self.limits();
@@ -125,7 +125,7 @@ impl<'a> Increment<'a> {
             return Descended { steps: 0, ending: Ending::Converged };
         }
         traction[lateral..].fill(0.0);
-        // The first step is a stiffness, that of the shortest wave.
+        // The first step is a stiffness: the stiffness of the shortest wave.
         let [_, stiffest] = contact.response.stiffness_range();
         let mut problem = TangentialProblem { transforms, limits: &limits, traction, displacement: sheared };
         let method = SpectralProjectedGradient { first_step: stiffest };

@@ -7,17 +7,17 @@ use gfmd_response::FullResponse;
 use super::FITS;
 use super::response::Response;
 
-/// The normal problem: ½⟨p, G_zz p⟩ + ⟨p, linear⟩ → min over p ≥ 0.
+/// Normal problem: ½⟨p, G_zz p⟩ + ⟨p, linear⟩ → min over p ≥ 0.
 pub(super) struct NormalProblem {
     compliance: Compliance,
     workspace: Workspace,
-    /// The clearance less the u_z of the shear, and less the approach if it is prescribed.
+    /// Clearance minus the u_z of the shear, and minus the approach if prescribed.
     pub(super) linear: Vec<f64>,
-    /// The number of transform pairs so far.
+    /// Number of transform pairs so far.
     pub(super) pairs: u64,
 }
 
-/// G_zz, of every mode or between two points.
+/// G_zz of every mode, or between two points.
 enum Compliance {
     Periodic(Arc<FullResponse>, Vec<f64>),
     Free(Arc<Convolution>),

@@ -4,7 +4,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_response::{Components, FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 
-/// The response of the body with either boundary.
+/// Response of the body with either boundary.
 #[derive(Clone, Debug)]
 pub(super) enum Response {
     Periodic(Arc<FullResponse>),
@@ -19,7 +19,7 @@ impl Response {
         }
     }
 
-    /// The grid of the surface.
+    /// Returns the grid of the surface.
     pub(super) fn grid(&self) -> &Grid {
         match self {
             Self::Periodic(response) => response.grid(),
@@ -34,7 +34,7 @@ impl Response {
         }
     }
 
-    /// Smallest and largest stiffness, in stress/length.
+    /// Returns the smallest and largest stiffness, stress/length.
     pub(super) fn stiffness_range(&self) -> [f64; 2] {
         match self {
             Self::Periodic(response) => response.stiffness_range(),
@@ -42,7 +42,7 @@ impl Response {
         }
     }
 
-    /// True if no mean pressure moves the mean level of the surface.
+    /// Returns true if the mean pressure does not move the mean level of the surface.
     pub(super) fn has_fixed_level(&self) -> bool {
         match self {
             Self::Periodic(response) => response.uniform_compliance()[2] == 0.0,
@@ -58,14 +58,14 @@ impl Response {
     }
 }
 
-/// The transforms of a [`Response`].
+/// Transforms of a [`Response`].
 pub(super) enum Transforms {
     Periodic(FullTransforms),
     Free(FreeFullTransforms),
 }
 
 impl Transforms {
-    /// Displacement ← G traction.
+    /// Computes `displacement` = G `traction`.
     pub(super) fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
         match self {
             Self::Periodic(transforms) => transforms.compliance(traction, displacement),
@@ -73,7 +73,7 @@ impl Transforms {
         }
     }
 
-    /// Transforms of one component so far, in pairs.
+    /// Returns the number of transform pairs so far, per component.
     pub(super) fn pairs(&self) -> f64 {
         match self {
             Self::Periodic(transforms) => transforms.pairs(),

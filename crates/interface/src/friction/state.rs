@@ -4,7 +4,7 @@ use gfmd_contact::{Effort, Fields, RigidSurface};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{Array2, Array3, ArrayView2, Axis, CowArray, Ix2};
 
-/// A frictional contact at rest. Fields are `[x, y]`, vectors `[component, x, y]` with z the last component.
+/// A frictional contact in equilibrium. Fields are `[x, y]`, vectors `[component, x, y]` with z the last component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionState {
     /// Displacement of the elastic surface, length.
@@ -13,7 +13,7 @@ pub struct FrictionState {
     pub traction: Array3<f64>,
     /// Distance between the surfaces, length.
     pub gap: Array2<f64>,
-    /// Slip of the elastic surface over the rigid one in this increment, length; x, or x and y.
+    /// Slip of the elastic surface relative to the rigid one in this increment, length; x, or x and y.
     pub slip: Array3<f64>,
     /// Mean pressure over the whole surface, stress.
     pub mean_pressure: f64,
@@ -25,23 +25,23 @@ pub struct FrictionState {
     pub lateral: [f64; 2],
     /// Fraction of points under pressure.
     pub contact_fraction: f64,
-    /// Fraction of points that are under pressure and stick.
+    /// Fraction of points under pressure that stick, relative to all points.
     pub stick_fraction: f64,
     /// Elastic energy per area, stress × length.
     pub elastic_energy: f64,
     /// Work done against friction in this increment, per area: the slip of each point times the mean of its limits at
-    /// the start and at the end.
+    /// the start and the end.
     pub dissipated: f64,
     /// Distance from equilibrium, computed from the fields above.
     pub residual: FrictionResidual,
-    /// Effort of the solve, the sum over both problems.
+    /// Effort of the solve, summed over both problems.
     pub effort: Effort,
     pub(super) surface: Arc<RigidSurface>,
     pub(super) contact_modulus: f64,
 }
 
-/// Violation of the conditions of contact and friction; zero for the exact state. h_rms is the rms height, or the scale
-/// of lengths under a very small [approach](RigidSurface::length_scale) or [displacement](RigidSurface::finer_scale). p
+/// Violation of the conditions of contact and friction; zero for the exact state. h_rms is the rms height, or the
+/// length scale of a very small [approach](RigidSurface::length_scale) or [displacement](RigidSurface::finer_scale). p
 /// is the pressure, τ the shear on the elastic surface, s the slip of the increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionResidual {
@@ -49,17 +49,17 @@ pub struct FrictionResidual {
     pub complementarity: f64,
     /// max(0, −min g) / h_rms.
     pub penetration: f64,
-    /// |p̄ − asked| / asked; 0 if the approach is prescribed.
+    /// |p̄ − p̄₀| / p̄₀ for the prescribed p̄₀; 0 if the approach is prescribed.
     pub load: f64,
-    /// Largest |τ − P(τ − c s)| over the largest limit, P the projection on |τ| ≤ limit of the point and c the largest
-    /// limit over h_rms. It measures slip below the limit, and slip that is not opposite to the shear.
+    /// Largest |τ − P(τ − c s)| divided by the largest limit. P is the projection on |τ| ≤ limit at the point, c the
+    /// largest limit divided by h_rms. It measures slip below the limit, and slip that is not opposite to the shear.
     pub friction: f64,
-    /// Largest excess of |τ| over its limit, over the largest limit.
+    /// Largest excess of |τ| over its limit, divided by the largest limit.
     pub excess: f64,
 }
 
 impl FrictionResidual {
-    /// The residuals with their names.
+    /// Returns the residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 5] {
         [
             ("complementarity", self.complementarity),
@@ -70,14 +70,14 @@ impl FrictionResidual {
         ]
     }
 
-    /// The largest of the residuals; NaN if any of them is NaN.
+    /// Returns the largest residual; NaN if any residual is NaN.
     pub fn worst(&self) -> f64 {
         gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
     }
 }
 
 impl FrictionState {
-    /// The state with all lengths and stresses multiplied by these powers of two.
+    /// Multiplies all lengths and stresses by the given powers of two.
     pub(super) fn times(mut self, length: f64, stress: f64) -> Self {
         let Self { displacement, traction, gap, slip, .. } = &mut self;
         displacement.mapv_inplace(|u| u * length);
@@ -95,7 +95,7 @@ impl FrictionState {
         }
     }
 
-    /// The index of the normal component.
+    /// Returns the index of the normal component.
     fn z(&self) -> usize {
         self.traction.len_of(Axis(0)) - 1
     }

@@ -4,11 +4,11 @@ use gfmd_vector::{for_each, reduce};
 use super::response::Transforms;
 use crate::numbers::higher;
 
-/// The tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit, with s₀ the slip without shear.
+/// Tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit; s₀ is the slip without shear.
 pub(super) struct TangentialProblem<'a> {
     pub(super) transforms: &'a mut Transforms,
     pub(super) limits: &'a Limits,
-    /// Memory for a traction and a displacement of all components; the normal component of the traction is 0.
+    /// Buffers for a traction and a displacement with all components; the normal component of the traction is 0.
     pub(super) traction: Vec<f64>,
     pub(super) displacement: &'a mut [f64],
 }
@@ -38,12 +38,12 @@ impl OnConvexSet for TangentialProblem<'_> {
     }
 }
 
-/// The largest shear traction that friction allows at each point.
+/// Largest shear traction allowed by friction at each point.
 pub(super) struct Limits {
     pub(super) values: Vec<f64>,
-    /// The largest limit.
+    /// Largest limit.
     pub(super) strongest: f64,
-    /// The unit of slip, length.
+    /// Unit of slip, length.
     pub(super) length: f64,
 }
 
@@ -78,8 +78,8 @@ impl Limits {
         }
     }
 
-    /// The largest |τ − P(τ − c s)| over the largest limit, with c the largest limit over the unit of slip; 0 if all
-    /// limits are 0. (The sum of limit |s| + τ·s is of second order in an error of direction and would miss it.)
+    /// Returns the largest |τ − P(τ − c s)| divided by the largest limit; c is the largest limit divided by the unit of
+    /// slip. 0 if all limits are 0. (The sum of limit |s| + τ·s is of second order in errors of direction.)
     pub(super) fn mismatch(&self, shear: &[f64], slip: &[f64]) -> f64 {
         let Self { values: limits, strongest, length } = self;
         if *strongest == 0.0 {

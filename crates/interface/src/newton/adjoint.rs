@@ -1,4 +1,4 @@
-//! The linear problem of small changes of a state at rest, (K + J) v + μ = b on the points that the wall does not hold.
+//! Linear problem of small changes of an equilibrium state, (K + J) v + μ = b on the points not held by the wall.
 
 use gfmd_vector::{dot, for_each};
 
@@ -10,41 +10,40 @@ use crate::Interface;
 use crate::frame::Frame;
 use crate::numbers::mean_where;
 
-/// The residual at which the search ends, relative to the first one.
+/// Residual at which the search ends, relative to the first residual.
 const TOLERANCE: f64 = 1e-11;
 
-/// The accuracy of one search; the next one begins with the residual by fresh transforms.
+/// Accuracy of one search; the next one starts with the residual from fresh transforms.
 const ACCURACY: f64 = 1e-9;
 
-/// The largest number of searches, of up to 200 iterations each.
+/// Maximum number of searches, of up to 200 iterations each.
 const SEARCHES: u64 = 12;
 
-/// The solution of the problem.
+/// Solution of the linear problem.
 pub(crate) struct Adjoint {
-    /// v, 0 on the points that the wall holds.
+    /// v, 0 at the points held by the wall.
     pub(crate) values: Vec<f64>,
     /// μ; 0 if the mean is not held.
     pub(crate) level: f64,
-    /// The residual over the first one.
+    /// Residual divided by the first residual.
     pub(crate) error: f64,
-    /// The lowest curvature that a search met, over that of the preconditioner; at most 0 if the problem has no
-    /// solution.
+    /// Lowest curvature found by a search, relative to the preconditioner; at most 0 if the problem has no solution.
     pub(crate) lowest: f64,
-    /// Number of searches, and of transforms in pairs.
+    /// Number of searches and number of transform pairs.
     pub(crate) effort: (u64, f64),
 }
 
-/// The problem in u_z at one position.
+/// Linear problem in u_z at one position.
 pub(crate) struct Linear<'a> {
     model: AllComponents<'a>,
     frame: &'a Frame<'a>,
     reaction: Reaction,
-    /// 1 for the points that the wall does not hold.
+    /// 1 at the points not held by the wall, 0 elsewhere.
     free: Vec<f64>,
 }
 
 impl<'a> Linear<'a> {
-    /// The problem at `position`, whose points with `holds` the wall holds.
+    /// Creates the problem at `position`; the wall holds the points where `holds` is true.
     pub(crate) fn at(
         interface: &Interface,
         frame: &'a Frame<'a>,
@@ -64,24 +63,24 @@ impl<'a> Linear<'a> {
         Self { model, frame, reaction, free }
     }
 
-    /// 1 for the points that the wall does not hold, 0 elsewhere.
+    /// Returns 1 at the points not held by the wall, 0 elsewhere.
     pub(crate) fn free(&self) -> &[f64] {
         &self.free
     }
 
-    /// The slope of the law at each point, dT/dg, stress/length.
+    /// Returns the slope of the law at each point, dT/dg, stress/length.
     pub(crate) fn slope(&self) -> &[f64] {
         self.reaction.diagonal(0)
     }
 
-    /// K of a field.
+    /// Returns K times a field.
     pub(crate) fn elastic(&mut self, field: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; field.len()];
         self.model.elastic(field, &mut out);
         out
     }
 
-    /// `out` ← b − (K + J) v on the free points, without its mean if that is held, which is returned.
+    /// Computes `out` = b − (K + J) v on the free points; if the mean is held, subtracts the mean and returns it.
     fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> f64 {
         self.model.elastic(values, out);
         self.reaction.add_product(values, out);
@@ -101,7 +100,7 @@ impl<'a> Linear<'a> {
         level
     }
 
-    /// Solves the problem; if the mean is held, v has this `sum`.
+    /// Solves the problem; if the mean is held, `sum` is the sum of v.
     pub(crate) fn solve(&mut self, source: &[f64], sum: f64) -> Adjoint {
         let count = self.free.iter().sum::<f64>();
         let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
@@ -124,7 +123,7 @@ impl<'a> Linear<'a> {
             });
             level = self.residual(source, &values, &mut residual);
             let now = dot(&residual, &residual).sqrt() / first;
-            // Rounding errors remain.
+            // Only rounding errors remain.
             let has_ended = now >= 0.5 * error;
             error = now;
             if has_ended {

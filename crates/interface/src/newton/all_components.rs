@@ -1,4 +1,4 @@
-//! The model of all components, in double precision.
+//! Model of all components, in double precision.
 
 use gfmd_relax::Visit;
 use gfmd_response::Transforms;
@@ -9,11 +9,11 @@ use super::trust_region::{Model, Vectors};
 use crate::frame::Frame;
 use crate::numbers::mean_where;
 
-/// The matrix K + J on the points that the wall does not hold.
+/// Matrix K + J on the points not held by the wall.
 pub(super) struct AllComponents<'a> {
     transforms: Transforms,
     frame: &'a Frame<'a>,
-    /// Weight of each point in the preconditioner; 0 for points that the wall holds.
+    /// Weight of each point in the preconditioner; 0 for points held by the wall.
     weight: Vec<f64>,
     /// Compliance of the uniform mode in the preconditioner.
     uniform_compliance: Vec<f64>,
@@ -47,8 +47,8 @@ impl Model for AllComponents<'_> {
         1.0
     }
 
-    /// Sets the values to 0 on the points that the wall holds, and the mean over the free points to 0 in components
-    /// whose mean is held.
+    /// Sets the values at the points held by the wall to 0, and also the mean over the free points in components with a
+    /// held mean.
     fn project(&mut self, vector: &mut [f64]) {
         let points = self.frame.points();
         for (c, (field, held)) in vector.chunks_exact_mut(points).zip(&self.frame.held).enumerate() {

@@ -10,42 +10,42 @@ use crate::frame::Frame;
 use crate::numbers::{higher, higher_each, mean_where};
 use crate::{Interface, State};
 
-/// The largest number of halvings of a step.
+/// Maximum number of halvings of a step.
 const HALVINGS: u32 = 14;
-/// The least decrease of the energy over that predicted by the slope (Armijo).
+/// Smallest energy decrease relative to the prediction of the slope (Armijo).
 const SHARE: f64 = 1e-4;
-/// The rounding error of an energy over the magnitude of its terms.
+/// Rounding error of an energy relative to the magnitude of its terms.
 pub(super) const ROUNDING: f64 = 1e-14;
-/// A rise of the energy over the magnitude of its terms that may be all rounding error. Chosen.
+/// Energy rise, relative to the magnitude of its terms, that may be rounding error alone. Chosen value.
 const HIDDEN: f64 = 100.0 * ROUNDING;
 
-/// A search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z, step by step.
+/// Stepwise search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z.
 pub(super) struct Descent<'a, M: Model> {
     pub(super) interface: &'a Interface,
     pub(super) frame: &'a Frame<'a>,
     wall: Wall,
     pub(super) model: M,
-    /// The present position.
+    /// Current position.
     pub(super) here: Placed,
-    /// The position after the step that is tried.
+    /// Position after the trial step.
     trial: Placed,
     /// T − K w + push: the force on a free point.
     pub(super) force: Vec<f64>,
-    /// The mean force that [`release`](Self::release) subtracted from each component, stress.
+    /// Mean force subtracted from each component by [`release`](Self::release), stress.
     multipliers: Vec<f64>,
     pub(super) region: TrustRegion<M::Value>,
-    /// Lowest curvature that the last search for a direction met, relative to the preconditioner.
+    /// Lowest curvature in the last search for a direction, relative to the preconditioner.
     pub(super) lowest: f64,
-    /// True if any search met a negative curvature.
+    /// True if any search found a negative curvature.
     pub(super) met_negative: bool,
 }
 
-/// A displacement w, its elastic traction K w, and what the law answers.
+/// A displacement w, its elastic traction K w, and the reaction of the law.
 pub(super) struct Placed {
     w: Vec<f64>,
     elastic: Vec<f64>,
     pub(super) reaction: Reaction,
-    /// The energy Φ of each point, per area.
+    /// Energy Φ of each point, per area.
     energy: Vec<f64>,
 }
 
@@ -56,26 +56,26 @@ impl Placed {
         Self { elastic: vec![0.0; w.len()], w, reaction, energy: vec![0.0; points] }
     }
 
-    /// Computes the answer of the law.
+    /// Computes the reaction of the law.
     fn react(&mut self, interface: &Interface, frame: &Frame) {
         self.reaction.update(interface.law.as_ref(), frame, &self.w, &mut self.energy);
     }
 }
 
-/// The change of the energy from here to the trial.
+/// Energy change from the current position to the trial.
 pub(super) struct Change {
     pub(super) energy: f64,
-    /// The decrease that the slope here predicts.
+    /// Decrease predicted by the slope at the current position.
     promised: f64,
-    /// The decrease that the slope at the trial predicts for one more step; negative beyond the minimum.
+    /// Decrease predicted by the slope at the trial for one more step; negative beyond the minimum.
     ahead: f64,
-    /// Magnitude of the terms that make up `energy`.
+    /// Magnitude of the terms in `energy`.
     pub(super) size: f64,
 }
 
 impl Change {
-    /// Returns true if the energy falls enough. Where rounding errors hide its change, the slopes at both ends decide
-    /// (the approximate Wolfe condition, Hager and Zhang 2005).
+    /// Returns true if the energy falls enough. If rounding errors hide its change, the slopes at both ends decide (the
+    /// approximate Wolfe condition, Hager and Zhang 2005).
     fn falls(&self) -> bool {
         let enough = -SHARE * self.promised;
         let is_hidden = self.energy <= HIDDEN * self.size;
@@ -109,7 +109,7 @@ impl<'a, M: Model> Descent<'a, M> {
         (self.here.w, self.model.pairs())
     }
 
-    /// Projects the trial on the allowed displacements and computes all that follows from it.
+    /// Projects the trial on the allowed displacements and computes its traction and reaction.
     fn place_trial(&mut self) {
         let Self { interface, trial, wall, frame, model, .. } = self;
         wall.project_keeping_mean(&mut trial.w);
@@ -117,19 +117,19 @@ impl<'a, M: Model> Descent<'a, M> {
         trial.react(interface, frame);
     }
 
-    /// Moves to the trial.
+    /// Accepts the trial as the current position.
     pub(super) fn accept(&mut self) {
         std::mem::swap(&mut self.here, &mut self.trial);
         self.balance();
     }
 
-    /// Computes what follows from a displacement and its elastic traction that were restored.
+    /// Computes reaction and forces after the displacement and its elastic traction were restored.
     pub(super) fn restored(&mut self) {
         self.here.react(self.interface, self.frame);
         self.balance();
     }
 
-    /// Computes the forces at the present position.
+    /// Computes the forces at the current position.
     fn balance(&mut self) {
         let Self { frame, here: Placed { elastic, reaction, .. }, force, .. } = self;
         let points = frame.points();
@@ -145,7 +145,7 @@ impl<'a, M: Model> Descent<'a, M> {
         }
     }
 
-    /// Finds the points that the wall holds, subtracts the mean force of components whose mean is held, and returns the
+    /// Finds the points held by the wall, subtracts the mean force of components with a held mean, and returns the
     /// residual.
     pub(super) fn release(&mut self) -> f64 {
         let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, multipliers, .. } = self;
@@ -188,15 +188,15 @@ impl<'a, M: Model> Descent<'a, M> {
         frame.push < 0.0 && reduce(frame.points(), &|mut range| range.all(apart), &|a, b| a && b)
     }
 
-    /// Finds the direction of the next step, to the accuracy `accuracy` relative to the force.
+    /// Finds the direction of the next step, with the given `accuracy` relative to the force.
     pub(super) fn seek(&mut self, accuracy: f64) {
         let stress = self.hand_over_force();
         let lowest = self.region.step(&mut self.model, &self.here.reaction, stress, accuracy);
         self.note(lowest);
     }
 
-    /// Writes the force into the residual of the region, over a unit of stress that is returned: a power of two that
-    /// keeps the numbers of the search of the order of 1.
+    /// Writes the force into the residual of the region, divided by a unit of stress, and returns this unit: a power of
+    /// two that keeps the numbers of the search of order 1.
     fn hand_over_force(&mut self) -> f64 {
         let force = &self.force;
         let largest = |range: std::ops::Range<usize>| force[range].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
@@ -231,7 +231,7 @@ impl<'a, M: Model> Descent<'a, M> {
         false
     }
 
-    /// Moves along the negative gradient, where a short enough step lowers the energy, with or without a wall.
+    /// Moves along the negative gradient, where a sufficiently short step lowers the energy, with or without a wall.
     pub(super) fn slide_downhill(&mut self) -> bool {
         self.region.unit = self.hand_over_force();
         let Vectors { direction, residual, .. } = &mut self.region.vectors;
@@ -249,7 +249,7 @@ impl<'a, M: Model> Descent<'a, M> {
         false
     }
 
-    /// Puts the trial at `share` of the direction.
+    /// Moves the trial by `share` of the direction.
     pub(super) fn try_step(&mut self, share: f64) -> Change {
         let share = share * self.region.unit;
         let along = |start: usize, [trial]: [&mut [f64]; 1]| {
@@ -258,7 +258,7 @@ impl<'a, M: Model> Descent<'a, M> {
         };
         for_each([&mut self.trial.w[..]], &along);
         self.place_trial();
-        // A mean that is held is so but for rounding errors: their work is not part of the energy.
+        // A held mean has rounding errors; their work is not part of the energy.
         let Self { frame, here, trial, force, multipliers, .. } = self;
         let points = frame.points();
         let traction = trial.reaction.tractions();
@@ -286,7 +286,7 @@ impl<'a, M: Model> Descent<'a, M> {
         Change { energy: change + law, promised, ahead, size: size + law_size }
     }
 
-    /// The slope of the energy along the direction, negative downhill.
+    /// Returns the slope of the energy along the direction, negative downhill.
     pub(super) fn slope(&self) -> f64 {
         let (direction, force) = (&self.region.vectors.direction, &self.force);
         let along = |range: std::ops::Range<usize>| {
@@ -296,7 +296,7 @@ impl<'a, M: Model> Descent<'a, M> {
     }
 }
 
-/// All else follows from these, or is overwritten in an iteration.
+/// The other fields follow from these or are overwritten in each iteration.
 impl<M: Model> Variables for Descent<'_, M> {
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let Self { here, region, lowest, met_negative, model, .. } = self;

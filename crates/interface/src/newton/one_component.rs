@@ -1,5 +1,5 @@
-//! The model of u_z alone. Steps are rounded to single precision, and all sums and products are made in the row loops
-//! of the transforms.
+//! Model of u_z alone. Steps are in single precision; sums and products are computed in the row loops of the
+//! transforms.
 
 use std::sync::Arc;
 
@@ -13,22 +13,22 @@ use super::reaction::Reaction;
 use super::trust_region::{Model, Vectors};
 use crate::frame::Frame;
 
-/// The matrix K + J on the points that the wall does not hold.
+/// Matrix K + J on the points not held by the wall.
 pub(super) struct OneComponent<'a> {
-    /// In double precision, for the energy and the force.
+    /// Transforms in double precision, for the energy and the force.
     transforms: Transforms,
     rounded: RoundedTransforms,
     frame: &'a Frame<'a>,
     /// Number of points in a row.
     row: usize,
-    /// Weight of each point in the preconditioner; 0 for points that the wall holds.
+    /// Weight of each point in the preconditioner; 0 for points held by the wall.
     weight: Vec<f32>,
-    /// Number of points that the wall does not hold; counted if their mean is held.
+    /// Number of points not held by the wall; counted only if their mean is held.
     free: f64,
-    /// The means over the free points of z and of A p, which are to be subtracted; 0 if the mean is not held.
+    /// Means of z and of A p over the free points, to be subtracted; 0 if the mean is not held.
     of_preconditioned: f32,
     of_image: f32,
-    /// Two sums of each row.
+    /// Two sums per row.
     sums: Vec<[f64; 2]>,
 }
 
@@ -53,7 +53,7 @@ impl<'a> OneComponent<'a> {
         }
     }
 
-    /// The mean over the free points of a field with this sum over them.
+    /// Returns the mean over the free points from the sum over them; 0 if the mean is not held.
     fn mean(&self, sum: f64) -> f32 {
         if self.frame.held[0] && self.free > 0.0 { (sum / self.free) as f32 } else { 0.0 }
     }
@@ -159,7 +159,7 @@ type Moved<'a> = (&'a mut [f32], &'a mut [f32], &'a [f32], &'a [f32], &'a [f32])
 type Weighed<'a> = (&'a mut [f32], &'a [f32], &'a [f32]);
 type Curved<'a> = (&'a mut [f32], &'a [f32], &'a [f32], &'a [f64]);
 
-/// r ← r − `step` (q − mean) on the free points, where w > 0; zero elsewhere.
+/// Computes r ← r − `step` (q − mean) on the free points, where w > 0; zero elsewhere.
 #[multiversion(targets = "simd")]
 fn lessen(step: f32, image: (&[f32], f32), w: &[f32], r: &mut [f32]) {
     let (q, mean) = image;
@@ -168,13 +168,13 @@ fn lessen(step: f32, image: (&[f32], f32), w: &[f32], r: &mut [f32]) {
     }
 }
 
-/// out ← a b.
+/// Computes out ← a b.
 #[multiversion(targets = "simd")]
 fn multiply(a: &[f32], b: &[f32], out: &mut [f32]) {
     out.iter_mut().zip(a.iter().zip(b)).for_each(|(out, (a, b))| *out = a * b);
 }
 
-/// p ← z + `turn` p, with z less its mean on the free points.
+/// Computes p ← z + `turn` p, with the mean subtracted from z on the free points.
 #[multiversion(targets = "simd")]
 fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), w: &[f32], p: &mut [f32]) {
     let (z, mean) = preconditioned;
@@ -183,7 +183,7 @@ fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), w: &[f32], p: &mut [f3
     }
 }
 
-/// q ← `made` + J p, for J in this unit.
+/// Computes q ← `made` + J p, with J in the given unit.
 #[multiversion(targets = "simd")]
 fn add_diagonal(made: &[f32], diagonal: (&[f64], f64), p: &[f32], q: &mut [f32]) {
     let (j, unit) = diagonal;
@@ -192,15 +192,15 @@ fn add_diagonal(made: &[f32], diagonal: (&[f64], f64), p: &[f32], q: &mut [f32])
     }
 }
 
-/// Number of sums that are made side by side.
+/// Number of parallel sums.
 const LANES: usize = 8;
 
-/// Σ a b in double precision.
+/// Computes Σ a b in double precision.
 fn product(a: &[f32], b: &[f32]) -> f64 {
     sum_of(a, b, |a, b| f64::from(a) * f64::from(b))
 }
 
-/// The sum of the values where the weight is positive, in double precision.
+/// Sums the values with positive weight, in double precision.
 fn free_sum(values: &[f32], weight: &[f32]) -> f64 {
     sum_of(values, weight, |value, weight| if weight > 0.0 { value.into() } else { 0.0 })
 }

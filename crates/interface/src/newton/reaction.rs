@@ -3,12 +3,12 @@ use gfmd_vector::for_each;
 
 use crate::frame::Frame;
 
-/// The traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric if there is an energy, so only
+/// Traction of the law and its Jacobian J = −∂T/∂w at every point. J is symmetric if there is an energy, so that only
 /// its upper triangle is stored.
 pub(crate) struct Reaction {
     components: usize,
     points: usize,
-    /// The traction component by component, then J column by column: xx; xy, yy; xz, yz, zz.
+    /// Traction component by component, then J column by column: xx; xy, yy; xz, yz, zz.
     tables: Vec<f64>,
 }
 
@@ -18,7 +18,7 @@ impl Reaction {
         Self { components, points, tables: vec![0.0; tables * points] }
     }
 
-    /// Computes the traction and the Jacobian of `law` at `position`, and its energy.
+    /// Computes the traction, the Jacobian and the energy of `law` at `position`.
     pub(crate) fn update(&mut self, law: &dyn Law, frame: &Frame, position: &[f64], energy: &mut [f64]) {
         let both = |i: usize| {
             let (normal, sliding) = frame.separation(position, i);
@@ -56,17 +56,17 @@ impl Reaction {
         for_each((energies, split(&mut self.tables, self.points)), &leaf);
     }
 
-    /// The tractions component by component.
+    /// Returns the tractions component by component.
     pub(crate) fn tractions(&self) -> &[f64] {
         &self.tables[..self.components * self.points]
     }
 
-    /// The traction along component `c`.
+    /// Returns the traction along component `c`.
     pub(crate) fn traction(&self, c: usize) -> &[f64] {
         &self.tables[c * self.points..][..self.points]
     }
 
-    /// The diagonal entry of J that belongs to component `c`.
+    /// Returns the diagonal entry of J for component `c`.
     pub(crate) fn diagonal(&self, c: usize) -> &[f64] {
         self.entry(c, c)
     }
@@ -76,7 +76,7 @@ impl Reaction {
         self.traction(self.components + column * (column + 1) / 2 + row)
     }
 
-    /// `out` ← `out` + J `vector`.
+    /// Computes `out` ← `out` + J `vector`.
     pub(crate) fn add_product(&self, vector: &[f64], out: &mut [f64]) {
         match self.components {
             1 => self.add_product_of::<1>(vector, out),

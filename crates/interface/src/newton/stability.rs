@@ -1,19 +1,19 @@
-//! The stability of a state at rest, and the step away from a saddle.
+//! Stability of an equilibrium state, and the step away from a saddle.
 
 use gfmd_vector::for_each;
 
 use super::descent::{Change, Descent, ROUNDING};
 use super::trust_region::{Model, Number};
 
-/// The accuracy of a search that only looks for negative curvature.
+/// Accuracy of a search for negative curvature only.
 const PROBE: f64 = 1e-3;
-/// The first step away from a saddle, in rms heights, and the largest number of times that it is doubled.
+/// First step away from a saddle, in rms heights, and the maximum number of its doublings.
 const FIRST_SHIFT: f64 = 1e-9;
 const DOUBLINGS: u32 = 36;
 
 impl<M: Model> Descent<'_, M> {
-    /// Returns true if a state at rest is a saddle; the direction then has negative curvature. Conjugate gradients
-    /// start from noise, which has a component along every direction; the small force at rest may have none, for
+    /// Returns true if an equilibrium state is a saddle; the direction then has negative curvature. Conjugate gradients
+    /// start from noise, which has a component along every direction; the small residual force may have none, for
     /// symmetry.
     pub(super) fn is_unstable(&mut self) -> bool {
         if self.interface.law.stiffness_bound(f64::NEG_INFINITY) == 0.0 {
@@ -34,8 +34,7 @@ impl<M: Model> Descent<'_, M> {
         lowest <= 0.0
     }
 
-    /// Steps away from a saddle along the direction, just far enough that the energy falls by more than rounding
-    /// errors.
+    /// Steps away from a saddle along the direction, just far enough for an energy decrease beyond rounding errors.
     pub(super) fn leave(&mut self) -> bool {
         let longest = self.region.longest();
         let downhill = if self.slope() > 0.0 { -1.0 } else { 1.0 };
@@ -44,7 +43,7 @@ impl<M: Model> Descent<'_, M> {
             let Change { energy, size, .. } = self.try_step(share);
             if energy < -10.0 * ROUNDING * size {
                 self.accept();
-                // The radius that was found before the saddle is not valid beyond it.
+                // The radius from before the saddle is not valid beyond it.
                 self.region.radius = f64::INFINITY;
                 return true;
             }

@@ -2,17 +2,17 @@ use gfmd_vector::{add, for_each, reduce};
 
 use crate::frame::Frame;
 
-/// The allowed displacements: w_z not above the hard wall, and a mean of 0 in the components whose mean is held.
+/// Allowed displacements: w_z not above the hard wall, and mean 0 in components with a held mean.
 pub(crate) struct Wall {
     /// Upper bounds of w_z; `None` for a law without a wall.
     bound: Option<Vec<f64>>,
     held: Vec<bool>,
     points: usize,
-    /// Means smaller than this times ε count as 0.
+    /// Means below this length times ε count as 0.
     length_scale: f64,
 }
 
-/// The largest number of rounds to restore a mean; a few suffice.
+/// Maximum number of rounds to restore a mean; a few suffice.
 const ROUNDS: usize = 50;
 
 impl Wall {
@@ -21,13 +21,13 @@ impl Wall {
         Self { bound, held: frame.held.clone(), points: frame.points(), length_scale }
     }
 
-    /// The upper bounds of component `c`.
+    /// Returns the upper bounds of component `c`, if any.
     pub(crate) fn bound(&self, c: usize) -> Option<&[f64]> {
         self.bound.as_deref().filter(|_| c + 1 == self.held.len())
     }
 
-    /// Projects `position` on the allowed displacements: clips it at the wall, and restores the means that are held.
-    /// Clipping lowers the mean, so the free points are raised.
+    /// Projects `position` on the allowed displacements: clips it at the wall and restores held means. Clipping lowers
+    /// the mean, so that the free points are raised.
     pub(crate) fn project_keeping_mean(&self, position: &mut [f64]) {
         for (c, field) in position.chunks_exact_mut(self.points).enumerate() {
             if let Some(bound) = self.bound(c) {
@@ -41,8 +41,8 @@ impl Wall {
         }
     }
 
-    /// Shifts the free points until the mean is 0. The shift may push further points to the wall, so it is repeated
-    /// until none is.
+    /// Shifts the free points until the mean is 0. A shift may push more points to the wall; it is repeated until none
+    /// is.
     fn restore_mean(&self, bound: Option<&[f64]>, field: &mut [f64]) {
         for _ in 0..ROUNDS {
             let [total, free] = reduce(

@@ -1,4 +1,4 @@
-//! Adhesive contact against closed forms.
+//! Adhesive contact compared with closed forms.
 
 use std::f64::consts::{PI, TAU};
 
@@ -57,12 +57,12 @@ fn a_sphere_with_a_dugdale_zone_follows_the_curve_of_maugis() {
             worst
         })
         .collect();
-    // The contact edge jumps from point to point, which is an error of first order.
+    // The contact edge jumps from point to point, which is a first-order error.
     assert!(errors[2] < 0.15, "{errors:?}");
     assert!(errors.windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{errors:?}");
 }
 
-/// The pull-off load of a sphere of radius 1 over π w, on a free patch of side 0.6 with n² points, E* = 1.
+/// Returns the pull-off load of a sphere divided by π w, on a free patch of side 0.6 with n² points; R = 1, E* = 1.
 fn pull_off(n: usize, work: f64, law: impl Law + 'static) -> f64 {
     let side = 0.6;
     let grid = Grid::square(n, side).unwrap();
@@ -81,8 +81,8 @@ fn pull_off(n: usize, work: f64, law: impl Law + 'static) -> f64 {
     -lowest / (PI * work)
 }
 
-/// The pull-off load over π w R of Maugis (1992) for his parameter λ: the lowest force of all ratios m of the radii of
-/// zone and contact, where the contact radius a follows from the work of the zone. a in (π w R²/K)^⅓, forces in π w R.
+/// Returns the pull-off load divided by π w R of Maugis (1992) for his parameter λ: the lowest force over all ratios m
+/// of zone to contact radius. The work of the zone determines the contact radius a. a in (π w R²/K)^⅓, forces in π w R.
 fn maugis_pull_off(lambda: f64) -> f64 {
     let terms = |m: f64| ((m * m - 1.0).sqrt(), (1.0 / m).acos());
     let work = |a: f64, m: f64| {
@@ -127,7 +127,7 @@ fn a_sphere_is_pulled_off_a_table_of_a_law_as_off_the_law() {
 #[test]
 fn a_law_finds_its_pull_off_with_the_points_that_it_needs_in_its_process_zone() {
     let work = 2.17e-4;
-    // (π/4) E*/steepness over the grid step.
+    // (π/4) E*/steepness divided by the grid step.
     let points = |law: &dyn Law, n: usize| 0.25 * PI / law.steepness() / (0.6 / n as f64);
     // K = 4/3 E*, λ = 2 σ (R/(π w K²))^⅓.
     let exact = |range: f64| maugis_pull_off(2.0 * work / range * (9.0 / (16.0 * PI * work)).cbrt());
@@ -137,7 +137,7 @@ fn a_law_finds_its_pull_off_with_the_points_that_it_needs_in_its_process_zone() 
     };
     let (share, error) = dugdale(6.44e-3, 128);
     assert!(share >= 1.0 && error.abs() < 0.025, "{share} {error}");
-    // Two points, which resolve a smooth law, do not resolve one whose traction jumps.
+    // Two points resolve a smooth law, but not one with a jump in the traction.
     let (share, error) = dugdale(2.28e-3, 64);
     assert!(share < 0.1 && error > 0.1, "{share} {error}");
 
@@ -154,7 +154,7 @@ fn a_law_finds_its_pull_off_with_the_points_that_it_needs_in_its_process_zone() 
         &|length| Box::new(Npc::new(separation(length)).unwrap()),
     ];
     for law in smooth {
-        // The length with which the process zone has as many points on 32² as the law needs: steepness ∝ 1/length².
+        // Length at which the process zone has as many points on 32² as the law needs: steepness ∝ 1/length².
         let unit = law(1e-3);
         let law = |n: usize| {
             let law = law(1e-3 * (1.001 * unit.resolving_points() / points(&unit, 32)).sqrt());
@@ -245,11 +245,11 @@ fn surfaces_jump_into_contact_and_out_of_it_at_different_distances() {
     assert!(jump_out + 4 < jump_in, "{jump_in} {jump_out}");
     assert!(loading[jump_in].passed_instability && loading[jump_in].contact_fraction > 0.1);
     assert!(unloading[jump_out - 1].passed_instability);
-    // The loop dissipates energy: on the way out the attraction is stronger, except where both ways have one state.
+    // The loop dissipates energy: attraction is stronger during unloading, except where both paths have the same state.
     for (a, b) in loading.iter().zip(&unloading) {
         assert!(b.mean_pressure <= a.mean_pressure + 1e-9, "{} {}", a.mean_pressure, b.mean_pressure);
         assert!(a.lowest_curvature > 0.0 && b.lowest_curvature > 0.0);
-        // Both are states of one energy; after each jump the state has the lower one.
+        // Both are states of one energy; after each jump the state has the lower energy.
         assert!((a.gap[[n / 2, 0]] >= 0.0) && (b.gap[[0, 0]] >= 0.0));
     }
     let total = |state: &State| state.elastic_energy + state.interface_energy;
@@ -309,7 +309,7 @@ fn bad_input_is_refused_with_what_was_found() {
 fn the_tightest_tolerance_is_that_of_every_contact() {
     let heights = wave(32, 0.01);
     let interface = Interface::new(&half_space(), &Grid::line(32, 1.0).unwrap(), &heights, HardWall).unwrap();
-    // Rounding errors may prevent convergence to this tolerance, but the tolerance is not refused.
+    // Rounding errors may prevent convergence to this tolerance, but it is not refused.
     let ended = interface.press(Load::MeanPressure(0.001)).tolerance(1e-15).solve();
     assert!(!matches!(ended, Err(SolveError::Refused(_))), "{ended:?}");
 }

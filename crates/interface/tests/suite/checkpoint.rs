@@ -1,4 +1,4 @@
-//! Checkpoints of interfaces and paths: continued from one, a solve or a path ends with the same bits.
+//! Checkpoints of interfaces and paths: a solve or path continued from one ends with the same bits.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Refinement
 use gfmd_law::{Exponential, Limit};
 use ndarray::Array2;
 
-/// A watcher that keeps a checkpoint at one of its calls, or continues from it.
+/// Watcher that saves a checkpoint at one of its calls, or continues from it.
 #[derive(Default)]
 struct Keeper {
     at: Option<usize>,
@@ -52,7 +52,7 @@ fn interface() -> Interface {
     Interface::new(&body, &grid, &heights, Exponential::new(1e-4, 3e-3).unwrap()).unwrap()
 }
 
-/// The bits of everything that a state contains.
+/// Returns the bits of all variables of a state.
 fn checkpoint<E: Resumable>(contact: &E, mut state: E::State) -> MemoryCheckpoint {
     let mut checkpoint = MemoryCheckpoint::default();
     contact.keep(&mut state, &mut checkpoint);
@@ -104,7 +104,7 @@ fn the_gap_determines_the_state() {
     assert!(interface.certify(&Array2::zeros((3, 3)), &Array2::zeros((3, 3)), Load::Approach(0.002).into()).is_err());
 }
 
-/// Follows a path, and follows it again from its state after every step.
+/// Follows a path, and follows it again from the state after each step.
 fn continues<P: Quasistatic + Resumable>(problem: &P, drives: &[Drive]) {
     let new = || Path::new(problem, Budget::default(), Refinement::default());
     let follow = |path: &mut Path<P>, drives: &[Drive], kept: &mut Vec<(Step, MemoryCheckpoint)>| {

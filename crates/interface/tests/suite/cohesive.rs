@@ -1,4 +1,4 @@
-//! Laws that act in all components.
+//! Laws in all components.
 
 use std::f64::consts::TAU;
 
@@ -162,8 +162,8 @@ fn the_energy_grows_by_the_work_of_the_rigid_surface() {
 
 #[test]
 fn flat_surfaces_that_attract_do_not_stay_flat() {
-    // The uniform state is at rest at any distance, but unstable if γ/ϱ² e^(−g/ϱ) exceeds the softest stiffness, π
-    // E*/L: waves grow. Its force vanishes, so that only a search in all directions finds the instability.
+    // The uniform state is in equilibrium at any distance, but unstable if γ/ϱ² e^(−g/ϱ) exceeds the softest stiffness,
+    // π E*/L: waves grow. Its force vanishes, so that only a search in all directions finds the instability.
     let n = 64;
     let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
     let response = NormalResponse::new(Grid::line(n, 1.0).unwrap(), &body);
@@ -183,7 +183,7 @@ fn flat_surfaces_that_attract_do_not_stay_flat() {
 
 #[test]
 fn a_step_too_long_for_a_short_range_is_shortened_not_lost() {
-    // The wall comes three ranges nearer at once: trial steps overflow the repulsion.
+    // The wall approaches by three ranges in one step: trial steps overflow the repulsion.
     let points = [32, 32];
     let grid = Grid::new(points, [1.0, 1.0]).unwrap();
     let response = NormalResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap()));

@@ -1,5 +1,5 @@
-//! The cost of contacts with a law in transform pairs, which do not depend on the machine, and the states that they
-//! reach. The bounds are about a fifth above the numbers needed when they were set.
+//! Cost of contacts with a law in transform pairs, which do not depend on the machine, and the states reached. The
+//! bounds are about a fifth above the numbers needed when they were set.
 
 use gfmd_contact::{Equilibrium, Load};
 use gfmd_field::Grid;
@@ -11,7 +11,7 @@ use gfmd_surface::{Discretisation, SelfAffine};
 const N: usize = 128;
 const WORK: f64 = 2e-5;
 
-/// The range at which the steepness of the attraction is about a half of the stiffness of the shortest wave.
+/// Returns the range at which the steepness of the attraction is about half the stiffness of the shortest wave.
 fn shortest_range() -> f64 {
     let corner = 0.5 * std::f64::consts::PI * N as f64 * std::f64::consts::SQRT_2;
     (WORK / (0.48 * corner)).sqrt()
@@ -32,7 +32,7 @@ fn exponential(factor: f64) -> Exponential {
     Exponential::new(factor * WORK, factor * shortest_range()).unwrap()
 }
 
-/// The pairs of loads that follow each other, each from the state of the last one.
+/// Returns the transform pairs of successive loads, each started from the last state.
 fn pairs(interface: &Interface, loads: &[Load]) -> Vec<f64> {
     let mut last: Option<State> = None;
     let pairs = loads.iter().map(|load| {
@@ -45,7 +45,7 @@ fn pairs(interface: &Interface, loads: &[Load]) -> Vec<f64> {
     pairs.collect()
 }
 
-/// Fails with all numbers if any case takes more pairs than its bound.
+/// Panics with all numbers if any case takes more pairs than its bound.
 fn assert_within(found: &[(String, Vec<f64>, Vec<f64>)]) {
     let within = |(_, pairs, bounds): &(String, Vec<f64>, Vec<f64>)| {
         pairs.len() == bounds.len() && pairs.iter().zip(bounds).all(|(pairs, bound)| pairs <= bound)

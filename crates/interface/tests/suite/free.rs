@@ -1,4 +1,4 @@
-//! Laws on a patch that does not repeat: identities, independence of the margin, Maugis's sphere, and what is refused.
+//! Laws on a patch with free boundaries: identities, independence of the margin, Maugis's sphere, and refused input.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ fn half_space() -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap())
 }
 
-/// A rough surface that does not repeat.
+/// Returns a rough surface that is not periodic.
 fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
     Array2::from_shape_fn((nx, ny), |(i, j)| {
         let [x, y] = [i as f64 / nx as f64, j as f64 / ny as f64];
@@ -120,7 +120,7 @@ fn load_and_approach_solvers_and_certificates_agree() {
     }
 }
 
-/// On an unbounded half-space Maugis's curves hold for the approach, too, which has no meaning on a periodic one.
+/// On an unbounded half-space Maugis's curves also hold for the approach, which has no meaning on a periodic one.
 #[test]
 fn a_sphere_with_a_dugdale_zone_follows_the_curves_of_maugis() {
     let theory = AdhesiveSphere { modulus: 1.0, curvature_radius: 1.0, work: 2.17e-4 };
@@ -182,7 +182,7 @@ fn what_has_no_level_far_away_is_refused() {
     let interface = on_patch(&line, &rough([32, 1]), Exponential::new(1e-4, 2e-3).unwrap());
     let error = interface.press(Load::Approach(0.01)).solve().unwrap_err();
     assert!(matches!(error, SolveError::Refused(Refusal::LineApproach)), "{error}");
-    // A profile on a slab has one.
+    // A profile on a slab has a level.
     let slab = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap();
     let law = Exponential::new(1e-4, 2e-3).unwrap();
     let interface = Interface::bounded(Boundary::Free, &slab, &line, &rough([32, 1]), law).unwrap();
@@ -195,8 +195,8 @@ fn what_has_no_level_far_away_is_refused() {
     assert!(huge.padded().is_err());
 }
 
-/// Cattaneo (1938) and Mindlin (1949): a sphere pressed and then moved sideways. The shear couples weakly to the normal
-/// direction for ν = ½, for which their solution is exact but for the slip across the direction of motion.
+/// Cattaneo (1938) and Mindlin (1949): a sphere pressed and then moved laterally. For ν = ½ the shear couples weakly to
+/// the normal direction, and their solution is exact except for the slip across the direction of motion.
 #[test]
 fn a_sphere_that_is_moved_sideways_slips_at_the_edge_of_its_contact() {
     let (poisson, friction, side, n) = (0.5, 0.4, 0.5, 80);
@@ -215,7 +215,7 @@ fn a_sphere_that_is_moved_sideways_slips_at_the_edge_of_its_contact() {
     let force = pressed.mean_pressure * side * side;
     // F = (4/3) E* √R δ^(3/2).
     assert!((force / (4.0 / 3.0 * approach.powf(1.5)) - 1.0).abs() < 0.01, "{force}");
-    // Displacement at which all slips: μ δ E*/(4 G*) with 1/G* = (2 − ν)/(4 G), here μ δ (2 − ν)/(2 (1 − ν)).
+    // Displacement of full slip: μ δ E*/(4 G*) with 1/G* = (2 − ν)/(4 G), here μ δ (2 − ν)/(2 (1 − ν)).
     let full = friction * approach * (2.0 - poisson) / (2.0 * (1.0 - poisson));
     for part in [0.3, 0.7] {
         drive.lateral = [part * full, 0.0];

@@ -1,4 +1,4 @@
-//! Frictional contact against closed forms.
+//! Frictional contact compared with closed forms.
 
 use std::f64::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ fn pressed(pressure: f64, x: f64) -> Drive {
 #[test]
 fn a_wave_under_shear_sticks_where_the_smaller_of_two_loads_would_press() {
     // Ciavarella (1998), Jäger (1998): τ = μ (p(P) − p(P*)), P* = P − Q/μ, exact where normal and tangential compliance
-    // are alike and uncoupled: plane strain, ν = ½. The validation compares the shear point by point.
+    // are equal and uncoupled: plane strain, ν = ½. The validation compares the shear point by point.
     let n = 256;
     let response = incompressible(Grid::line(n, 1.0).unwrap());
     let contact = FrictionalContact::on(response, &wave(n), Limit::Coulomb(0.4)).unwrap();
@@ -44,7 +44,7 @@ fn a_wave_under_shear_sticks_where_the_smaller_of_two_loads_would_press() {
         let shear = state.mean_shear[0];
         let core = solve(&contact, pressed(load - shear / 0.4, 0.0), None);
         assert_eq!(state.stick_fraction, core.contact_fraction, "{lateral}");
-        // Westergaard: the contact fraction.
+        // Contact fraction of Westergaard.
         let share = 2.0 / PI * ((load - shear / 0.4) / (PI * 0.01)).sqrt().asin();
         assert!((state.stick_fraction - share).abs() < 2.0 / n as f64, "{} {share}", state.stick_fraction);
         assert!(state.dissipated > 0.0 && shear < 0.4 * load);
@@ -55,7 +55,7 @@ fn a_wave_under_shear_sticks_where_the_smaller_of_two_loads_would_press() {
 
 #[test]
 fn a_loop_of_shear_doubles_the_first_branch() {
-    // Masing's rule, exact under the same conditions: Q(U − 2 x) = Q(U) − 2 Q₁(x) with Q₁ the first branch.
+    // Masing's rule, exact under the same conditions: Q(U − 2 x) = Q(U) − 2 Q₁(x); Q₁ is the first branch.
     let n = 128;
     let response = incompressible(Grid::line(n, 1.0).unwrap());
     let heights = wave(n);
@@ -74,8 +74,8 @@ fn a_loop_of_shear_doubles_the_first_branch() {
 
 #[test]
 fn the_shear_under_a_sphere_is_that_of_cattaneo_and_mindlin() {
-    // Cattaneo (1938), Mindlin (1949): c = a (1 − Q/μP)^⅓ and τ = μ (p₀ √(1 − r²/a²) − p₀ c/a √(1 − r²/c²)), with
-    // the slip taken along x everywhere, which costs a per cent or so.
+    // Cattaneo (1938), Mindlin (1949): c = a (1 − Q/μP)^⅓ and τ = μ (p₀ √(1 − r²/a²) − p₀ c/a √(1 − r²/c²)). They take
+    // the slip along x everywhere, which causes an error of about one per cent.
     let errors: Vec<f64> = [32, 64, 128]
         .into_iter()
         .map(|n| {
@@ -138,7 +138,7 @@ fn every_condition_holds_under_a_path_of_shear_up_to_sliding() {
                 Limit::Tresca(strength) => strength * state.contact_fraction,
             };
             let found = state.mean_shear[0].hypot(state.mean_shear[1]);
-            // The direction of slip differs slightly between points.
+            // The slip direction differs slightly between points.
             assert!(found <= wanted * (1.0 + 1e-9) && found > 0.98 * wanted, "{limit:?} {load:?}: {found} {wanted}");
         }
     }
@@ -186,7 +186,7 @@ fn bad_input_is_refused_with_what_was_found() {
     assert!(matches!(broken, Err(SolveError::Interrupted { .. })));
 }
 
-/// A sphere of radius 1 on a half-space with E* = 1, 64² points on a patch of side 0.5.
+/// Returns a sphere of radius 1 on a half-space with E* = 1, on a patch of side 0.5 with 64² points.
 fn free_sphere(poisson: f64, limit: Limit) -> FrictionalContact {
     let (n, side) = (64, 0.5);
     let at = |i: usize| (i as f64 / n as f64 - 0.5) * side;
@@ -195,12 +195,12 @@ fn free_sphere(poisson: f64, limit: Limit) -> FrictionalContact {
     FrictionalContact::bounded(Boundary::Free, &body, &Grid::square(n, side).unwrap(), &heights, limit).unwrap()
 }
 
-/// The mean pressure over the patch of [`free_sphere`] with the contact radius `a` (Hertz).
+/// Returns the mean pressure over the patch of [`free_sphere`] at the contact radius `a` (Hertz).
 fn hertz(a: f64) -> f64 {
     4.0 / 3.0 * a.powi(3) / 0.25
 }
 
-/// Steps along `drives` from the undeformed surfaces; the last state.
+/// Follows `drives` from the undeformed surfaces; returns the steps and the last state.
 fn along(contact: &FrictionalContact, drives: &[Drive], solves_per_step: u64) -> (Vec<Step>, FrictionState) {
     let refinement = Refinement { solves_per_step, ..Refinement::default() };
     let mut path = Path::new(contact, Budget::default(), refinement);
@@ -208,12 +208,12 @@ fn along(contact: &FrictionalContact, drives: &[Drive], solves_per_step: u64) ->
     (steps, path.state().unwrap().clone())
 }
 
-/// The radius of the sticking part over that of the contact of a sphere under growing load: Spence (1975), in the form
-/// of Johnson (Contact Mechanics, section 5.4), (a/2c) ln((a + c)/(a − c)) = (μ/β) K(√(1 − c²/a²)), β = (1 − 2ν)/(2(1 −
-/// ν)).
+/// Returns the sticking radius divided by the contact radius of a sphere under growing load: Spence (1975), in
+/// Johnson's form (Contact Mechanics, section 5.4), (a/2c) ln((a + c)/(a − c)) = (μ/β) K(√(1 − c²/a²)), β = (1 −
+/// 2ν)/(2(1 − ν)).
 fn spence(coefficient: f64, poisson: f64) -> f64 {
     let beta = (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson));
-    // The complete elliptic integral K(√(1 − c²)) by the arithmetic and the geometric mean of 1 and c.
+    // Complete elliptic integral K(√(1 − c²)) from the arithmetic-geometric mean of 1 and c.
     let integral = |c: f64| {
         let (mut a, mut b) = (1.0_f64, c);
         for _ in 0..40 {
@@ -232,12 +232,12 @@ fn spence(coefficient: f64, poisson: f64) -> f64 {
 
 #[test]
 fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_loaded() {
-    // By self-similarity the share of the radius is the same for every load.
+    // By self-similarity the ratio of the radii is the same for every load.
     let long = [(0.3, 0.3, 0.2, &[1, 2, 5][..])].into_iter().filter(|_| std::env::var_os("GFMD_LONG").is_some());
     for (coefficient, poisson, a, numbers) in [(0.3, 0.3, 0.15, &[1, 2][..])].into_iter().chain(long) {
         let contact = free_sphere(poisson, Limit::Coulomb(coefficient));
         let wanted = spence(coefficient, poisson);
-        // The edge of the sticking part lies between two points.
+        // The edge of the sticking region lies between two points.
         let spacing = 0.5 / 64.0 / a;
         let share = |state: &FrictionState| (state.stick_fraction / state.contact_fraction).sqrt();
         for steps in numbers {
@@ -272,13 +272,13 @@ fn a_sphere_loaded_unloaded_and_loaded_again_ends_alike_in_one_and_in_three_step
         assert!(made.iter().all(|step| !step.is_unsettled), "{made:?}");
         state
     });
-    // The energy of the difference of the shear, over that of a shear at its limit everywhere.
+    // Energy of the difference of the shear, divided by the energy of a shear at its limit everywhere.
     let [a, b] = &ends;
     let apart = (&a.traction - &b.traction) * (&a.displacement - &b.displacement);
     let apart = 0.5 * apart.sum() / b.gap.len() as f64 / (0.3_f64.powi(2) * b.elastic_energy);
     assert!(apart.abs() < 1e-3, "{apart:e}");
     let [a, b] = ends.map(|state| (state.stick_fraction / state.contact_fraction).sqrt());
-    // The spacing of the points over the radius.
+    // Grid spacing divided by the radius.
     assert!((a - b).abs() < 0.5 / 64.0 / 0.2, "{a} {b}");
 }
 
@@ -303,11 +303,11 @@ fn the_energy_lost_by_slip_under_growing_load_is_that_of_many_small_increments()
     let [lost, error] = [steps[0].dissipated, steps[0].dissipated_error].map(Option::unwrap);
     assert!((lost - many).abs() <= error && error < 0.1 * one, "{lost:e} ± {error:e}, {many:e}");
     assert!(steps[0].increments >= 8 && steps[0].extra_solves > steps[0].increments);
-    // The shear itself, over its limit.
+    // Difference of the shear divided by its limit.
     let shear = |state: &FrictionState| state.traction.index_axis(ndarray::Axis(0), 0).to_owned();
     let apart = (shear(&state) - shear(&finest)).iter().map(|t| t.abs()).sum::<f64>();
     assert!(apart < 0.03 * 0.3 * state.pressure().sum(), "{apart:e}");
-    // Without further solves a path says that it does not know.
+    // Without extra solves a path reports that its change is unknown.
     let (steps, _) = along(&contact, &[pressed(load, 0.0)], 0);
     assert!(steps[0].change.unwrap().is_nan() && steps[0].dissipated_error.is_none() && steps[0].increments == 1);
 }
@@ -334,7 +334,7 @@ fn a_sphere_pressed_and_sheared_at_once_sticks_as_mindlin_and_deresiewicz_say() 
 fn what_does_not_depend_on_the_way_is_solved_once() {
     let load = hertz(0.2);
     let drives = [pressed(load, 0.0), pressed(0.5 * load, 0.0), pressed(0.5 * load, 1e-3), pressed(0.5 * load, -1e-3)];
-    // Without coupling, and with limits that stay or without shear.
+    // Without coupling, and with constant limits or without shear.
     let (steps, _) = along(&free_sphere(0.5, Limit::Coulomb(0.3)), &drives, 4);
     for step in steps {
         assert_eq!((step.extra_solves, step.increments, step.change, step.dissipated_error), (0, 1, None, None));
@@ -342,10 +342,10 @@ fn what_does_not_depend_on_the_way_is_solved_once() {
     // Without friction.
     let (steps, _) = along(&free_sphere(0.2, Limit::Coulomb(0.0)), &drives, 4);
     assert!(steps.iter().all(|step| step.extra_solves == 0 && step.dissipated == Some(0.0)));
-    // A strength of the interface without a change of load.
+    // Constant shear strength without a change of load.
     let (steps, _) = along(&free_sphere(0.5, Limit::Tresca(0.02)), &[drives[0], pressed(load, 1e-3)], 4);
     assert!(steps.iter().all(|step| step.extra_solves == 0));
-    // Under more load the sheared contact grows: this does depend on the way.
+    // The sheared contact grows under a higher load: this depends on the path.
     let (steps, _) = along(&free_sphere(0.5, Limit::Coulomb(0.3)), &[drives[2], pressed(load, 2e-3)], 4);
     assert!(steps[1].extra_solves > 0 && steps[1].change.unwrap() <= 1e-3, "{steps:?}");
 }

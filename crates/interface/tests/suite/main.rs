@@ -1,5 +1,4 @@
-//! The tests of `gfmd-interface` as one program: those of one file by
-//! `cargo test -p gfmd-interface --test suite FILE::`.
+//! Tests of `gfmd-interface` as one program. `cargo test -p gfmd-interface --test suite FILE::` runs one file.
 
 mod adhesion;
 mod checkpoint;

@@ -1,4 +1,4 @@
-//! The energy lost along paths: it is lost in jumps only, and does not depend on the division of the path.
+//! Energy lost along paths: only in jumps, and independent of the division of the path.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +23,7 @@ fn half_space(n: usize) -> NormalResponse {
     NormalResponse::new(Grid::line(n, 1.0).unwrap(), &Body::half_space(material()))
 }
 
-/// Asperities of different height, which jump one by one.
+/// Returns asperities of different height, which jump one by one.
 fn asperities(n: usize) -> Array2<f64> {
     let phase = |i: usize| TAU * i as f64 / n as f64;
     Array2::from_shape_fn((n, 1), |(i, _)| {
@@ -31,7 +31,7 @@ fn asperities(n: usize) -> Array2<f64> {
     })
 }
 
-/// Values from each waypoint to the next in so many steps.
+/// Returns values from each waypoint to the next, in `steps` steps per leg.
 fn legs(waypoints: &[f64], steps: usize) -> Vec<f64> {
     let inside = waypoints
         .windows(2)
@@ -52,13 +52,13 @@ fn follow(interface: &Interface, drives: &[Drive], refinement: Refinement) -> Ve
     drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap()).collect()
 }
 
-/// The loss along a path, and its error.
+/// Returns the loss along a path and its error.
 fn lost(steps: &[Step]) -> [f64; 2] {
     [|step: &Step| step.dissipated, |step: &Step| step.dissipated_error]
         .map(|of| steps.iter().map(|step| of(step).unwrap()).sum())
 }
 
-/// The work by the trapezoidal rule less the energy gained, from the states at the drives alone.
+/// Returns the trapezoidal work minus the energy gained, from the states at the drives alone.
 fn by_trapezoids(interface: &Interface, drives: &[Drive]) -> f64 {
     let energy = |state: &State| state.elastic_energy + state.interface_energy;
     let (mut last, mut lost): (Option<State>, f64) = (None, 0.0);
@@ -90,12 +90,12 @@ fn a_closed_loop_loses_what_a_fine_path_loses() {
             let [lost, error] = [step.dissipated, step.dissipated_error].map(Option::unwrap);
             assert!(lost >= -error, "{step:?}");
         }
-        // It jumps once on the way in and once on the way out.
+        // It jumps once during loading and once during unloading.
         assert_eq!(steps.iter().filter(|step| step.dissipated > Some(1e-8)).count(), 2);
     }
 }
 
-/// Where the attraction is too steep for the grid each point jumps on its own.
+/// If the attraction is too steep for the grid, each point jumps on its own.
 #[test]
 fn small_jumps_within_long_steps_are_all_counted() {
     let enough = Refinement { solves_per_step: 100, ..FINE };
@@ -143,7 +143,7 @@ fn a_loop_under_load_loses_what_a_fine_path_loses() {
 
 #[test]
 fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
-    // One degree of freedom: a spring k that a law with a maximum pulls at. d(g) = -g - T(g)/k turns twice.
+    // One degree of freedom: a spring k, pulled by a law with a maximum. d(g) = -g - T(g)/k turns twice.
     let body = Body::slab(material(), 20.0).unwrap();
     let response = Arc::new(NormalResponse::new(Grid::line(8, 1.0).unwrap(), &body));
     let law = Morse::new(1e-3, 0.05).unwrap();
@@ -161,7 +161,7 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
         0.5 * (a + b)
     };
     let turn = |g: f64| 1.0 + law.response(g, 0.0).jacobian[0][0] / k;
-    // The steepest fall of the tension lies at g = range ln 4, between the folds.
+    // The steepest fall of the tension is at g = range ln 4, between the folds.
     let steepest = 0.05 * 4.0_f64.ln();
     let (near, far) = (bisect(&turn, 0.0, steepest), bisect(&turn, steepest, 1.0));
     let after_in = bisect(&|g| approach(g) - approach(far), -0.1, near);
@@ -172,7 +172,7 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
         let [lost, error] = lost(&follow(&interface, &approaches(&turns, steps), FINE));
         assert!((lost - exact).abs() <= error && error < 0.01 * exact, "{lost:e} ± {error:e}, {exact:e}");
     }
-    // However many steps there are, the two that cross a fold are told to have jumped, and no other.
+    // For any number of steps, the two steps across a fold are reported as jumps, and no others.
     let [closes, opens] = [approach(far), approach(near)];
     // No step ends at a fold.
     let turns = [closes - 0.3137, closes + 0.0971, opens - 0.2993];
@@ -189,12 +189,12 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
         }
         assert_eq!(reported.iter().filter(|reported| **reported == Some(true)).count(), 2, "{steps}");
     }
-    // Without further solves nothing can be told of the steps with a jump.
+    // Without extra solves the steps with a jump remain undecided.
     let once = Refinement { solves_per_step: 0, ..FINE };
     let reported = follow(&interface, &approaches(&turns, 10), once);
     assert_eq!(reported.iter().filter(|step| step.jumped == Some(true)).count(), 0);
     assert!(reported.iter().any(|step| step.jumped.is_none()));
-    // Under a tension below the largest one the contact holds and loses no energy.
+    // Under a tension below its maximum the contact holds and loses no energy.
     let strongest = law.response(0.05 * 2.0_f64.ln(), 0.0).traction[0];
     let turns = [0.5 * strongest, -0.9 * strongest, 0.5 * strongest];
     let [lost, error] = lost(&follow(&interface, &pressures(&turns, 4), FINE));
@@ -221,7 +221,7 @@ fn the_balance_of_a_smooth_step_closes_with_the_fourth_power_of_its_length() {
     let response = half_space(64);
     let law = Morse::new(1e-4, 1e-2).unwrap();
     let interface = Interface::on(response, &asperities(64), law).unwrap();
-    // One state in the middle of each step, and no more.
+    // One state in the middle of each step, no more.
     let once = Refinement { tolerance: 1e-3, solves_per_step: 1 };
     let error = |steps: usize| lost(&follow(&interface, &approaches(&[-0.02, -0.005], steps), once))[1];
     let order = (error(4) / error(16)).log2() / 2.0;
@@ -237,7 +237,7 @@ fn sideways_work_is_accounted_for() {
         let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
         legs(turns, steps).into_iter().map(drive).collect()
     };
-    // A half-space is too stiff to jump, a thick slab jumps to and fro.
+    // A half-space is too stiff to jump; a thick slab jumps in both directions.
     for (body, jumps) in [(Body::half_space(material()), false), (Body::slab(material(), 3.0).unwrap(), true)] {
         let response = Arc::new(FullResponse::new(Grid::line(16, 1.0).unwrap(), &body));
         let interface = Interface::on(Arc::clone(&response), &heights, law).unwrap();
@@ -261,7 +261,7 @@ fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
     for step in follow(&interface, &[drive(0.0), drive(0.002)], Refinement::default()) {
         assert_eq!((step.dissipated, step.dissipated_error, step.extra_solves), (None, None, 0));
     }
-    // Where pressure and shear do not act on each other, a step is one increment.
+    // If pressure and shear are uncoupled, a step is one increment.
     let incompressible = Body::half_space(Material::from_contact_modulus(1.0, 0.5).unwrap());
     let response = FullResponse::new(Grid::line(16, 1.0).unwrap(), &incompressible);
     let contact = FrictionalContact::on(response, &heights, Limit::Coulomb(0.2)).unwrap();

@@ -1,4 +1,4 @@
-//! Plastic depth that stays: identities of paths behind a hard wall with a hardness.
+//! Permanent plastic depth: identities of paths at a hard wall with a hardness.
 
 use gfmd_contact::{Boundary, Budget, Contact, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Resumable};
 use gfmd_field::Grid;
@@ -52,7 +52,7 @@ fn unloading_is_elastic_and_loading_again_gives_the_state_before() {
             assert!(most(&(&state.depth - &loaded.depth)) < 1e-9 * height, "{boundary}");
             assert!(step.dissipated.unwrap() < 1e-9 * steps[2].1.dissipated.unwrap(), "{boundary}");
         }
-        // At one load the contact is larger on the way back: the summits have become flat.
+        // At the same load the contact is larger during unloading: the summits have become flat.
         let area = |i: usize| steps[i].0.summary().area_fraction;
         assert!(area(3) > area(1) && area(5) == area(3), "{boundary}: {} {}", area(1), area(3));
         assert!(steps[7].0.volume > loaded.volume);
@@ -61,7 +61,7 @@ fn unloading_is_elastic_and_loading_again_gives_the_state_before() {
 
 #[test]
 fn loading_again_to_the_largest_load_brings_back_the_points_at_the_hardness() {
-    // The state under a load that the contact has borne is unique: the same points carry the hardness, and no more.
+    // The state under a load borne before is unique: the same points carry the hardness, and no others.
     for (boundary, tolerance) in [(Boundary::Periodic, 1e-8), (Boundary::Periodic, 1e-11), (Boundary::Free, 1e-8)] {
         let contact = plastic(boundary, 0.05);
         let budget = Budget { tolerance, max_iterations: 1000 };
@@ -71,14 +71,14 @@ fn loading_again_to_the_largest_load_brings_back_the_points_at_the_hardness() {
             path.step(Load::MeanPressure(load).into(), &mut ()).unwrap();
             fractions.push(path.state().unwrap().fraction);
         }
-        // As of the first loading, where the solver holds these points at the hardness exactly.
+        // As in the first loading, where the solver holds these points at the hardness exactly.
         let first = contact.contact().press(Load::MeanPressure(0.03)).budget(budget).solve().unwrap();
         let at_hardness = first.pressure.iter().filter(|p| **p == 0.05).count() as f64 / 1024.0;
         assert!(at_hardness > 0.3, "{at_hardness}");
         for again in [0, 3, 5, 7] {
             assert_eq!(fractions[again], at_hardness, "{boundary} {tolerance:e}: {fractions:?}");
         }
-        // Below it, the same points carry less; the flattened summits have no sharp peaks of pressure.
+        // At a lower load, the same points carry less; the flattened summits have no sharp pressure peaks.
         for less in [1, 2, 4, 6] {
             assert!(fractions[less] < 0.05 * at_hardness, "{boundary} {tolerance:e}: {fractions:?}");
         }
@@ -87,7 +87,7 @@ fn loading_again_to_the_largest_load_brings_back_the_points_at_the_hardness() {
 
 #[test]
 fn a_surface_that_is_plastic_everywhere_is_certified_from_its_fields() {
-    // A uniform pressure displaces nothing but by rounding errors, over which no gap is measured.
+    // A uniform pressure causes displacements only by rounding errors; gaps must not be measured relative to them.
     for points in [[6, 5], [7, 3], [9, 10], [15, 13]] {
         let grid = Grid::new(points, [1.50569, 1.25474]).unwrap();
         let heights = Array2::from_shape_fn(points, |(i, j)| 0.007 * (1.7 * i as f64 + 2.3 * (j * j) as f64).sin());
@@ -106,8 +106,8 @@ fn a_surface_that_is_plastic_everywhere_is_certified_from_its_fields() {
 
 #[test]
 fn the_work_of_the_path_is_stored_or_lost() {
-    // ∫ p dδ less the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps
-    // of first.
+    // ∫ p dδ minus the elastic energy is the plastic work; the trapezoidal rule is of second order, the implicit steps
+    // are of first order.
     let errors = [8, 16, 32].map(|n| {
         let contact = plastic(Boundary::Periodic, 0.05);
         let up = (1..=n).map(|i| 0.03 * f64::from(i) / f64::from(n));
@@ -146,7 +146,7 @@ fn a_state_is_certified_from_its_pressure_and_depth() {
         let found = found.unwrap();
         assert!(found.worst() <= 1e-11 && found.dissipated.abs() < 1e-15);
         assert!(most(&(&found.solution.gap - &state.solution.gap)) < 1e-12);
-        // Another depth is no state at rest.
+        // A state with another depth is not in equilibrium.
         let wrong = &state.depth + 1e-4 * &state.solution.pressure;
         let wrong = contact.certify(&state.solution.pressure, &wrong, Load::MeanPressure(state.mean_pressure()));
         assert!(wrong.unwrap().worst() > 1e-6);
@@ -193,7 +193,7 @@ fn a_state_is_kept_whole() {
 
 #[test]
 fn small_steps_take_few_iterations() {
-    // Each step begins so near its end that rounding errors of the gradient in single precision are not small.
+    // Each step begins so close to its end that rounding errors of a single-precision gradient matter.
     let budget = Budget { max_iterations: 100, ..Budget::default() };
     for (hardness, load, fall) in [(0.02, 0.003, 2e-4), (0.03, 0.006, 1e-4), (0.015, 0.003, 4e-4), (0.02, 0.01, 4e-4)] {
         let contact = plastic(Boundary::Periodic, hardness);

@@ -1,5 +1,5 @@
-//! Loads so small that the roughness, or the tractions of a law, hide them: flat tops, where all fields are the load
-//! times fixed ones, and what a law without traction far from contact counts as contact.
+//! Loads so small that the roughness or the tractions of a law hide them: flat tops, where all fields are proportional
+//! to the load, and contact by a law without traction far away.
 
 use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError};
 use gfmd_field::Grid;
@@ -13,7 +13,7 @@ fn half_space(nu: f64) -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, nu).unwrap())
 }
 
-/// A disc of radius 0.3 that stands out by 0.1.
+/// Returns a disc of radius 0.3 that protrudes by 0.1.
 fn disc(n: usize) -> (Grid, Array2<f64>) {
     let at = |i: usize| i as f64 / n as f64 - 0.5;
     let heights = Array2::from_shape_fn((n, n), |(i, j)| if at(i).hypot(at(j)) <= 0.3 { 0.1 } else { 0.0 });
@@ -25,7 +25,7 @@ fn sphere(n: usize) -> (Grid, Array2<f64>) {
     (Grid::square(n, 1.0).unwrap(), Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i) + at(j))))
 }
 
-/// The largest difference over the largest value.
+/// Returns the largest difference divided by the largest value.
 fn apart<'a>(found: impl IntoIterator<Item = &'a f64>, expected: impl IntoIterator<Item = &'a f64>) -> f64 {
     let (mut most, mut largest) = (0.0_f64, 0.0_f64);
     for (a, b) in found.into_iter().zip(expected) {
@@ -34,7 +34,7 @@ fn apart<'a>(found: impl IntoIterator<Item = &'a f64>, expected: impl IntoIterat
     most / largest
 }
 
-/// The reference is the pressure under a load that h_rms resolves, over the load.
+/// The reference is the pressure under a load resolved by h_rms, divided by the load.
 #[test]
 fn a_wall_alone_carries_a_small_load_on_a_flat_top() {
     let (grid, heights) = disc(32);
@@ -69,7 +69,7 @@ fn friction_under_a_small_load_is_that_under_a_large_one() {
     }
 }
 
-/// On a flat top all fields are the approach times fixed ones.
+/// On a flat top all fields are proportional to the approach.
 #[test]
 fn friction_at_a_small_approach_is_that_at_a_large_one() {
     let (grid, heights) = disc(24);
@@ -90,7 +90,7 @@ fn friction_at_a_small_approach_is_that_at_a_large_one() {
     }
 }
 
-/// Morse's law repels where the gap is negative; far away it vanishes, and tractions there are rounding errors.
+/// Morse's law repels at negative gaps; far away it vanishes, and tractions are rounding errors.
 #[test]
 fn rounding_errors_far_from_contact_are_no_contact() {
     let (grid, heights) = sphere(64);
@@ -131,13 +131,13 @@ fn a_load_that_the_tractions_hide_is_refused() {
             other => panic!("{mean:e}: {:?}", other.map(|state| state.residual)),
         }
     }
-    // Zero, and the middle of a loop, which is zero but for rounding.
+    // Zero, and the middle of a loop, which is zero within rounding.
     for mean in [0.0, 1e-19, 1e-5] {
         assert!(interface.press(Load::MeanPressure(mean)).solve().is_ok(), "{mean:e}");
     }
 }
 
-/// The reference is the solver of the pressure.
+/// The reference is the pressure solver.
 #[test]
 fn a_wall_at_a_prescribed_approach_takes_few_steps() {
     let grid = Grid::square(96, 1.0).unwrap();

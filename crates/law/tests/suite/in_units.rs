@@ -2,7 +2,7 @@
 
 use gfmd_law::{InUnits, Kind, Law as _, Parameter};
 
-/// A law and its parameters, both in other units, are the same function.
+/// Converting the units of a law or of its parameters gives the same function.
 #[test]
 fn units_of_the_law_and_of_its_parameters_agree_to_the_bit() {
     let (stress, length) = (2.0_f64.powi(80), 2.0_f64.powi(-60));

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-law` as one program: those of one file by `cargo test -p gfmd-law --test suite FILE::`.
+//! Tests of `gfmd-law` as one program. `cargo test -p gfmd-law --test suite FILE::` runs one file.
 
 mod in_units;
 mod law;

@@ -1,4 +1,4 @@
-//! Relations that hold for every law at generic separations, and the properties of each law.
+//! Relations that hold for every law at generic separations, and properties of each law.
 
 use approx::assert_relative_eq;
 use gfmd_law::{
@@ -46,7 +46,7 @@ fn all() -> impl Iterator<Item = Box<dyn Law>> {
     cohesive().into_iter().chain(normal())
 }
 
-/// Separations at which a law has a derivative: not at touch, nor at the end of a finite range.
+/// Returns true if all laws are differentiable at this separation: not at contact, nor at the end of a finite range.
 fn is_smooth(normal: f64) -> bool {
     let cutoff = HarmonicCosine::new(1.3, 40.0).unwrap().cutoff();
     [0.0, 0.2, cutoff].iter().all(|kink| (normal - kink).abs() > 1e-3)
@@ -144,7 +144,7 @@ proptest! {
             let at = |x: f64, y: f64, p: f64| friction.slide([x, y], [foot, 0.1], p);
             let now = at(x, y, pressure);
             prop_assert!(now.traction[0].hypot(now.traction[1]) <= limit.at(pressure) * (1.0 + 1e-14));
-            // The stretch of the spring corresponds to its traction.
+            // The stretch of the spring matches its traction.
             prop_assert!((3.0 * (x - now.foot[0]) - now.traction[0]).abs() < 1e-13);
             let h = 1e-6;
             let steps = [at(x + h, y, pressure), at(x, y + h, pressure), at(x, y, pressure + h)];
@@ -161,7 +161,7 @@ proptest! {
     }
 }
 
-/// Simpson's rule.
+/// Integrates `f` by Simpson's rule.
 fn integral(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     let n = 4000;
     let h = (b - a) / n as f64;
@@ -220,14 +220,14 @@ fn open_then_slide_takes_the_work_of_the_theory_note() {
     );
 }
 
-/// The requirements R1 to R6, evaluated on a net of separations.
+/// Evaluates the requirements R1 to R6 on a grid of separations.
 fn observed(law: &dyn Law) -> MixedMode {
     let at = |x: f64, y: f64| law.response(0.2 * x, 0.35 * y).traction;
     let net =
         |from: f64| (0..60).flat_map(move |i| (1..60).map(move |j| (from + 0.05 * f64::from(i), 0.05 * f64::from(j))));
     let slack = 1e-12;
     let far = (0..40).map(|i| std::f64::consts::FRAC_PI_2 * f64::from(i) / 40.0).all(|angle| {
-        // Also slightly off pure sliding.
+        // Slightly off pure sliding.
         let [n, t] = at(60.0 * angle.sin() + 0.1, 60.0 * angle.cos());
         n.hypot(t) < 1e-3
     });
@@ -322,7 +322,7 @@ fn the_energy_of_every_law_is_zero_far_away_and_minus_the_work_done_at_a_gap() {
             let found = law.energy(far, 0.2).unwrap_or(0.0);
             assert!(found.abs() <= 1e-12, "{law:?}: {found:e} at {far}, sideways");
         }
-        // The work of the attraction from a gap to far away, by the trapezoidal rule.
+        // Work of the attraction from the gap to infinity, by the trapezoidal rule.
         for gap in [0.0, 0.1] {
             let (n, width) = (400_000, 40.0);
             let at = |k: i32| law.traction(gap + width * f64::from(k) / f64::from(n), [0.0; 2])[2];

@@ -3,8 +3,8 @@
 use approx::assert_relative_eq;
 use gfmd_law::{Exponential, InUnits, Kind, Law, LawError, Morse, Tabulated};
 
-/// `n` + 1 rows of a law from a gap to 25 ranges, closer where the gap is small; the traction at the last one is that
-/// of the limit, 0.
+/// Samples `law` in `n` + 1 rows from the gap `first` to 27 ranges beyond, denser at small gaps; the last traction is
+/// set to 0.
 fn sampled(law: &dyn Law, range: f64, first: f64, n: u32) -> Tabulated {
     let mut rows: Vec<[f64; 2]> = (0..=n)
         .map(|k| f64::from(k) / f64::from(n))
@@ -15,7 +15,7 @@ fn sampled(law: &dyn Law, range: f64, first: f64, n: u32) -> Tabulated {
     Tabulated::new(&rows).unwrap()
 }
 
-/// The largest errors of energy, traction and slope over a few ranges, each over its own size.
+/// Returns the largest errors of energy, traction × range and slope × range² between the gaps `low` and `high`.
 fn errors(law: &dyn Law, found: &Tabulated, [low, high]: [f64; 2], range: f64) -> [f64; 3] {
     let mut worst = [0.0_f64; 3];
     for k in 0..=997 {
@@ -37,7 +37,7 @@ fn a_table_of_a_law_is_that_law_to_the_order_of_the_interpolation() {
     let (gamma, range) = (2.0, 0.3);
     let exponential = Exponential::new(gamma, range).unwrap();
     let morse = Morse::new(gamma, range).unwrap();
-    // Away from the largest traction, at which the slope of the curve is zero, the order is 3, beside it 2.
+    // The order is 3 away from the largest traction, where the slope of the curve is zero, and 2 beside it.
     let laws: [(&dyn Law, f64, [f64; 2], f64); 3] =
         [(&exponential, 0.0, [0.0, 3.0], 2.7), (&morse, -0.3, [-0.29, 0.1], 2.5), (&morse, -0.3, [0.1, 1.0], 1.7)];
     for (law, first, span, order) in laws {
@@ -74,7 +74,7 @@ fn the_traction_is_the_slope_of_the_energy_and_goes_on_beyond_the_table() {
         assert_eq!(law.energy(gap, 0.3), Some(law.opening_energy(gap)));
         assert_eq!(law.opening_energy(gap), of(gap).energy);
     }
-    // Repulsion grows along its tangent.
+    // The repulsion grows along its tangent.
     let [a, b, c] = [-0.2, -1.2, -2.2].map(|gap| law.opening(gap).traction);
     assert!(a == -3.0 && b < -8.0);
     assert_relative_eq!(b - a, c - b, max_relative = 1e-12);

@@ -2,30 +2,30 @@
 
 use std::f64::consts::PI;
 
-/// The contact area of Persson's theory with a hardness, as fractions of the surface (Persson, J. Chem. Phys. 115
-/// (2001) 3840; Xu, Li and Mulvihill, arXiv:2208.02665).
+/// Contact area of Persson's theory with a hardness, as fractions of the surface (Persson, J. Chem. Phys. 115 (2001)
+/// 3840; Xu, Li and Mulvihill, arXiv:2208.02665).
 ///
-/// Waves are added from long to short. The pressure of a point does a random walk, whose variance is that of the
-/// pressure in full contact; at zero pressure the point leaves the contact, and at the hardness it stays.
+/// Waves are added from long to short. The pressure of a point performs a random walk with the variance of the pressure
+/// in full contact. At zero pressure the point leaves the contact; at the hardness it stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElastoplasticArea {
-    /// Points whose pressure lies between zero and the hardness.
+    /// Points with a pressure between zero and the hardness.
     pub elastic: f64,
-    /// Points whose pressure is the hardness.
+    /// Points with a pressure equal to the hardness.
     pub plastic: f64,
 }
 
-/// The largest number of terms of either series, far beyond those that count.
+/// Largest number of terms of either series, far more than needed.
 const TERMS: i32 = 64;
 
 impl ElastoplasticArea {
-    /// The area under a mean pressure below the `hardness`, with the `variance` of the pressure in full contact (E*²
-    /// ḡ²/4 on a half-space). All in stress; the mean pressure and the variance are not negative, and the hardness is
-    /// positive.
+    /// Computes the area under a mean pressure below the `hardness`, with the `variance` of the pressure in full
+    /// contact (E*² ḡ²/4 on a half-space). All in stress; the mean pressure and the variance must not be negative, and
+    /// the hardness must be positive.
     pub fn new(mean_pressure: f64, variance: f64, hardness: f64) -> Self {
         let share = mean_pressure / hardness;
         let spread = variance / (hardness * hardness);
-        // The series of images converges fast for small variances, that of sines for large ones.
+        // The series of images converges fast for small variances, the series of sines for large ones.
         let (plastic, apart) = if spread < 0.5 {
             (hits(share, spread), hits(1.0 - share, spread))
         } else {
@@ -34,14 +34,14 @@ impl ElastoplasticArea {
         Self { elastic: 1.0 - plastic - apart, plastic }
     }
 
-    /// All points in contact.
+    /// Returns the fraction of all points in contact.
     pub fn total(&self) -> f64 {
         self.elastic + self.plastic
     }
 }
 
-/// The probability that a walk from `start` between 0 and 1 has reached 1, and not 0 before, when its variance is
-/// `spread`: images of the start beyond both ends.
+/// Returns the probability that a walk of variance `spread` from `start` between 0 and 1 has reached 1 and not 0
+/// before, by images of the start beyond both ends.
 fn hits(start: f64, spread: f64) -> f64 {
     let width = (2.0 * spread).sqrt();
     let beyond = |distance: f64| if width > 0.0 { libm::erfc(distance / width) } else { 0.0 };
@@ -52,7 +52,7 @@ fn hits(start: f64, spread: f64) -> f64 {
     (0..TERMS).map(term).sum()
 }
 
-/// The probability of [`hits`], as a series of the waves of the interval.
+/// Returns the probability of [`hits`] as a sine series on the interval.
 fn sines(start: f64, spread: f64) -> f64 {
     let term = |n: i32| {
         let wave = f64::from(n) * PI;
@@ -69,7 +69,7 @@ mod tests {
     use super::super::{persson_area, quadrature::gauss_legendre};
     use super::*;
 
-    /// The density of the pressure on the way, by its sines (Persson 2001, eq. 22): an independent form.
+    /// Returns the pressure density between the ends as a sine series (Persson 2001, eq. 22), an independent form.
     fn density(pressure: f64, mean: f64, variance: f64, hardness: f64) -> f64 {
         let term = |n: i32| {
             let wave = f64::from(n) * PI / hardness;
@@ -86,7 +86,7 @@ mod tests {
             let nodes = gauss_legendre(200, [0.0, hardness]);
             let elastic: f64 = nodes.iter().map(|(p, w)| w * density(*p, mean, variance, hardness)).sum();
             assert_relative_eq!(found.elastic, elastic, epsilon = 1e-12, max_relative = 1e-10);
-            // The flux into the hardness is half of the slope there; it begins slowly.
+            // The flux into the hardness is half the slope there; it begins slowly.
             let flux = |v: f64| {
                 let term = |n: i32| {
                     let wave = f64::from(n) * PI / hardness;
@@ -101,7 +101,7 @@ mod tests {
             };
             let plastic: f64 = ends.windows(2).map(piece).sum();
             assert_relative_eq!(found.plastic, plastic, epsilon = 1e-10, max_relative = 1e-9);
-            // The load is borne by both.
+            // Elastic and plastic points bear the load together.
             let load: f64 = nodes.iter().map(|(p, w)| w * p * density(*p, mean, variance, hardness)).sum();
             assert_relative_eq!(load + hardness * found.plastic, mean, max_relative = 1e-10);
         }
@@ -114,7 +114,7 @@ mod tests {
                 assert_relative_eq!(hits(share, spread), sines(share, spread), epsilon = 1e-14);
             }
         }
-        // Hard: Persson's elastic area. Rough: everything in contact is plastic, and bears the load.
+        // Hard: Persson's elastic area. Rough: the whole contact is plastic and bears the load.
         for p_star in [0.01, 0.1, 0.5] {
             let hard = ElastoplasticArea::new(p_star, 0.25, 100.0);
             assert_relative_eq!(hard.total(), persson_area(p_star), epsilon = 1e-14);

@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 use super::persson_pressure;
 use super::quadrature::{scaled, unit_rule};
 
-/// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001): waves are added from long to
-/// short, and each spreads the distribution of pressure, which vanishes at zero pressure.
+/// Persson's theory of a randomly rough surface pressed on an elastic body (Persson 2001). Waves are added from long to
+/// short; each spreads the pressure distribution, which vanishes at zero pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Persson {
-    /// Ascending in wavenumber.
+    /// Shells in ascending order of wavenumber.
     shells: Vec<Shell>,
 }
 
@@ -17,30 +17,29 @@ pub struct Persson {
 #[derive(Clone, Debug, PartialEq)]
 struct Shell {
     wavenumber: f64,
-    /// The contribution of the waves to the mean square height, length².
+    /// Contribution of the waves to the mean square height, length².
     mean_square_height: f64,
-    /// The normal stiffness of the body, stress/length.
+    /// Normal stiffness of the body, stress/length.
     stiffness: f64,
-    /// The waves in order: wavenumber, and contribution to the mean square height; waves of equal wavenumber are
-    /// merged.
+    /// Wavenumber and contribution to the mean square height of each wave, in order; equal wavenumbers are merged.
     waves: Vec<(f64, f64)>,
 }
 
-/// Waves whose wavenumbers differ by less than this ratio form one shell.
+/// Ratio of the wavenumbers at the ends of a shell.
 const ALIKE: f64 = 1.002;
 
-/// The relative slack with which a wave counts as one up to a wavenumber: far above the rounding errors of 2π over a
-/// wavelength, and far below the distance of wavenumbers.
+/// Relative tolerance for a wave up to a wavenumber: far above the rounding errors of 2π divided by a wavelength, and
+/// far below the distance of wavenumbers.
 const ROUNDING: f64 = 1e-12;
 
-/// The elastic energy of a contact of small area, over the energy in full contact times the area fraction. Almqvist,
+/// Elastic energy of a contact of small area, divided by the energy in full contact times the area fraction. Almqvist,
 /// Campañá, Prodanov and Persson (2011) find 0.42 to 0.48 for self-affine surfaces.
 pub const ENERGY_FACTOR: f64 = 0.45;
 
 impl Persson {
-    /// The theory for waves in any order, each with its wavenumber (1/length) and its contribution to the mean square
-    /// height (length²), and for the normal stiffness k(q) of the body (stress/length; E* q/2 for a half-space). Waves
-    /// without height are left out. `None` if no wave is left, or if a value is negative or not finite.
+    /// Takes waves in any order, each with its wavenumber (1/length) and its contribution to the mean square height
+    /// (length²), and the normal stiffness k(q) of the body (stress/length; E* q/2 for a half-space). Waves without
+    /// height are ignored. Returns `None` if no wave is left, or if a value is negative or not finite.
     pub fn new(waves: impl IntoIterator<Item = (f64, f64)>, stiffness: impl Fn(f64) -> f64) -> Option<Self> {
         let mut waves: Vec<(f64, f64)> = waves.into_iter().filter(|(_, square)| *square != 0.0).collect();
         let good = |value: f64| value > 0.0 && value.is_finite();
@@ -67,15 +66,15 @@ impl Persson {
         shells.iter().all(|shell| good(shell.stiffness)).then_some(Self { shells })
     }
 
-    /// The variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`, which
-    /// is included up to rounding errors; stress².
+    /// Returns the variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`,
+    /// which is included up to rounding errors; stress².
     pub fn variance(&self, largest: f64) -> f64 {
         let largest = largest * (1.0 + ROUNDING);
         self.shells.iter().map(|shell| shell.variance_up_to(largest)).sum()
     }
 
-    /// The contact area fraction erf(p̄/√(2V)) of the waves up to the wavenumber `largest`; infinity includes all
-    /// waves.
+    /// Returns the contact area fraction erf(p̄/√(2V)) of the waves up to the wavenumber `largest`; infinity includes
+    /// all waves.
     pub fn area(&self, mean_pressure: f64, largest: f64) -> f64 {
         match self.variance(largest) {
             0.0 => f64::from(u8::from(mean_pressure > 0.0)),
@@ -83,8 +82,8 @@ impl Persson {
         }
     }
 
-    /// The density P(σ) of the pressure σ > 0, 1/stress, of the waves up to `largest`: a Gaussian about p̄ less its
-    /// mirror image at σ = 0. Its integral is the contact area fraction. Zero if there is no wave.
+    /// Returns the density P(σ) of the pressure σ > 0, 1/stress, of the waves up to `largest`: a Gaussian about p̄
+    /// minus its mirror image at σ = 0. Its integral is the contact area fraction. Zero if there is no wave.
     pub fn pressure_density(&self, mean_pressure: f64, largest: f64, pressure: f64) -> f64 {
         match self.variance(largest) {
             variance if variance > 0.0 && pressure > 0.0 => persson_pressure(pressure, mean_pressure, variance),
@@ -92,13 +91,13 @@ impl Persson {
         }
     }
 
-    /// The mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the elastic energy
-    /// for each area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al. 2011).
-    /// Length.
+    /// Returns the mean gap ∫ (1/p) dU/dp dp from p̄ to infinity, where U = ½ Σ k|h̃|² [γ a + (1 − γ) a³] is the
+    /// elastic energy per area, a the area at the wavenumber, and γ = `energy_factor` (Persson 2007; Almqvist et al.
+    /// 2011). Length.
     ///
     /// The sum is an integral over the variance V of the pressure, in which waves of equal wavenumber are added one by
     /// one: a depends on V, and V grows by k² |h̃|² with each wave. The gap therefore depends on the spectrum alone,
-    /// even for few waves. It grows without limit as the pressure vanishes: infinity at no pressure.
+    /// even for few waves. It grows without limit as the pressure vanishes and is infinite at zero pressure.
     pub fn mean_gap(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
         if mean_pressure <= 0.0 {
             return f64::INFINITY;
@@ -122,7 +121,7 @@ impl Shell {
         self.stiffness.powi(2) * self.mean_square_height
     }
 
-    /// The part of the variance of the waves up to a wavenumber.
+    /// Returns the contribution of the waves up to a wavenumber to the variance.
     fn variance_up_to(&self, largest: f64) -> f64 {
         match self.waves.last() {
             Some((highest, _)) if *highest <= largest => self.variance(),
@@ -134,33 +133,33 @@ impl Shell {
     }
 }
 
-/// The mean gap over the elastic energy in full contact, for waves that meet one variance of the pressure.
+/// Mean gap divided by the elastic energy in full contact, for waves added at a given variance of the pressure.
 struct Separation {
     mean_pressure: f64,
     energy_factor: f64,
-    /// A rule of quadrature on (0, 1).
+    /// Quadrature rule on (0, 1).
     rule: Vec<(f64, f64)>,
 }
 
-/// p/√(2V) beyond which the integrand is negligible: the rest is below 1e-18.
+/// Value of p/√(2V) beyond which the integrand is negligible: the rest is below 1e-18.
 const FAR: f64 = 6.5;
 
-/// The ratio of deviations of the pressure below which the integral over the variance has nothing: the integrand grows
-/// there as the logarithm of the deviation, and the interval vanishes.
+/// Ratio of pressure deviations below which the integral over the variance is negligible: the integrand grows there as
+/// the logarithm of the deviation, and the interval vanishes.
 const NOTHING: f64 = 1e-30;
 
-/// The ratio of the deviations of the pressure at the ends of a shell below which two points of quadrature suffice.
+/// Ratio of the pressure deviations at the ends of a shell below which two quadrature points suffice.
 const NARROW: f64 = 1.05;
 
 impl Separation {
-    /// The mean of [`at`](Self::at) over the variances between `low` and `high`; 1/stress. The rules of quadrature are
-    /// that of a narrow interval, and that of a wide one.
+    /// Returns the mean of [`at`](Self::at) over the variances between `low` and `high`; 1/stress. `rules` are the
+    /// quadrature rules for a narrow and a wide interval.
     fn mean_over(&self, [low, high]: [f64; 2], rules: &[Vec<(f64, f64)>; 2]) -> f64 {
-        // dV = 2 r dr with r = √V, from where anything is separated.
+        // dV = 2 r dr with r = √V, starting where the surfaces begin to separate.
         let least = self.mean_pressure / (2.0_f64.sqrt() * FAR);
         let ends = [low.sqrt().max(least).max(high.sqrt() * NOTHING), high.sqrt()];
         if ends[0] >= ends[1] {
-            // Nothing is separated, or the waves add less than the last digit.
+            // There is no separation, or the waves add less than the last digit.
             return if high.sqrt() > least { self.at(high) } else { 0.0 };
         }
         let ratio = ends[1] / ends[0];
@@ -175,11 +174,11 @@ impl Separation {
         integral / (high - low)
     }
 
-    /// ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from the mean pressure to infinity, with a = erf(p/√(2V)); 1/stress.
+    /// Returns ∫ (1/p) da/dp [γ + 3(1 − γ) a²] dp from the mean pressure to infinity, with a = erf(p/√(2V)); 1/stress.
     fn at(&self, variance: f64) -> f64 {
         let unit = (2.0 * variance).sqrt();
         let start = (self.mean_pressure / unit).max(f64::MIN_POSITIVE).ln();
-        // In x = ln(p/√(2V)); the quotient of the smallest numbers is at least the smallest one.
+        // Integrates over x = ln(p/√(2V)); the smallest positive number bounds the quotient from below.
         let end = FAR.ln();
         if start >= end {
             return 0.0;

@@ -2,23 +2,23 @@
 
 use std::f64::consts::PI;
 
-/// Nodes and weights of Gauss and Legendre's rule with `count` nodes on an interval, ascending.
+/// Returns nodes and weights of the Gauss–Legendre rule with `count` nodes on an interval, ascending.
 pub(super) fn gauss_legendre(count: usize, interval: [f64; 2]) -> Vec<(f64, f64)> {
     scaled(&unit_rule(count).collect::<Vec<_>>(), interval).collect()
 }
 
-/// The nodes and weights of a rule on [-1, 1], for an interval.
+/// Maps the nodes and weights of a rule on [-1, 1] to an interval.
 pub(super) fn scaled(rule: &[(f64, f64)], [low, high]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
     let half = 0.5 * (high - low);
     rule.iter().map(move |(x, weight)| (low + half * (1.0 + x), half * weight))
 }
 
-/// Gauss and Legendre's rule on [-1, 1].
+/// Returns the Gauss–Legendre rule on [-1, 1].
 pub(super) fn unit_rule(count: usize) -> impl Iterator<Item = (f64, f64)> {
     (0..count).rev().map(move |k| {
         let mut x = (PI * (k as f64 + 0.75) / (count as f64 + 0.5)).cos();
         let mut slope = 1.0;
-        // Newton's iteration on the polynomial; ten steps are more than any count needs.
+        // Newton's iteration on the polynomial; ten steps suffice for any count.
         for _ in 0..10 {
             let [mut value, mut before] = [1.0, 0.0];
             for n in 0..count {

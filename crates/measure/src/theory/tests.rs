@@ -59,7 +59,7 @@ fn an_adhesive_sphere_goes_from_jkr_to_dmt_as_its_range_grows() {
 
 #[test]
 fn an_adhesive_sphere_of_jkr_obeys_their_force() {
-    // a³ − √(6 a³), and the approach a² − (2/3) √(6 a), in units of Maugis.
+    // a³ − √(6 a³), and the approach a² − (2/3) √(6 a), in Maugis' units.
     let sphere = AdhesiveSphere { modulus: 0.7, curvature_radius: 1.5, work: 2e-3 };
     let contact = sphere.maugis(200.0, 1.000_02);
     let a = contact.radius / sphere.radius_unit();
@@ -88,7 +88,7 @@ fn johnson_low_load_is_two_hertz_contacts_in_the_cell() {
     assert_relative_eq!(johnson_area_at_low_load(f), area, max_relative = 1e-12);
 }
 
-/// Values of `persson_halfspace` and of Hertz and Westergaard in the tables of an independent program.
+/// Compares `persson_halfspace`, Hertz and Westergaard with the tables of an independent program.
 #[test]
 fn closed_forms_are_those_of_the_tables() {
     let tables: serde_json::Value =
@@ -140,8 +140,8 @@ fn asperities_are_those_of_an_independent_quadrature() {
     }
 }
 
-/// κ of Bush, Gibson and Thomas at vanishing load is √(2π), with ḡ² = 2 m2; the approach to it is slow, and the slower,
-/// the broader the spectrum.
+/// κ of Bush, Gibson and Thomas at vanishing load is √(2π), with ḡ² = 2 m2. The broader the spectrum, the slower it is
+/// approached.
 #[test]
 fn bush_gibson_and_thomas_have_their_limit() {
     for (nayak, reached) in [(1.6, 0.98), (5.0, 0.9), (100.0, 0.7)] {
@@ -170,7 +170,7 @@ fn surfaces_that_cannot_be_have_no_asperities() {
     }
 }
 
-/// A half-space below a continuous self-affine spectrum of three decades.
+/// Returns a half-space below a continuous self-affine spectrum of three decades.
 fn self_affine(hurst: f64, modulus: f64, count: u32) -> Persson {
     let step = 1000_f64.ln() / f64::from(count);
     let wave = |k: u32| {
@@ -188,7 +188,7 @@ fn persson_of_a_half_space_is_the_error_function_of_the_reduced_pressure() {
     for p_star in [1e-3, 0.1, 1.0] {
         assert_relative_eq!(theory.area(p_star * unit, f64::INFINITY), persson_area(p_star), max_relative = 1e-12);
     }
-    // The area at a low magnification is larger, and the whole without waves.
+    // The area at a low magnification is larger, and it is the whole surface without waves.
     let areas = [0.1, 10.0, 100.0, 1e4].map(|largest| theory.area(0.05 * unit, largest));
     assert!(areas[0] == 1.0 && areas.windows(2).all(|pair| pair[0] > pair[1]), "{areas:?}");
 }
@@ -209,15 +209,14 @@ fn the_distribution_of_pressure_has_the_area_and_the_mean() {
     }
 }
 
-/// dU/dū = −p̄, with U the energy that the theory assigns to its contact; the gap of a vanishing pressure grows with
-/// its logarithm.
+/// dU/dū = −p̄, with U the elastic energy of the theory; the gap at vanishing pressure grows as its logarithm.
 #[test]
 fn the_mean_gap_does_the_work_of_the_pressure() {
     let theory = self_affine(0.8, 1.0, 3000);
     let energy = |mean: f64| -> f64 {
         let mut longer = 0.0;
         let mut sum = 0.0;
-        // Three decades in 3000 steps, wider than the waves that are taken together.
+        // Three decades in 3000 steps, which are wider than the shells.
         for k in 0..3000_u32 {
             let step = 1000_f64.ln() / 3000.0;
             let q = 2.0 * (step * (f64::from(k) + 0.5)).exp();
@@ -244,9 +243,8 @@ fn the_mean_gap_does_the_work_of_the_pressure() {
     assert_eq!(theory.mean_gap(20.0 * deviation, 0.45), 0.0);
 }
 
-/// The elastic energy of waves of one stiffness does not depend on how many they are: the mean gap is an integral over
-/// the variance, here by the rule of Simpson on 4000 intervals of its root, and on 400 of the logarithm of the
-/// pressure.
+/// The elastic energy of waves of equal stiffness does not depend on their number. The mean gap is an integral over the
+/// variance, here by Simpson's rule on 4000 intervals of its root and on 400 of the logarithm of the pressure.
 #[test]
 fn the_mean_gap_of_waves_of_one_stiffness_is_an_integral_over_their_variance() {
     const GAMMA: f64 = 0.45;
@@ -264,7 +262,7 @@ fn the_mean_gap_of_waves_of_one_stiffness_is_an_integral_over_their_variance() {
     let tail = |s: f64| if s < 7.0 { simpson(400, [s.ln(), 7_f64.ln()], &integrand) } else { 0.0 };
     for (stiffness, square, pressure) in [(2.0, 1e-4, 1e-4), (2.0, 1e-4, 0.01), (0.5, 0.04, 0.2)] {
         let variance: f64 = stiffness * stiffness * square;
-        // V = r², from r = 0, where nothing is separated at a pressure.
+        // V = r², from r = 0, where there is no separation at a positive pressure.
         let mean_over_variance = simpson(4000, [1e-9, variance.sqrt()], &|r| {
             let unit = 2_f64.sqrt() * r;
             2.0 * r * tail(pressure / unit) / unit
@@ -290,8 +288,8 @@ fn spectra_that_cannot_be_have_no_theory() {
     assert!(Persson::new([(1.0, 1.0), (1.0001, 2.0), (3.0, 0.0)], half_space).is_some());
 }
 
-/// 2π over the wavelength 1/n and the wavenumber 2πn differ in the last digit for some n, and a wave of that length
-/// counts always.
+/// 2π divided by the wavelength 1/n and the wavenumber 2πn differ in the last digit for some n. A wave of exactly that
+/// length must always count.
 #[test]
 fn a_cut_at_a_wavelength_includes_the_waves_of_that_length() {
     let tau = std::f64::consts::TAU;
@@ -306,7 +304,7 @@ fn a_cut_at_a_wavelength_includes_the_waves_of_that_length() {
 #[test]
 fn a_wave_next_to_others_is_seen_from_its_own_length_on() {
     let tau = std::f64::consts::TAU;
-    // Waves along an axis, and beside them (n, 1), (n, 2), (n, 3), which are shorter by less than the width of a shell.
+    // Waves along an axis, and (n, 1), (n, 2), (n, 3), which are shorter by less than the width of a shell.
     for n in [4, 10, 50, 400] {
         let numbers = (0..4).map(|m: u32| f64::from(n * n + m * m).sqrt());
         let theory = Persson::new(numbers.clone().map(|number| (tau * number, 1.0)), |_| 1.0).unwrap();

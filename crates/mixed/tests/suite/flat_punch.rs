@@ -1,4 +1,4 @@
-//! The points below a flat punch.
+//! Points below a flat punch.
 
 use gfmd_field::Grid;
 use gfmd_mixed::{Edge, FlatPunch, MixedError};

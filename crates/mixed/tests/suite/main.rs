@@ -1,4 +1,4 @@
-//! The tests of `gfmd-mixed` as one program: those of one file by `cargo test -p gfmd-mixed --test suite FILE::`.
+//! Tests of `gfmd-mixed` as one program. One file runs with `cargo test -p gfmd-mixed --test suite FILE::`.
 
 mod flat_punch;
 mod properties;

@@ -12,7 +12,7 @@ use gfmd_response::FullResponse;
 use ndarray::{Array2, Array3, Axis, Zip};
 use proptest::prelude::*;
 
-/// Numbers between −1/2 and 1/2, evenly spread and repeatable.
+/// Returns repeatable numbers, evenly spread between −1/2 and 1/2.
 fn noise(shape: [usize; 3], seed: u64) -> Array3<f64> {
     let mut i = 0.0;
     Array3::from_shape_simple_fn(shape, || {
@@ -45,7 +45,7 @@ fn shape(response: &FullResponse) -> [usize; 3] {
     [response.components().len(), nx, ny]
 }
 
-/// The displacement u = G t.
+/// Returns the displacement u = G t.
 fn displacement(response: &FullResponse, traction: &Array3<f64>) -> Array3<f64> {
     let mut out = Array3::zeros(traction.dim());
     let (t, u) = (traction.as_slice().unwrap(), out.as_slice_mut().unwrap());
@@ -66,7 +66,7 @@ fn to(tolerance: f64) -> Budget {
     Budget { tolerance, ..Budget::default() }
 }
 
-/// The solution to 1e-12, by the default method.
+/// Solves to 1e-12 by the default method.
 fn exact(response: &Arc<FullResponse>, held: &Array3<bool>, values: &Array3<f64>) -> MixedSolution {
     let prescribed = Prescribed::new(held.view(), values.view()).unwrap();
     solve(response, prescribed, Method::default(), to(1e-12)).unwrap()
@@ -76,12 +76,12 @@ fn largest(field: &Array3<f64>) -> f64 {
     field.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// The mean ⟨a·b⟩.
+/// Returns the mean ⟨a·b⟩.
 fn work(a: &Array3<f64>, b: &Array3<f64>) -> f64 {
     (a * b).sum() / (a.len() / a.len_of(Axis(0))) as f64
 }
 
-/// A body on a grid, with some entries held: at least one held and one free in every component.
+/// Generates a body on a grid with some entries held: at least one held and one free in every component.
 fn problems() -> impl Strategy<Value = (Arc<FullResponse>, Array3<bool>)> {
     (0..4_usize, 0..4_usize, 0.05..0.95_f64, 0..1000_u64).prop_map(|(body, grid, part, seed)| {
         let response = Arc::new(FullResponse::new(grids()[grid], &bodies()[body]));
@@ -216,7 +216,7 @@ fn problems_that_cannot_be_posed_are_refused() {
     for (response, component) in [(&half_space, "component 0"), (&rubber, "component 2")] {
         assert!(error(response, Prescribed::sticking(&grid, all.view(), [0.0, 0.0, 1.0])).contains(component));
     }
-    // A slab can be compressed as a whole: this is C11/height.
+    // A slab can be compressed as a whole, with the stiffness C11/height.
     for method in [Method::ConjugateGradients, Method::Verlet] {
         let uniform = Prescribed::sticking(&grid, all.view(), [0.0, 0.0, -0.01]).unwrap();
         let solution = solve(&slab, uniform, method, Budget::default()).unwrap();

@@ -24,7 +24,7 @@ fn solve(response: &Arc<FullResponse>, prescribed: Prescribed, method: Method, t
     MixedProblem::on(Arc::clone(response), prescribed).unwrap().solve(method, &budget, &mut ()).unwrap()
 }
 
-/// Points within `half` points of the middle of the cell.
+/// Returns the points within `half` points of the middle of the cell.
 fn middle(grid: &Grid, half: f64) -> Array2<bool> {
     let [nx, ny] = grid.points();
     let near = |i: usize, n: usize| n == 1 || (i as f64 - 0.5 * n as f64).abs() <= half;

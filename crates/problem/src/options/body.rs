@@ -136,7 +136,7 @@ impl fmt::Display for Layer {
 }
 
 impl Layer {
-    /// The layer of two numbers, or of three; `None` of more or less.
+    /// Returns the layer of two or three numbers; `None` for any other count.
     pub fn of(numbers: &[f64]) -> Option<Self> {
         match *numbers {
             [young, poisson] => Some(Self { young, poisson, height: Height::Infinite }),
@@ -153,13 +153,13 @@ impl Layer {
         Body::new(self.material(flag)?, self.height).map_err(|error| Unusable::input(flag, error))
     }
 
-    /// The material in words.
+    /// Describes the material in words.
     fn words(&self, units: &Units) -> String {
         format!("E = {}, nu = {}", units.words(self.young, "stress"), self.poisson)
     }
 }
 
-/// A material, whose modulus and Poisson's ratio have the flags `[young, poisson]`.
+/// Builds a material. Errors name the flags `[young, poisson]` of its modulus and Poisson's ratio.
 fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> Result<Material, Unusable> {
     if young.is_finite() && young > 0.0 {
         check_size(young_flag, young)?;
@@ -172,10 +172,10 @@ fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> 
 crate::defaults_of_flags!(BodyArgs);
 
 impl BodyArgs {
-    /// Makes the body.
+    /// Builds the body.
     ///
     /// # Errors
-    /// A flag out of its range; flags that do not go together.
+    /// Returns an error if a flag is out of range, or if flags cannot be combined.
     pub fn body(&self) -> Result<Body, Unusable> {
         let material = match self.e_star {
             Some(modulus) => {
@@ -192,16 +192,15 @@ impl BodyArgs {
         self.others.below(material, self.height)
     }
 
-    /// Young's modulus, 1 if none is given.
+    /// Returns Young's modulus, 1 by default.
     pub fn young(&self) -> f64 {
         self.young.unwrap_or(YOUNG)
     }
 
-    /// Checks that a modulus is given for lengths in a `unit`: in units of a length, a modulus of 1 is that of
-    /// no material.
+    /// Checks that a modulus is given for lengths in a `unit`: with a unit of length, no material has a modulus of 1.
     ///
     /// # Errors
-    /// Lengths with a known unit, and no modulus.
+    /// Returns an error if lengths have a known unit and no modulus is given.
     pub fn check_modulus(&self, unit: Option<&str>) -> Result<(), Unusable> {
         match unit.filter(|unit| is_length(unit)) {
             Some(unit) if self.young.is_none() && self.e_star.is_none() => Err(Unusable::of(format!(
@@ -212,7 +211,7 @@ impl BodyArgs {
         }
     }
 
-    /// The facts of the body.
+    /// Returns the facts of the body.
     pub fn facts(&self) -> Facts {
         let OtherArgs { base, layer, second_body, .. } = &self.others;
         Facts {
@@ -223,8 +222,8 @@ impl BodyArgs {
         }
     }
 
-    /// The body in words, unless it is a half-space or a slab on a bonded base, and alone. The words `below` stand in
-    /// place of those of the base.
+    /// Describes the body in words, unless it is a single half-space or slab on a bonded base. The words `below`
+    /// replace the words for the base.
     pub fn words(&self, below: Option<&str>, units: &Units) -> Option<String> {
         if self.others.are_none() && below.is_none() {
             return None;
@@ -238,15 +237,15 @@ impl BodyArgs {
         Some(format!("{top} ({modulus}, nu = {}), {}", self.poisson, self.others.words(below, units)))
     }
 
-    /// Checks the body against a surface on `grid` that is pressed on it: the heights of slabs and layers over the
-    /// sides of the cell, and the `unit` of pressures, E* times the rms gradient.
+    /// Checks the body against a surface on `grid`: the heights of slabs and layers divided by the sides of the cell,
+    /// and the `unit` of pressures, E* times the rms gradient.
     ///
     /// # Errors
-    /// A slab so thin or so high, or a unit so small or so large, that digits are lost.
+    /// Returns an error if a slab is so thin or so high, or the unit so small or so large, that digits are lost.
     pub fn check_on(&self, grid: &Grid, unit: f64) -> Result<(), Unusable> {
         self.others.check_heights(self.height, &sides(grid))?;
         let flag = if self.e_star.is_some() { "--e-star" } else { "--young" };
-        // A flat surface is judged by what uses it.
+        // A flat surface is checked where it is used.
         if SIZES.contains(&unit) || unit == 0.0 {
             return Ok(());
         }
@@ -255,19 +254,19 @@ impl BodyArgs {
     }
 }
 
-/// The body of a configuration: keys as in a result.
+/// Reads a body from a configuration with the keys of a result.
 ///
 /// # Errors
-/// A key that no body has, a value of another type.
+/// Returns an error for an unknown key, or a value of another type.
 pub fn body_of(table: toml::Table) -> Result<BodyArgs, Unusable> {
     of_keys(table, Arrays::new())
 }
 
 impl OtherArgs {
-    /// The body whose top layer has this `material` and `height`.
+    /// Builds the body with a top layer of this `material` and `height`.
     ///
     /// # Errors
-    /// A flag out of its range; flags that do not go together.
+    /// Returns an error if a flag is out of range, or if flags cannot be combined.
     pub fn below(&self, material: Material, height: Height) -> Result<Body, Unusable> {
         let top = Body::new(material, height).map_err(|error| Unusable::input("--height", error))?;
         let Self { base, base_young, base_poisson, layer, second_body } = self;
@@ -317,11 +316,11 @@ impl OtherArgs {
         }
     }
 
-    /// Checks the heights of all slabs and layers, of which the top one has the flag --height, over the `sides` of the
-    /// cell.
+    /// Checks the heights of all slabs and layers divided by the `sides` of the cell. The top one has the flag
+    /// --height.
     ///
     /// # Errors
-    /// A slab so thin or so high that digits are lost.
+    /// Returns an error if a slab is so thin or so high that digits are lost.
     pub fn check_heights(&self, height: Height, sides: &[f64]) -> Result<(), Unusable> {
         let others = self.layer.iter().map(|layer| ("--layer", layer.height));
         let second = self.second_body.iter().map(|layer| ("--second-body", layer.height));
@@ -337,7 +336,7 @@ impl OtherArgs {
         Ok(())
     }
 
-    /// Options with other moduli: Young's modulus and Poisson's ratio of each layer, and of the half-space below.
+    /// Returns options with mapped moduli (E, ν) of each layer and of the half-space below.
     #[must_use]
     pub fn map_moduli(&self, other: impl Fn(f64, f64) -> (f64, f64)) -> Self {
         let layer = |layer: &Layer| {
@@ -352,13 +351,13 @@ impl OtherArgs {
         mapped
     }
 
-    /// True if the body is a half-space, or a slab on a bonded base, and alone.
+    /// Returns true if the body is a single half-space or slab on a bonded base.
     pub fn are_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The words that these flags add to those for a slab, such as "on a layer of height 0.2 (E = 3, nu = 0.3), on a
-    /// half-space". The words `below` stand in place of those of the base.
+    /// Returns the words that these flags add to the description of a slab, such as "on a layer of height 0.2 (E = 3,
+    /// nu = 0.3), on a half-space". The words `below` replace the words for the base.
     pub fn words(&self, below: Option<&str>, units: &Units) -> String {
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         let mut parts: Vec<String> = Vec::new();
@@ -388,7 +387,7 @@ impl OtherArgs {
     }
 }
 
-/// The sides of the cell: two, or one of a profile.
+/// Returns the sides of the cell: two, or one for a profile.
 pub fn sides(grid: &Grid) -> Vec<f64> {
     grid.lengths()[..if grid.is_line() { 1 } else { 2 }].to_vec()
 }
@@ -435,15 +434,15 @@ pub struct RecordedBodyArgs {
 }
 
 impl RecordedBodyArgs {
-    /// Takes each property from its flag or else from `record`, the configuration of a run.
+    /// Takes each property from its flag, or else from `record`, the configuration of a run.
     ///
     /// # Errors
-    /// A property that neither has; a record that no run writes.
+    /// Returns an error if neither has a property, or if `record` is not the record of a run.
     pub fn over(&self, record: &toml::Table) -> Result<BodyArgs, Unusable> {
         let unusable = |error: &dyn fmt::Display| Unusable::input("the config that the input records", error);
         let mut table = record.clone();
         let given = toml::Table::try_from(self).map_err(|error| unusable(&error))?;
-        // A modulus replaces the other one, a base its half-space.
+        // A given modulus replaces the recorded one, and a given base the recorded half-space.
         if self.young.is_some() {
             table.remove("e_star");
         }
@@ -468,7 +467,7 @@ impl RecordedBodyArgs {
 /// Parses a height: a length, or `inf`.
 ///
 /// # Errors
-/// Text that is neither.
+/// Returns an error for any other text.
 pub fn parse_height(text: &str) -> Result<Height, String> {
     if text == "inf" {
         return Ok(Height::Infinite);
@@ -491,7 +490,7 @@ pub mod height {
     /// Writes a height.
     ///
     /// # Errors
-    /// An error of the serialiser.
+    /// Returns an error of the serialiser.
     pub fn serialize<S: Serializer>(height: &Height, serializer: S) -> Result<S::Ok, S::Error> {
         match height {
             Height::Finite(height) => serializer.serialize_f64(*height),
@@ -502,10 +501,10 @@ pub mod height {
     /// Reads a height.
     ///
     /// # Errors
-    /// A value that is neither a number nor `inf`.
+    /// Returns an error if the value is neither a number nor `inf`.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Height, D::Error> {
         match Given::deserialize(deserializer) {
-            // The number of TOML that is written without quotes.
+            // The number inf of TOML, without quotes.
             Ok(Given::Number(height)) if height == f64::INFINITY => Ok(Height::Infinite),
             Ok(Given::Number(height)) => Ok(Height::Finite(height)),
             Ok(Given::Text(text)) if text == "inf" => Ok(Height::Infinite),
@@ -522,7 +521,7 @@ pub mod height_if {
     /// Writes a height.
     ///
     /// # Errors
-    /// An error of the serialiser.
+    /// Returns an error of the serialiser.
     pub fn serialize<S: Serializer>(height: &Option<Height>, serializer: S) -> Result<S::Ok, S::Error> {
         match height {
             Some(height) => super::height::serialize(height, serializer),
@@ -530,10 +529,10 @@ pub mod height_if {
         }
     }
 
-    /// Reads a height that is there.
+    /// Reads a height that is present.
     ///
     /// # Errors
-    /// A value that is neither a number nor `inf`.
+    /// Returns an error if the value is neither a number nor `inf`.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Height>, D::Error> {
         super::height::deserialize(deserializer).map(Some)
     }

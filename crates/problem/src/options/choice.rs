@@ -9,13 +9,13 @@ use gfmd_viscoelastic::Relaxes;
 
 /// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {
-    /// The values to choose from.
+    /// Returns the values to choose from.
     fn all() -> &'static [Self];
 
-    /// The name on a command line and in the record of a run.
+    /// Returns the name on a command line and in the record of a run.
     fn name(self) -> &'static str;
 
-    /// The meaning in one line, for the help.
+    /// Returns the meaning in one line, for the help.
     fn meaning(self) -> &'static str;
 }
 
@@ -68,7 +68,7 @@ pub mod named {
     /// Writes the name.
     ///
     /// # Errors
-    /// An error of the serialiser.
+    /// Returns an error of the serialiser.
     pub fn serialize<T: Choice, S: Serializer>(choice: &T, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(choice.name())
     }
@@ -76,7 +76,7 @@ pub mod named {
     /// Reads the name.
     ///
     /// # Errors
-    /// A name that is none of the choices.
+    /// Returns an error if no choice has this name.
     pub fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
         let name = String::deserialize(deserializer)?;
         let allowed = || T::all().iter().map(|choice| choice.name()).collect::<Vec<_>>().join(", ");
@@ -94,7 +94,7 @@ pub mod named_if {
     /// Writes the name.
     ///
     /// # Errors
-    /// An error of the serialiser.
+    /// Returns an error of the serialiser.
     pub fn serialize<T: Choice, S: Serializer>(choice: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
         match choice {
             Some(choice) => named::serialize(choice, serializer),
@@ -102,10 +102,10 @@ pub mod named_if {
         }
     }
 
-    /// Reads the name of a choice that is there.
+    /// Reads the name of a choice that is present.
     ///
     /// # Errors
-    /// A name that is none of the choices.
+    /// Returns an error if no choice has this name.
     pub fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
         named::deserialize(deserializer).map(Some)
     }

@@ -38,10 +38,10 @@ pub enum Row {
 }
 
 impl Row {
-    /// The row `A:B` or `A:B:C`.
+    /// Parses a row `A:B` or `A:B:C`.
     ///
     /// # Errors
-    /// Other text.
+    /// Returns an error for any other text.
     pub fn parse(text: &str) -> Result<Self, String> {
         let numbers: Result<Vec<f64>, _> = text.split(':').map(|number| number.trim().parse()).collect();
         match numbers.as_deref() {
@@ -65,10 +65,10 @@ impl ComplianceArgs {
     /// The keys of these flags in a configuration.
     pub const NAMES: [&'static str; 2] = ["compliance", "uniform_compliance"];
 
-    /// The body: that of the flags `args`, or that of the table.
+    /// Returns the body of the flags `args`, or of the table if one is given.
     ///
     /// # Errors
-    /// A flag out of its range; flags that have no meaning beside a table; a table without the modulus of p*.
+    /// Returns an error if a flag is out of range or meaningless beside a table, or the modulus for p* is missing.
     pub fn body(&self, args: &BodyArgs) -> Result<Body, Unusable> {
         let own = args.body()?;
         if self.compliance.is_empty() {
@@ -126,17 +126,17 @@ impl ComplianceArgs {
         })
     }
 
-    /// The facts of a problem with this body in place of its own.
+    /// Returns the facts of a problem with this body instead of its own.
     #[must_use]
     pub fn of(&self, facts: Facts) -> Facts {
         if self.compliance.is_empty() { facts } else { Facts { support: Support::Table, ..facts } }
     }
 }
 
-/// Checks that the table of a body has the wavenumbers of a grid.
+/// Checks that the table of a body covers the wavenumbers of a grid.
 ///
 /// # Errors
-/// Wavenumbers beyond the table.
+/// Returns an error if wavenumbers lie outside the table.
 pub fn check_wavenumbers(body: &Body, grid: &Grid) -> Result<(), Unusable> {
     let Some([low, high]) = body.tabulated_wavenumbers() else { return Ok(()) };
     let sides = if grid.is_line() { 1 } else { 2 };

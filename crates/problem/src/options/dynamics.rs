@@ -38,7 +38,7 @@ impl DynamicsArgs {
     /// Checks that the method takes the flags.
     ///
     /// # Errors
-    /// A flag that the method does not take; two numbers in place of one or three.
+    /// Returns an error for a flag that the method does not take, or for two numbers instead of one or three.
     pub fn check(&self, method: DampedBy) -> Result<(), Unusable> {
         if let (Some(dt), DampedBy::Other) = (self.dt, method) {
             return Err(Unusable::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
@@ -49,15 +49,15 @@ impl DynamicsArgs {
         self.factors().map(drop)
     }
 
-    /// The time step over its stability limit.
+    /// Returns the time step divided by its stability limit.
     pub fn time_step(&self) -> Option<f64> {
         self.dt
     }
 
-    /// The damping over a critical one.
+    /// Returns the damping divided by the critical damping.
     ///
     /// # Errors
-    /// Two numbers.
+    /// Returns an error for two numbers.
     pub fn factors(&self) -> Result<Factors, Unusable> {
         match self.damping[..] {
             [] => Ok(Factors::Softest(1.0)),

@@ -14,10 +14,10 @@ const LONGEST: usize = 200;
 /// Flags with a default that go with another flag alone.
 const BESIDE: [(&str, &str); 3] = [("roll_off_shape", "roll_off"), ("moduli", "prony"), ("relaxes", "prony")];
 
-/// A group of flags of which none is given: the defaults that the help names.
+/// Returns a group of flags with the defaults that the help names.
 pub fn without_flags<A: Args + FromArgMatches>() -> A {
     let command = A::augment_args(Command::new("gfmd").no_binary_name(true)).ignore_errors(true);
-    // A number that a command needs is none.
+    // A required number is NaN.
     let command = command.mut_args(|flag| match flag.is_required_set() {
         true => flag.required(false).default_value("nan"),
         false => flag,
@@ -38,13 +38,13 @@ macro_rules! defaults_of_flags {
     };
 }
 
-/// The keys of a group of flags in a configuration.
+/// Returns the keys of a group of flags in a configuration.
 pub fn keys<A: Args>() -> Vec<String> {
     let command = A::augment_args(Command::new("gfmd"));
     command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
 }
 
-/// Takes out of a table the defaults of flags that cannot be given beside the others in it.
+/// Removes from a table the defaults of flags that cannot be combined with the others in it.
 pub fn leave_out_idle<A: Args>(table: &mut Table) {
     let command = A::augment_args(Command::new("gfmd"));
     let given = command.get_arguments().filter(|flag| table.contains_key(flag.get_id().as_str()));
@@ -55,22 +55,22 @@ pub fn leave_out_idle<A: Args>(table: &mut Table) {
     }
 }
 
-/// The configuration of a run with these flags as TOML, in the order of the flags.
+/// Returns the configuration of a run with these flags as TOML, in flag order.
 ///
 /// # Errors
-/// A number that TOML does not have.
+/// Returns an error for a number that TOML does not have.
 pub fn toml_of<A: Args + Serialize>(args: &A) -> Result<String, toml::ser::Error> {
-    // A table has no integers above 2^63, which its text has.
+    // A table cannot hold integers above 2^63, but TOML text can.
     let Ok(mut table) = Table::try_from(args) else { return toml::to_string(args) };
     leave_out_idle::<A>(&mut table);
     let lines = keys::<A>().into_iter().filter_map(|key| table.remove_entry(&key)).collect::<Vec<_>>();
     lines.into_iter().chain(table).map(|line| toml::to_string(&Table::from_iter([line]))).collect()
 }
 
-/// A group of flags from a table of its keys, and the arrays of options.
+/// Reads a group of flags from a table of its keys, and from the arrays of options.
 ///
 /// # Errors
-/// Another key; a value of another type, which is named.
+/// Returns an error that names an unknown key, or a value of another type.
 pub fn of_keys<A: Args + DeserializeOwned>(table: Table, arrays: Arrays) -> Result<A, Unusable> {
     let keys = keys::<A>();
     match table.keys().chain(arrays.keys()).find(|key| !keys.contains(key)) {
@@ -79,13 +79,13 @@ pub fn of_keys<A: Args + DeserializeOwned>(table: Table, arrays: Arrays) -> Resu
     }
 }
 
-/// A group of flags from a table of its keys; those of other groups are left aside.
+/// Reads a group of flags from a table of its keys; keys of other groups are ignored.
 ///
 /// # Errors
-/// A value of another type, which is named.
+/// Returns an error that names a value of another type.
 pub fn of_table<A: DeserializeOwned>(table: Table) -> Result<A, String> {
     A::deserialize(table.clone()).map_err(|error| {
-        // Every key has a default, so that a value is wrong if it cannot be read alone.
+        // Every key has a default, so a value that cannot be read alone is wrong.
         let wrong = table.into_iter().find_map(|(key, value)| {
             let text = shown(&value);
             let error = A::deserialize(Table::from_iter([(key.clone(), value)])).err()?;
@@ -95,12 +95,12 @@ pub fn of_table<A: DeserializeOwned>(table: Table) -> Result<A, String> {
     })
 }
 
-/// A key in a message.
+/// Returns a key as shown in a message.
 pub fn quoted(key: &str) -> String {
     shown(&Value::String(key.into()))
 }
 
-/// A value in a message.
+/// Returns a value as shown in a message.
 fn shown(value: &Value) -> String {
     match value.as_str() {
         Some(text) => short(&format!("{text:?}")),
@@ -108,7 +108,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// A text in one line, without control characters, not too long.
+/// Returns a text as one line of limited length, without control characters.
 pub fn line(text: &str) -> String {
     short(&text.escape_debug().to_string().replace("\\n", " ").replace("\\\"", "\""))
 }

@@ -108,7 +108,7 @@ impl GeneratorArgs {
     /// Returns the flags with every default filled in, for the record of a run.
     ///
     /// # Errors
-    /// Numbers that make no grid.
+    /// Returns an error if the numbers do not make a grid.
     pub fn resolved(&self) -> Result<Self, Unusable> {
         let mut whole = self.clone();
         if self.method == Method::Psd {
@@ -121,10 +121,10 @@ impl GeneratorArgs {
         Ok(whole)
     }
 
-    /// Makes the grid in a cell of `length`: Lx and Ly, or Lx with equal spacings along x and y, or nothing for Lx = 1.
+    /// Builds the grid in a cell of `length`: Lx and Ly, or Lx (1 if empty) with equal spacings along x and y.
     ///
     /// # Errors
-    /// Numbers that make no grid, lengths that make no cell.
+    /// Returns an error if the numbers do not make a grid, or the lengths do not make a cell.
     pub fn grid(&self, length: &[f64]) -> Result<Grid, Unusable> {
         let [nx, ny] = self.points()?;
         let along_x = length.first().copied().unwrap_or(1.0);
@@ -138,10 +138,10 @@ impl GeneratorArgs {
         grid.map_err(|error| Unusable::input("--length", error))
     }
 
-    /// Makes the heights on a grid made by [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
+    /// Generates the heights on a grid from [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
     ///
     /// # Errors
-    /// A flag out of its range, flags that do not go together.
+    /// Returns an error if a flag is out of range, or if flags cannot be combined.
     pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
         match self.method {
@@ -151,15 +151,15 @@ impl GeneratorArgs {
         }
     }
 
-    /// True if several processes make their own rows by [`heights_shared`](Self::heights_shared).
+    /// Returns true if several processes generate their own rows by [`heights_shared`](Self::heights_shared).
     pub fn is_shared(&self) -> bool {
         self.method == Method::Psd
     }
 
-    /// The heights of `--method psd`, the rows that are the `share` of this process.
+    /// Generates the rows of `--method psd` in the `share` of this process.
     ///
     /// # Errors
-    /// The errors of [`heights`](Self::heights), on all processes.
+    /// Fails like [`heights`](Self::heights), on all processes.
     pub fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
         self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| flagged(&error))
@@ -176,10 +176,10 @@ impl GeneratorArgs {
         Ok(())
     }
 
-    /// The number of points along x and y.
+    /// Returns the number of points along x and y.
     ///
     /// # Errors
-    /// Numbers that make no grid.
+    /// Returns an error if the numbers do not make a grid.
     pub fn points(&self) -> Result<[usize; 2], Unusable> {
         let allowed = || Unusable::value("--n", format!("{:?}", self.n), "N, or NX,NY for a surface");
         let [nx, ny] = match (&self.n[..], self.eps_c_inv) {
@@ -204,10 +204,10 @@ impl GeneratorArgs {
         Ok([nx, if self.dim == 2 { 1 } else { ny }])
     }
 
-    /// The spectrum of `--method psd`; the discretisation numbers refer to the shorter side of the cell.
+    /// Returns the spectrum of `--method psd`; the discretisation numbers refer to the shorter side of the cell.
     ///
     /// # Errors
-    /// A number out of its range, or a grid too coarse for the shortest wavelength.
+    /// Returns an error if a number is out of range, or if the grid is too coarse for the shortest wavelength.
     pub fn spectrum(&self, grid: &Grid) -> Result<SelfAffine, Unusable> {
         let sides = if grid.is_line() { 1 } else { 2 };
         let smaller = |values: [f64; 2]| values[..sides].iter().copied().fold(f64::INFINITY, f64::min);
@@ -242,19 +242,19 @@ impl GeneratorArgs {
         })
     }
 
-    /// 1/eps_f; by default the value that gives four points per shortest wavelength on a side of so many points.
+    /// Returns 1/eps_f; the default gives four points per shortest wavelength on a side of `side` points.
     fn eps_f_inv_on(&self, side: f64) -> f64 {
         let room = side / (self.eps_t_inv.unwrap_or(EPS_T_INV) * self.eps_c_inv.unwrap_or(EPS_C_INV));
         self.eps_f_inv.unwrap_or_else(|| room.max(1.0))
     }
 
-    /// The property to which the heights are scaled.
+    /// Returns the property to which the heights are scaled.
     pub fn normalisation(&self) -> Normalisation {
         self.rms_height.map_or(Normalisation::RmsGradient(self.rms_gradient), Normalisation::RmsHeight)
     }
 
-    /// Makes heights by subdivision on at least as many points as the grid has, cuts them to the grid, subtracts their
-    /// mean and scales them.
+    /// Generates heights by subdivision on at least as many points as the grid has, crops them to the grid, subtracts
+    /// their mean and scales them.
     fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Unusable> {
         let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
         if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
@@ -310,7 +310,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// The error of the library under the name of its flag.
+/// Returns an error of the library under the name of its flag.
 fn flagged(error: &SurfaceError) -> Unusable {
     let flag = match error {
         SurfaceError::Hurst(_) => "--hurst",
@@ -343,7 +343,7 @@ mod tests {
         Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().generator
     }
 
-    /// The heights of a line of flags in a cell of length 1, and their grid.
+    /// Generates the heights of a line of flags in a cell of length 1; returns them with their grid.
     fn made(line: &str) -> Result<(Array2<f64>, Grid), Unusable> {
         let generator = flags(line);
         let grid = generator.grid(&[])?;

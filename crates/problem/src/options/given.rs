@@ -61,12 +61,12 @@ pub fn with<T>(arrays: Arrays, mut table: Table, read: impl FnOnce(Table) -> T) 
 }
 
 impl ArrayOption {
-    /// The name of the file.
+    /// Returns the name of the file.
     pub fn file(&self) -> Option<&str> {
         if let Self::File(name) = self { Some(name) } else { None }
     }
 
-    /// True for the text in a configuration in place of an array, or of a contact, in memory.
+    /// Returns true for a text in a configuration that stands for an array, or a contact, in memory.
     pub fn is_in_memory(text: &str) -> bool {
         [ARRAY, CONTACT].contains(&text)
     }

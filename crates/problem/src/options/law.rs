@@ -50,10 +50,10 @@ pub struct LawArgs {
 crate::defaults_of_flags!(LawArgs);
 
 impl LawArgs {
-    /// The law with a range that is `factor` times as long, and the same work. `None` for a law without a range.
+    /// Returns the law with a range `factor` times as long and the same work; `None` for a law without a range.
     ///
     /// # Errors
-    /// A parameter out of its range.
+    /// Returns an error if a parameter is out of range.
     pub fn with_range(&self, factor: f64) -> Result<Option<Box<dyn Law>>, Unusable> {
         let mut longer = self.clone();
         match longer.param.iter_mut().find(|(name, _)| name == "range") {
@@ -69,10 +69,10 @@ impl LawArgs {
         longer.build().map(Some)
     }
 
-    /// Makes the law.
+    /// Builds the law.
     ///
     /// # Errors
-    /// A parameter that is unknown, missing or out of its range; a table that is no law, or beside another law.
+    /// Returns an error if a parameter is unknown, missing or out of range, or a table is invalid or not for this law.
     pub fn build(&self) -> Result<Box<dyn Law>, Unusable> {
         if let Some(table) = self.tabulated()? {
             return Ok(Box::new(table));
@@ -80,14 +80,14 @@ impl LawArgs {
         self.law.with(&self.param).map_err(|error| Unusable::input("--param", error))
     }
 
-    /// The work of separation, stress × length; `None` of a law without one.
+    /// Returns the work of separation, stress × length; `None` for a law without one.
     pub(crate) fn work(&self) -> Option<f64> {
         let named = |name: &str| self.param.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
         let of_table = || self.tabulated().ok().flatten().map(|table| table.work());
         named("gamma").or_else(|| named("phi_n")).or_else(of_table)
     }
 
-    /// The law of the table; `None` of other laws.
+    /// Returns the law of the table; `None` for other laws.
     fn tabulated(&self) -> Result<Option<Tabulated>, Unusable> {
         const FLAG: &str = "--law-table";
         match (self.law, self.param.first(), self.law_table.len()) {

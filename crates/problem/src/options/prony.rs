@@ -62,15 +62,15 @@ fn parse_branch(text: &str) -> Result<(f64, f64), String> {
 }
 
 impl PronyArgs {
-    /// The moduli that relax, if the body is viscoelastic.
+    /// Returns the moduli that relax, if the body is viscoelastic.
     pub fn relaxing(&self) -> Option<Relaxes> {
         (!self.prony.is_empty()).then_some(self.relaxes)
     }
 
-    /// The Prony series; `None` of an elastic body.
+    /// Returns the Prony series; `None` for an elastic body.
     ///
     /// # Errors
-    /// A series that no material has; flags that need one.
+    /// Returns an error for a series that no material has, and for flags that need a series.
     pub fn series(&self) -> Result<Option<Prony>, Unusable> {
         if !self.prony.is_empty() {
             return Prony::from_fractions(&self.prony).map(Some).map_err(|error| Unusable::input("--prony", error));
@@ -84,11 +84,11 @@ impl PronyArgs {
         Ok(None)
     }
 
-    /// The options of the body with its long-term moduli, whichever `given` has; a modulus that is left out is that of
-    /// the default.
+    /// Returns the options of the body with long-term moduli, whichever moduli `given` has. A missing modulus has its
+    /// default value.
     ///
     /// # Errors
-    /// As [`series`](Self::series); a contact modulus alone, if the shear modulus alone relaxes.
+    /// Fails like [`series`](Self::series); also for a contact modulus if only the shear modulus relaxes.
     pub fn long_term(&self, given: &BodyArgs) -> Result<BodyArgs, Unusable> {
         let Some(prony) = self.series()? else { return Ok(given.clone()) };
         if let (Relaxes::Shear, Some(modulus)) = (self.relaxes, given.e_star) {
@@ -103,7 +103,7 @@ impl PronyArgs {
         }
         let relaxed = |young: f64, poisson: f64| {
             let made = Material::from_young(young, poisson).and_then(|made| prony.long_term(&made, self.relaxes));
-            // A modulus that is refused is told where the body is made.
+            // A refused modulus is reported where the body is built.
             made.map_or((young, poisson), |made| (made.young(), made.poisson()))
         };
         let mut body = given.clone();
@@ -114,10 +114,10 @@ impl PronyArgs {
         Ok(body)
     }
 
-    /// The relaxation in words and numbers; `None` of an elastic body.
+    /// Returns the relaxation in words and numbers; `None` for an elastic body.
     ///
     /// # Errors
-    /// As [`long_term`](Self::long_term); a body that cannot be made.
+    /// Fails like [`long_term`](Self::long_term); also if the body cannot be built.
     pub fn relaxation(&self, given: &BodyArgs) -> Result<Option<Relaxation>, Unusable> {
         let Some(series) = self.series()? else { return Ok(None) };
         let soft = *self.long_term(given)?.body()?.material();

@@ -64,17 +64,17 @@ const TABLES: &[Named] = &[
     ("compliance", &["qx", "qy", "compliance"]),
 ];
 
-/// The names of the columns that an option may have, if it is a table.
+/// Returns the column names that an option may have, if it is a table.
 pub fn columns(key: &str) -> Vec<&'static [&'static str]> {
     TABLES.iter().filter(|(other, _)| *other == key).map(|(_, names)| *names).collect()
 }
 
-/// True if the entries of an option are numbers of several kinds with colons between.
+/// Returns true if the entries of an option are numbers of several kinds, separated by colons.
 fn has_columns(key: &str) -> bool {
     key == "prony" || !columns(key).is_empty()
 }
 
-/// The kind of a number in a row of an option that is a list of rows of this length.
+/// Returns the kind of a number in a row of `length` numbers of an option.
 pub fn kind_in_row(key: &str, column: usize, length: usize) -> &'static str {
     match (key, length) {
         ("compliance", 3) => ["1/length", "1/length", "length/stress"][column.min(2)],
@@ -82,23 +82,23 @@ pub fn kind_in_row(key: &str, column: usize, length: usize) -> &'static str {
     }
 }
 
-/// True if the value of an option is a table whose rows are written out.
+/// Returns true if the value of an option is a table with its rows written out.
 pub fn is_rows(text: &str) -> bool {
     let is_number = |text: &str| text.trim().parse::<f64>().is_ok() || matches!(Quantity::parse(text), Ok(Some(_)));
     text.split(',').all(|row| row.contains(':') && row.split(':').all(is_number))
 }
 
-/// True if the numbers of an option may have a unit.
+/// Returns true if the numbers of an option may have a unit.
 pub fn takes_units(key: &str) -> bool {
     kinds(key).is_some()
 }
 
-/// The kinds of the numbers of an option, of a list in turn; `None` if they have no unit.
+/// Returns the kinds of the numbers of an option, in turn for a list; `None` if they have no unit.
 pub fn kinds(key: &str) -> Option<&'static [&'static str]> {
     KINDS.iter().find(|(other, _)| *other == key).map(|(_, kinds)| *kinds)
 }
 
-/// The kind of a parameter of a law; that of a number without a unit if no law has it.
+/// Returns the kind of a law parameter; the kind without a unit if no law has it.
 fn kind_of_parameter(name: &str) -> &'static str {
     let parameters = Kind::ALL.into_iter().flat_map(|kind| kind.parameters());
     parameters.into_iter().find(|parameter| parameter.name == name).map_or("1", |parameter| parameter.units)
@@ -106,10 +106,10 @@ fn kind_of_parameter(name: &str) -> &'static str {
 
 /// Takes the quantities of options one by one, and gives the numbers that stand in their place.
 pub trait Take {
-    /// The number in place of a quantity of an option, whose kind must be this one.
+    /// Returns the number for a quantity of an option, which must be of this kind.
     ///
     /// # Errors
-    /// A quantity of another kind, or without a value.
+    /// Returns an error for a quantity of another kind, or without a value.
     fn take(&mut self, flag: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable>;
 }
 
@@ -136,14 +136,14 @@ impl Take for &Units {
     }
 }
 
-/// The name of the flag of a key.
+/// Returns the flag of a key.
 fn flag(key: &str) -> String {
     format!("--{}", key.replace('_', "-"))
 }
 
-/// One number, or text that is none; `None` if it stays.
+/// Replaces a number with a unit; `None` if the text stays as it is.
 fn number(key: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
-    // The hardness may be the name of a file.
+    // The hardness may be a file name.
     if key == "hardness" && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
         return Ok(None);
     }
@@ -155,10 +155,10 @@ fn number(key: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Opt
     }
 }
 
-/// The text of the value of an option with bare numbers; `None` if it has no unit, or the option takes none.
+/// Replaces the quantities in the value of an option by bare numbers; `None` if there is no unit to replace.
 ///
 /// # Errors
-/// A text that is no unit; a quantity that cannot be used.
+/// Returns an error for an unknown unit, or a quantity that cannot be used.
 pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Option<String>, Unusable> {
     let Some(kinds) = kinds(key) else { return Ok(None) };
     let mut changed = false;
@@ -184,10 +184,10 @@ pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Opti
     Ok(changed.then(|| entries.join(",")))
 }
 
-/// Puts bare numbers in place of the texts with a unit in the value of an option in a table.
+/// Replaces texts with a unit by bare numbers in the table value of an option.
 ///
 /// # Errors
-/// As [`text_in_units`].
+/// Fails like [`text_in_units`].
 pub fn value_in_units(key: &str, value: &mut Value, take: &mut impl Take) -> Result<(), Unusable> {
     let Some(kinds) = kinds(key) else { return Ok(()) };
     in_list(key, value, kinds[0], take)
@@ -196,7 +196,7 @@ pub fn value_in_units(key: &str, value: &mut Value, take: &mut impl Take) -> Res
 fn in_list(key: &str, value: &mut Value, kind: &str, take: &mut impl Take) -> Result<(), Unusable> {
     match value {
         Value::String(text) => {
-            // A slice and a wave are texts, a list in one text has its commas.
+            // A slice or a wave is a text; a list in one text has commas.
             if let Some(number) = number_alone(key, text, kind, take)? {
                 *value = Value::Float(number);
             } else if let Some(text) = text_in_units(key, text, take)? {
@@ -205,7 +205,7 @@ fn in_list(key: &str, value: &mut Value, kind: &str, take: &mut impl Take) -> Re
         }
         Value::Array(entries) => {
             let length = entries.len();
-            // A parameter of a law is its name and its value.
+            // A law parameter is its name and its value.
             let named = entries.first().and_then(Value::as_str).filter(|_| key == "param" && entries.len() == 2);
             let named = named.map(kind_of_parameter);
             for (index, entry) in entries.iter_mut().enumerate() {

@@ -26,7 +26,7 @@ pub struct SolverArgs {
 crate::defaults_of_flags!(SolverArgs);
 
 impl SolverArgs {
-    /// The tolerance and the iteration limit.
+    /// Returns the tolerance and the iteration limit.
     pub fn budget(&self) -> Budget {
         Budget { tolerance: self.tol, max_iterations: self.max_iter }
     }

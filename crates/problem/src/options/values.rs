@@ -48,7 +48,7 @@ impl FromStr for Entry {
     }
 }
 
-/// The numbers of all entries.
+/// Returns the numbers of all entries.
 pub fn numbers(entries: &[Entry]) -> impl Iterator<Item = f64> {
     entries.iter().flat_map(|entry| entry.0.iter().copied())
 }
@@ -56,15 +56,15 @@ pub fn numbers(entries: &[Entry]) -> impl Iterator<Item = f64> {
 /// Writes the numbers of all entries, as if each had been given.
 ///
 /// # Errors
-/// An error of the serialiser.
+/// Returns an error of the serialiser.
 pub fn as_numbers<S: Serializer>(entries: &[Entry], serializer: S) -> Result<S::Ok, S::Error> {
     numbers(entries).collect::<Vec<f64>>().serialize(serializer)
 }
 
-/// Reads numbers, one entry each.
+/// Reads numbers as single entries.
 ///
 /// # Errors
-/// A value that is no list of numbers.
+/// Returns an error if the value is not a list of numbers.
 pub fn from_numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Entry>, D::Error> {
     Ok(Vec::<f64>::deserialize(deserializer)?.into_iter().map(|number| Entry(vec![number])).collect())
 }
@@ -72,7 +72,7 @@ pub fn from_numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<En
 /// Reads a list of one to `MOST` values.
 ///
 /// # Errors
-/// A list of another length.
+/// Returns an error for a list of another length.
 pub fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<T>, D::Error> {
@@ -83,10 +83,10 @@ pub fn up_to<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
     }
 }
 
-/// Reads a text that stands for a value.
+/// Reads a value from its text.
 ///
 /// # Errors
-/// A text that stands for none.
+/// Returns an error if the text is not a value.
 pub fn parsed<'de, T: FromStr<Err: Display>, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
     String::deserialize(deserializer)?.parse().map(Some).map_err(D::Error::custom)
 }
@@ -94,7 +94,7 @@ pub fn parsed<'de, T: FromStr<Err: Display>, D: Deserializer<'de>>(deserializer:
 /// Reads a whole number from `LEAST` to `MOST`.
 ///
 /// # Errors
-/// Another number.
+/// Returns an error for any other number.
 pub fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<T, D::Error> {
@@ -106,7 +106,7 @@ pub fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deseri
 /// Parses a row of two numbers, `A:B`.
 ///
 /// # Errors
-/// Other text.
+/// Returns an error for any other text.
 pub(super) fn parse_row(text: &str) -> Result<[f64; 2], String> {
     let wrong = || "it must be FILE, or rows A:B".to_owned();
     let (first, second) = text.split_once(':').ok_or_else(wrong)?;

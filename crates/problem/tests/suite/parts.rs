@@ -20,7 +20,7 @@ fn heights(grid: &Grid) -> Array2<f64> {
     })
 }
 
-/// The owner of the parts that a problem borrows.
+/// Owner of the parts that a problem borrows.
 pub(crate) struct Parts {
     pub(crate) facts: Facts,
     pub(crate) grid: Grid,
@@ -37,7 +37,7 @@ fn body_on(support: Support, young: f64) -> Body {
     match support {
         Support::HalfSpace => Body::half_space(material),
         Support::Table => {
-            // The slab, at wavenumbers beyond those of the grid.
+            // The slab, tabulated beyond the wavenumbers of the grid.
             let rows: Vec<[f64; 2]> =
                 (0..60).map(|k| 1.2_f64.powi(k)).map(|q| [q, slab().normal_compliance(q)]).collect();
             Body::tabulated(material.contact_modulus(), &rows, slab().normal_compliance(0.0)).unwrap()
@@ -89,7 +89,7 @@ impl Parts {
     }
 }
 
-/// All facts that differ in what decides about the physics.
+/// Returns all facts that differ in their physics.
 pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     let supports: Vec<Support> =
         [Support::HalfSpace, Support::Table].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
@@ -121,7 +121,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             lateral: digit(2) == 1,
             relaxes: relaxing[digit(relaxing.len())],
             wears: digit(2) == 1,
-            // All fields: a fact of a new kind must be walked through. These are about other things than the contact.
+            // All fields, so that a new fact must be varied here. The following ones do not change the contact.
             layers: false,
             moved_base: None,
             statistics: false,
@@ -133,7 +133,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             processes: 1,
         }
     });
-    // Loads have no lateral motion, no friction, no time and no distance: there is no flag for them.
+    // Loads have no flags for lateral motion, friction, time or distance.
     let is_of_loads =
         |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none() && !facts.wears;
     facts.filter(move |facts| facts.task == Task::Path || is_of_loads(facts))

@@ -1,5 +1,5 @@
-//! All combinations of parts: each is refused by the table, or posed and solved. A posed problem has the bits of its
-//! kind.
+//! All combinations of parts: each is refused by the table, or posed and solved. A posed problem equals its kind bit by
+//! bit.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -65,7 +65,7 @@ fn parts_are_those_of_the_facts() {
     }
 }
 
-/// Numbers of a checkpoint, written and read in one order.
+/// Checkpoint in memory, written and read in the same order.
 #[derive(Default)]
 struct MemoryCheckpoint(Vec<u64>, usize);
 
@@ -126,7 +126,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         let parts = Parts::of(facts);
         let given = parts.given();
         let posed = pose(&given).unwrap();
-        // Each step of surfaces that wear in one solve, as below.
+        // With wear, each step is one solve, as below.
         let solves_per_step = if facts.wears { 0 } else { Refinement::default().solves_per_step };
         let refinement = Refinement { solves_per_step, ..Refinement::default() };
         let mut path = Path::new(&posed, Budget::default(), refinement);
@@ -169,7 +169,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
     }
 }
 
-/// A state goes back to the problem that made it: from its fields, and as a start; another kind refuses it.
+/// Checks that a problem restores states from their fields and starts from them; another kind refuses them.
 #[test]
 fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
     let load = Load::MeanPressure(0.01);
@@ -213,8 +213,7 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
     assert!(posed[0].stiffness(&states[3], 1e-9).is_err());
 }
 
-/// Every combination is refused, or solved with all its parts: no two have the same state, as they have if a part is
-/// left out.
+/// Checks that every combination is refused, or solved with all its parts. Equal states mean that a part is left out.
 #[test]
 fn every_combination_is_refused_by_the_table_or_solved() {
     let (mut solved, mut refused, mut surprises) = (0, 0, Vec::new());
@@ -257,7 +256,7 @@ fn every_combination_is_refused_by_the_table_or_solved() {
     assert!(solved > 400 && refused > 4000, "{solved} {refused}");
 }
 
-/// Each rule is needed: without it some combination would get through, or its part is one that the walk does not have.
+/// Checks that each rule has a reason and allowed values and occurs once, and that each part occurs in a rule.
 #[test]
 fn rules_name_their_parts_and_reasons() {
     for rule in RULES {
@@ -272,7 +271,7 @@ fn rules_name_their_parts_and_reasons() {
     assert_eq!(message, "--height is inf; it must be finite with --lower-seed (a second surface needs a lower face)");
 }
 
-/// Rules of some bases name them, and all others as those that are allowed.
+/// Checks that rules for some bases name them, and name all other bases as allowed.
 #[test]
 fn rules_of_bases_name_them() {
     let bases = |parts: &'static [Part], refused: bool| {
@@ -297,7 +296,7 @@ fn rules_of_bases_name_them() {
     assert_eq!(named, bases(&[Part::Plate, Part::Sliding], true));
 }
 
-/// The page of the rules is made of them: `GFMD_DOCS=write cargo test -p gfmd-problem` writes it.
+/// Compares the page of the rules. `GFMD_DOCS=write cargo test -p gfmd-problem` writes it.
 #[test]
 fn the_page_has_the_rules() {
     let lines = |task| {

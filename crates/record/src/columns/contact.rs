@@ -5,7 +5,7 @@ use crate::column::{Column, Form};
 use crate::when::{any, friction, law, loads, path, relaxing, wears};
 use crate::{At, Cell};
 
-/// Numbers of the points in contact, and of the gap.
+/// Columns of the points in contact and the gap.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "area_fraction",
@@ -15,7 +15,7 @@ pub(super) const COLUMNS: &[Column] = &[
             (law, "contact area fraction, points that are repelled over all points"),
             (any, "contact area fraction, points in contact over all points"),
         ],
-        // Along a path, where no point touches the wall, rounding errors of the traction would count in the summary.
+        // On a path without contact at the wall, rounding errors of the traction would count in the summary.
         |at| match at.rest.and_then(|rest| rest.law()).filter(|_| path(at.facts)) {
             Some(law) => law.contact_fraction.into(),
             None => at.summary.area_fraction.into(),
@@ -127,7 +127,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .with(loads),
 ];
 
-/// The ratio of area to load, or the reason why there is none.
+/// Returns the ratio of area to load, or the reason why there is none.
 fn ratio(at: &At, value: f64) -> Cell {
     if value.is_nan() && law(at.facts) {
         return Cell::undefined("attraction carries the load, to which the area has no ratio");

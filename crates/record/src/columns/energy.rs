@@ -134,11 +134,11 @@ pub(super) const COLUMNS: &[Column] = &[
     .by(Origin::Residual),
 ];
 
-/// The stiffness, or its error, or the reason why there is none.
+/// Returns the stiffness or its error, selected by `of`, or the reason why there is none.
 fn stiff(at: &At, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
     match &at.stiffness {
         Ok(found) if found.value.is_finite() => of(found).into(),
-        // The only contact without a level that gives a stiffness.
+        // Only a contact without a displacement level has a NaN stiffness.
         Ok(found) if found.value.is_nan() => Cell::undefined(NO_LEVEL),
         Ok(_) => Cell::undefined(
             "infinite: in full contact the surface moves as a whole, and the mean level of this body is fixed",
@@ -147,7 +147,7 @@ fn stiff(at: &At, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
     }
 }
 
-/// A jump of a step, or the reason why it is not known.
+/// Returns the jump flag of a step, or the reason why it is unknown.
 fn jumped(at: &At) -> Cell {
     let Some((step, reading)) = &at.step else {
         return at.rest.and_then(|rest| rest.law()).map_or(Cell::Real(f64::NAN), |law| law.passed_instability.into());

@@ -5,7 +5,7 @@ use crate::column::{Column, Form, Origin, Table};
 use crate::when::{any, flow};
 use crate::{At, Cell};
 
-/// The definition of a conductivity.
+/// Definition of a conductivity.
 macro_rules! over_uniform {
     ($flux:literal, $gradient:literal) => {
         concat!(
@@ -18,7 +18,7 @@ macro_rules! over_uniform {
     };
 }
 
-/// Conductivity of the gap.
+/// Columns of the conductivity of the gap.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new("flow_xx", "1", &[(any, over_uniform!("x", "x"))], |at| conductivity(at, [0, 0]))
         .at("flow.conductivity.0.0")
@@ -60,7 +60,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .by(Origin::Residual),
 ];
 
-/// The conductivity along `row` by a gradient along `column`.
+/// Returns the conductivity along `row` due to a gradient along `column`.
 fn conductivity(at: &At, [row, column]: [usize; 2]) -> Cell {
     let gap = at.summary.mean_gap;
     match at.measured.flow {

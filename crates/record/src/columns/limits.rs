@@ -1,4 +1,4 @@
-//! Limits of numbers on infinitely fine grids, and their errors by the grid.
+//! Limits of numbers on infinitely fine grids, and their grid errors.
 
 use std::borrow::Cow;
 
@@ -15,12 +15,12 @@ use crate::when::{
 };
 use crate::{At, Cell};
 
-/// True of one half-space, and of two, which deform as one with their contact modulus.
+/// Returns true for one half-space, or for two, which deform as one with their contact modulus.
 fn is_half_space(facts: &Facts) -> bool {
     facts.support == Support::HalfSpace && matches!(facts.second, None | Some(Support::HalfSpace))
 }
 
-/// The reason why the error of the grid is not known from one solution of a problem; `None` if it is.
+/// Returns the reason why one solution does not give the grid error of a problem; `None` if it does.
 pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
     macro_rules! with {
         ($what:literal) => {
@@ -48,51 +48,51 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
     reasons.into_iter().find(|(is_so, _)| *is_so).map(|(_, reason)| reason)
 }
 
-/// The reason why the error of the grid is not known in a problem.
+/// Returns the reason why the grid error of a problem is unknown.
 fn not_measured(facts: &Facts) -> Option<&'static str> {
     if facts.grid_error == GridError::Refine { None } else { not_calibrated(facts) }
 }
 
-/// The share of the mean square gradient in waves shorter than four points up to which the grid resolves a surface.
+/// Largest share of the mean square gradient in waves shorter than four points on a grid that resolves a surface.
 pub const UNRESOLVED: f64 = 0.01;
 
-/// The least number of waves of a surface whose contacts have their edges anywhere on the grid. Of fewer, as of
-/// textures and single spheres, edges of contacts lie alike, and their errors add up.
+/// Fewest waves of a surface with contact edges at random places on the grid. With fewer waves, as on textures and
+/// single spheres, contact edges lie alike and their errors add up.
 pub const FEWEST_WAVES: f64 = 8.0;
 
-/// The numbers that hardly depend on waves shorter than four points.
+/// Columns that hardly depend on waves shorter than four points.
 const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductance"];
 
-/// The numbers whose errors are known only where they average out.
+/// Columns with a known error only where errors average out.
 const AVERAGES: [&str; 3] = ["boundary_links", "flow_xx", "flow_yy"];
 
-/// The numbers of a patch that depend on the gap outside of the contacts, or on a gradient by differences.
+/// Columns of a patch that depend on the gap outside the contacts, or on a gradient by differences.
 const LEVELS: [&str; 5] = ["displacement", "mean_gap", "kappa", "flow_xx", "flow_yy"];
 
-/// The numbers of a patch whose errors are those of its compliance between points, which is not that of waves.
+/// Columns of a patch with errors from its compliance between points, which differs from the compliance of waves.
 const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2", "elastic_energy"];
 
-/// The largest ratio of the rms slopes along x and y.
+/// Largest ratio of the rms slopes along x and y.
 const STEEPEST: f64 = 2.0;
 
-/// The numbers that no formula has, and whose error the difference of two grids tells.
+/// Columns without a formula; their error comes from the difference of two grids.
 const BY_DIFFERENCE: [&str; 5] = ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated"];
 
-/// Numbers of which no grid tells that of another one.
+/// Columns whose value on one grid does not predict the value on another.
 const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
 
-/// Numbers over the points in contact, whose edge is counted: differences of two grids are small by chance more often.
+/// Columns over the points in contact, with a counted edge; two-grid differences are small by chance more often.
 const OVER_CONTACT: [&str; 4] =
     ["mean_pressure_in_contact", "pressure_deviation_in_contact", "stiffness", "conductance"];
 
-/// The least process zone over the one that resolves a law: in narrower ones the edge of a contact catches on the
-/// points of the grid, and two grids agree by chance.
+/// Least process zone, relative to the zone that resolves a law. In narrower zones, the contact edge catches on grid
+/// points, and two grids agree by chance.
 const LEAST_ZONE: f64 = 0.0625;
 
-/// The largest ratio of the distances between points along x and y.
+/// Largest ratio of the grid spacings along x and y.
 const LONGEST_CELL: f64 = 1.1;
 
-/// The contact on its grid, from which the limit of this number is estimated, or the reason why it is not known.
+/// Returns the estimator of a column's limit for the contact on its grid, or the reason why the limit is unknown.
 fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static, str>> {
     let [dx, dy] = at.spacing;
     let known = at.short_waves <= UNRESOLVED || ROBUST.contains(&name);
@@ -145,7 +145,7 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
     limits.map_err(|reason| reason.to_string().into())
 }
 
-/// A number of the limit of a column on infinitely fine grids, or the reason why it is not known.
+/// Returns a number of a column's limit on infinitely fine grids, or the reason why it is unknown.
 fn limit(
     at: &At,
     name: &str,
@@ -163,7 +163,7 @@ fn limit(
     found.map(|found| of(&found, value)).into()
 }
 
-/// The limit of a number from its record on a finer grid, too, or from two such records.
+/// Returns the limit of a number from its record on a finer grid as well, or from two such records.
 fn refined(
     at: &At,
     name: &str,
@@ -179,7 +179,7 @@ fn refined(
         )
         .into());
     }
-    // Boundary links are counted in steps of their grid.
+    // Boundary links are counted in steps of their own grid.
     let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
     let limits = at.finer.iter().map(|finer| {
         let finer = finer.as_ref().map_err(|reason| Cow::from(reason.clone()))?;
@@ -198,7 +198,7 @@ fn refined(
             let rises = if name == "displacement" { at.rise.zip(finer.rise) } else { None };
             let [value, fine] = rises.map_or([value, fine], |(rise, other)| [value + rise, fine + other]);
             let found = GridLimit::of_two_grids(value, fine);
-            // Two searches agree to their tolerance at best, and two losses to their own errors.
+            // Two searches agree at best to their tolerance, and two losses to their own errors.
             let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
             let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
             let wider = if OVER_CONTACT.contains(&name) { 1.6 } else { 1.0 };
@@ -231,9 +231,9 @@ fn grid_error(found: &GridLimit, value: f64) -> f64 {
     found.error_of(value)
 }
 
-/// The limit of a number on infinitely fine grids, its error, and the error of the number by the grid: the name, the
-/// place in JSON around the suffix, the unit, the problems that have the number, the order of the error of the limit in
-/// the distance of the points (that of its formula in [`GridLimits`]), the limit.
+/// Columns for the limit of a number on infinitely fine grids, the error of that limit, and the grid error of the
+/// number. Arguments: name, place in JSON around the suffix, unit, problems that have the number, order of the limit's
+/// error in the grid spacing (from its formula in [`GridLimits`]), limit.
 macro_rules! limits {
     ($name:literal, $unit:literal, $order:expr, $limit:expr) => {
         limits!($name, [$name, ""], $unit, any, $order, $limit)
@@ -290,13 +290,13 @@ macro_rules! limits {
         ]
     };
 }
-/// The limit of a number that one solution does not tell.
+/// Refuses a limit from a single solution.
 fn two_grids(_: &GridLimits, _: &At, _: f64) -> Result<GridLimit, NoLimit> {
     Err(NoLimit::OneGrid)
 }
 
-/// The mean pressure at a prescribed approach, which counts from the highest point of the grid: the top of the surface
-/// lies higher.
+/// Returns the limit of the mean pressure at a prescribed approach. The approach counts from the highest grid point;
+/// the top of the surface lies higher.
 fn pressure_of_approach(limits: &GridLimits, at: &At, value: f64) -> Result<GridLimit, NoLimit> {
     let known = at.stiffness.as_ref().ok().map(|stiffness| stiffness.value).filter(|stiffness| stiffness.is_finite());
     let stiffness = known.ok_or(NoLimit::OneGrid)?;
@@ -304,7 +304,7 @@ fn pressure_of_approach(limits: &GridLimits, at: &At, value: f64) -> Result<Grid
     Ok(GridLimit { limit: value - stiffness * limit, half_width: stiffness * half_width })
 }
 
-/// The limits on infinitely fine grids of numbers of a contact.
+/// Limits of contact numbers on infinitely fine grids.
 pub(super) const LIMITS: &[[Column; 3]] = &[
     limits!(
         "mean_pressure",

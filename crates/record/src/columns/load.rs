@@ -5,7 +5,7 @@ use crate::column::{Column, Form};
 use crate::when::{any, between, path, relaxing, steep, wears};
 use crate::{At, Cell};
 
-/// Drive of a state, and the loads that hold it.
+/// Columns of the drive of a state, and of the loads that hold it.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "mean_pressure",
@@ -78,7 +78,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .head("shear y", Form::SizeUnlessZero),
 ];
 
-/// The shear in the mean: along a path the traction on the body, with finite slopes that which holds the rigid surface.
+/// Returns the mean shear: on a path the traction on the body, with finite slopes the traction on the rigid surface.
 fn shear(at: &At, axis: usize) -> Cell {
     let steep = at.rest.and_then(|rest| rest.steep()).map(|state| state.mean_shear);
     at.step.as_ref().map(|(_, reading)| reading.mean_shear).or(steep).map_or(f64::NAN, |shear| shear[axis]).into()

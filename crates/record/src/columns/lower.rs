@@ -1,4 +1,4 @@
-//! The lower face of a slab between two surfaces.
+//! Lower face of a slab between two surfaces.
 
 use gfmd_contact::Fields as _;
 
@@ -6,7 +6,7 @@ use crate::Cell;
 use crate::column::{Column, Form, Origin, Table};
 use crate::when::{any, between};
 
-/// A column of the lower face of a slab between two surfaces.
+/// Column of the lower face of a slab between two surfaces.
 macro_rules! lower {
     ($name:literal, $unit:literal, $meaning:literal, |$face:ident, $summary:ident| $value:expr) => {
         Column::new(concat!("lower_", $name), $unit, &[(any, $meaning)], |at| {
@@ -21,7 +21,7 @@ macro_rules! lower {
     };
 }
 
-/// A residual of the lower face.
+/// Residual of the lower face.
 macro_rules! lower_residual {
     ($name:ident, $meaning:literal) => {
         Column::new(concat!("lower_residual_", stringify!($name)), "1", &[(any, $meaning)], |at| {
@@ -33,7 +33,7 @@ macro_rules! lower_residual {
     };
 }
 
-/// Numbers and residuals of the lower face.
+/// Columns and residuals of the lower face.
 pub(super) const COLUMNS: &[Column] =
     &[
         lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary

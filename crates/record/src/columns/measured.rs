@@ -1,9 +1,9 @@
-//! The columns that are measured, subject by subject.
+//! Measured columns by subject.
 
 use super::{contact, energy, flow, load, lower, patches, search, special};
 use crate::column::Column;
 
-/// The tables of the subjects, in the order in which they are printed.
+/// Column tables of the subjects, in print order.
 pub(super) const MEASURED: &[&[Column]] = &[
     load::COLUMNS,
     contact::COLUMNS,

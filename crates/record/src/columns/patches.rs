@@ -5,7 +5,7 @@ use crate::Cell;
 use crate::column::{Column, Form, Table};
 use crate::when::{any, statistics};
 
-/// Numbers of the patches.
+/// Columns of the patches.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new("patches", "1", &[(any, "number of connected patches of points in contact")], |at| {
         at.measured.patches.map_or(Cell::Real(f64::NAN), |found| (found.patches.len() as u64).into())

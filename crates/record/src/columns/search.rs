@@ -6,14 +6,14 @@ use crate::Cell;
 use crate::column::{Column, Form, Origin};
 use crate::when::{any, between, friction, hardness, law, loads, of_a_law, path, steep, wall_on_path};
 
-/// The scale of stress of a residual under a law.
+/// Definition of a residual under a law, with its stress scale.
 macro_rules! per_stress {
     ($what:literal) => {
         concat!($what, " / the stress scale (the largest traction, or the softest stiffness times h_rms if more)")
     };
 }
 
-/// A residual by the name of the state.
+/// Residual by its name in the state.
 macro_rules! residual {
     ($name:literal, $meanings:expr) => {
         Column::new(concat!("residual_", $name), "1", $meanings, |at| at.residual($name).into())
@@ -23,7 +23,7 @@ macro_rules! residual {
     };
 }
 
-/// Effort, residuals and time of a search.
+/// Columns of effort, residuals and time of a search.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new("extra_solves", "1", &[(any, "further solves to find the energy lost in the step")], |at| {
         at.step.as_ref().map_or(Cell::Real(f64::NAN), |(step, _)| step.extra_solves.into())
@@ -156,7 +156,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .by(Origin::Clock),
 ];
 
-/// The residual of the balance of forces of a law under a load.
+/// Residual of the force balance of a law under a load.
 pub(super) const BALANCE: &[Column] = &[Column::new(
     "residual_equilibrium",
     "1",

@@ -1,10 +1,10 @@
-//! Numbers of contacts of one kind: patches, hardness, finite slopes.
+//! Numbers of special contacts: patches, hardness, finite slopes.
 
 use crate::column::{Column, Form};
 use crate::when::{any, free, hardness, path, steep};
 use crate::{At, Cell};
 
-/// Force on a patch, plastic depth, projected area.
+/// Columns of the force on a patch, the plastic depth and the projected area.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
         (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
@@ -45,7 +45,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .with(steep),
 ];
 
-/// The plastic points, and the plastic depth in the mean.
+/// Returns the fraction of plastic points and the mean plastic depth.
 fn plastic(at: &At) -> Option<(f64, f64)> {
     let rest = at.rest?;
     match rest.on_path() {

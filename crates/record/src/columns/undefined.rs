@@ -1,4 +1,4 @@
-//! Numbers that may have no value, with the reason.
+//! Columns that may have no value, with the reason.
 
 use gfmd_interface::Loss;
 use gfmd_problem::Facts;
@@ -6,12 +6,12 @@ use gfmd_problem::Facts;
 use crate::when::of_a_law;
 use crate::{At, Cell};
 
-/// The reason why the numbers that depend on the level of the displacement have no value.
+/// Returns the reason why numbers that depend on the displacement level have no value.
 pub(super) fn level(facts: &Facts) -> Option<&'static str> {
     (!facts.has_level()).then_some(NO_LEVEL)
 }
 
-/// The reason itself.
+/// Reason for a missing displacement level.
 pub(super) const NO_LEVEL: &str = "a profile with free boundaries on a half-space is displaced by a logarithm of the \
                                    distance: its displacement is known up to a constant, as are the approach, the \
                                    elastic energy and the stiffness";
@@ -20,7 +20,7 @@ pub(super) fn without_law(facts: &Facts) -> Option<&'static str> {
     (!of_a_law(facts)).then_some("no law acts across the gap")
 }
 
-/// A number in the unit of reduced pressures, or the reason why there is none.
+/// Returns a number in units of reduced pressure, or the reason why there is none.
 pub(super) fn reduced(at: &At, value: f64) -> Cell {
     if at.scales.rms_gradient == 0.0 {
         return Cell::undefined("the surface is flat: its rms gradient, by which a load is reduced, is zero");
@@ -32,7 +32,7 @@ pub(super) fn flag(flags: Option<[bool; 2]>, axis: usize) -> Cell {
     flags.map_or(Cell::Real(f64::NAN), |flags| flags[axis].into())
 }
 
-/// The energy that a step loses, or its error, or the reason why it is not known.
+/// Returns the energy lost in a step, or its error, or the reason why it is unknown.
 pub(super) fn lost(at: &At, error: bool) -> Cell {
     let Some((step, reading)) = &at.step else { return f64::NAN.into() };
     let found = if error { step.dissipated_error } else { step.dissipated };
@@ -57,7 +57,7 @@ pub(super) fn lost(at: &At, error: bool) -> Cell {
     })
 }
 
-/// The imbalance of work and energy of a step, or the reason why it is not known.
+/// Returns the imbalance of work and energy of a step, or the reason why it is unknown.
 pub(super) fn imbalance(at: &At) -> Cell {
     let Some((step, _)) = &at.step else { return f64::NAN.into() };
     match step.work_imbalance {

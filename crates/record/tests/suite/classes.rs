@@ -1,9 +1,9 @@
-//! Classes of Python with documented properties, for the tests of `gfmd-record` and `gfmd-cli`.
+//! Python classes with documented properties, for the tests of `gfmd-record` and `gfmd-cli`.
 
-/// The longest line of the file.
+/// Longest line of the file.
 const WIDTH: usize = 120;
 
-/// A property of a class: its name, its type, its definition, and the way to its value.
+/// Property of a class: name, type, definition, and the expression of its value.
 pub(crate) struct Property {
     pub(crate) name: String,
     pub(crate) of: &'static str,
@@ -12,14 +12,14 @@ pub(crate) struct Property {
 }
 
 impl Property {
-    /// A value of the mapping that a record is.
+    /// Returns a property that reads its value from a record.
     pub(crate) fn of_record(name: String, of: &'static str, text: String) -> Self {
         let value = format!("self._value(\"{name}\")");
         Self { name, of, text, value }
     }
 }
 
-/// The text of a class.
+/// Returns the source text of a class.
 pub(crate) fn class(name: &str, base: &str, text: &str, properties: &[Property]) -> String {
     let head = format!("\n\nclass {name}{base}:\n    \"\"\"{text}\"\"\"\n");
     properties.iter().fold(head, |class, Property { name, of, text, value }| {
@@ -28,7 +28,7 @@ pub(crate) fn class(name: &str, base: &str, text: &str, properties: &[Property])
     })
 }
 
-/// The lines of a docstring that begins with its quotes, which are closed below the last one if there are several.
+/// Wraps a docstring that begins with its quotes. The closing quotes follow below if there are several lines.
 fn filled(text: &str, indent: usize) -> String {
     let margin = " ".repeat(indent);
     let mut lines = vec![margin.clone()];
@@ -46,7 +46,7 @@ fn filled(text: &str, indent: usize) -> String {
     lines.join("\n") + &end
 }
 
-/// The kind of quantity at the beginning of a definition.
+/// Returns the kind of quantity for the beginning of a definition.
 pub(crate) fn quantity(unit: &str) -> String {
     let words = match unit {
         "1" => "without unit".to_owned(),
@@ -56,7 +56,7 @@ pub(crate) fn quantity(unit: &str) -> String {
     words[..1].to_uppercase() + &words[1..]
 }
 
-/// Writes a file that is made, if that is asked for, and compares it.
+/// Writes a generated file if requested, and compares it with `text`.
 pub(crate) fn compare(file: &str, text: &str) {
     if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
         std::fs::write(file, text).unwrap();

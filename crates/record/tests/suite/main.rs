@@ -1,4 +1,4 @@
-//! The tests of `gfmd-record` as one program: those of one file by `cargo test -p gfmd-record --test suite FILE::`.
+//! Tests of `gfmd-record` as one program; for one file: `cargo test -p gfmd-record --test suite FILE::`.
 
 mod classes;
 #[path = "../../../problem/tests/suite/parts.rs"]

@@ -1,4 +1,4 @@
-//! The classes of Python whose attributes are the numbers and fields of states: made of their tables.
+//! Python classes with the numbers and fields of states as attributes, generated from their tables.
 //! `GFMD_DOCS=write cargo test -p gfmd-record` writes them.
 
 use gfmd_problem::{Facts, Part, Task};
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from ._load import Residual
 "#;
 
-/// The words for problems that no parts tell from the others.
+/// Words for problems that no parts distinguish from the others.
 const SOME: &str = "In some problems";
 
-/// The words for the problems of which something holds, by their options in Python; `None` for all of them.
+/// Describes the problems in which `holds` is true by their Python options; `None` if it is true in all of them.
 fn condition(facts: &[Facts], holds: impl Fn(&Facts) -> bool) -> Option<String> {
     if facts.iter().all(&holds) {
         return None;
@@ -42,13 +42,13 @@ fn condition(facts: &[Facts], holds: impl Fn(&Facts) -> bool) -> Option<String> 
     Some(words.map_or_else(|| SOME.into(), |words| format!("With {words}")))
 }
 
-/// The fewest choices of parts that exactly the problems have of which something holds.
+/// Returns the widest choices of parts that together select exactly the problems in which `holds` is true.
 fn widest(facts: &[Facts], choices: &[Vec<Part>], holds: &dyn Fn(&Facts) -> bool) -> Option<String> {
     let has = |choice: &[Part], f: &Facts| choice.iter().all(|part| part.is_in(f));
     let within = |choice: &[Part], other: &dyn Fn(&Facts) -> bool| facts.iter().all(|f| !has(choice, f) || other(f));
     let met = choices.iter().filter(|choice| facts.iter().any(|f| has(choice, f)) && within(choice, holds));
     let met: Vec<&[Part]> = met.map(Vec::as_slice).collect();
-    // Of choices one of which is a case of the other, the wider one, and of the same ones the first.
+    // Keeps the wider one of two nested choices, and the first of equal ones.
     let is_case = |(place, choice): &(usize, &&[Part])| {
         met.iter().enumerate().any(|(other, wider)| {
             other != *place
@@ -63,7 +63,7 @@ fn widest(facts: &[Facts], choices: &[Vec<Part>], holds: &dyn Fn(&Facts) -> bool
     is_all.then(|| widest.iter().map(words).collect::<Vec<_>>().join(" or "))
 }
 
-/// The option of a part in Python, with its value if it is one of several.
+/// Returns the Python option of a part, with its value if it is one of several.
 fn option(part: Part) -> String {
     let given = part.given().trim_start_matches('-').replace('-', "_");
     match given.split_once(' ') {
@@ -73,7 +73,7 @@ fn option(part: Part) -> String {
     }
 }
 
-/// The definitions that some of the problems have, the general one first, each with its problems.
+/// Returns the definitions that occur in some of the problems, the general one first, each with its problems.
 fn definitions(facts: &[Facts], meanings: &[&str], of: impl Fn(&Facts) -> &'static str) -> String {
     let place = |f: &Facts| meanings.iter().position(|text| *text == of(f));
     let there = meanings.iter().enumerate().rev();
@@ -81,13 +81,13 @@ fn definitions(facts: &[Facts], meanings: &[&str], of: impl Fn(&Facts) -> &'stat
     let general = there.next().map_or_else(String::new, |(_, text)| (*text).to_owned());
     there.fold(general, |texts, (place_of, text)| {
         let own = condition(facts, |f| place(f) == Some(place_of)).filter(|words| words != SOME);
-        // A definition that parts cannot tell from a more special one stands before that one.
+        // A definition that parts cannot separate from a more special one is described together with it.
         let words = own.or_else(|| condition(facts, |f| place(f) <= Some(place_of))).unwrap_or_default();
         format!("{texts}. {words}: {text}")
     })
 }
 
-/// The shape, and the types of numbers, of the numbers of one state, or of the arrays over several ones.
+/// Shape and number types for a single state, or for arrays over several states.
 struct Shape {
     one: &'static str,
     two: &'static str,
@@ -98,8 +98,8 @@ const OF_STATE: Shape = Shape { one: "", two: " along x and y", types: ["float",
 const OF_STEPS: Shape =
     Shape { one: " [step]", two: " [step, 2]", types: ["Array", "npt.NDArray[Any]", "npt.NDArray[Any]", "Array"] };
 
-/// The properties of the columns that some of the problems have at the `place` in a record: a key, and a part of its
-/// value. Objects have their type and their definition in `parts`.
+/// Returns properties for the columns that some of the problems have. `place` gives the key of a column in a record,
+/// and its part inside that value. Type and definition of objects are in `parts`.
 fn numbers(
     facts: &[Facts],
     shape: &Shape,
@@ -134,24 +134,24 @@ fn numbers(
     properties
 }
 
-/// The key and the part at a place of a record of JSON.
+/// Returns key and part of a place in a JSON record.
 fn at(json: &str) -> Option<(String, Option<String>)> {
     let (key, part) = json.split_once('.').map_or((json, None), |(key, part)| (key, Some(part.to_owned())));
     (!key.is_empty()).then(|| (key.to_owned(), part))
 }
 
-/// The key and the part inside of an object of JSON.
+/// Returns key and part inside a JSON object.
 fn inside(object: &str, json: &str) -> Option<(String, Option<String>)> {
     json.strip_prefix(object)?.strip_prefix('.').and_then(at)
 }
 
-/// The numbers of steps have the names of files where the places in JSON are inside of objects.
+/// Returns the place of a number of steps. Numbers inside a JSON object use their name in a file.
 fn of_step(column: &Column) -> Option<(String, Option<String>)> {
     let is_object = ["residual.", "flow."].iter().any(|object| column.json.starts_with(object));
     if is_object { Some((column.name.to_owned(), None)) } else { at(column.json) }
 }
 
-/// The fields that some of the problems have.
+/// Returns the fields that some of the problems have.
 fn fields(facts: &[Facts], dimension: &str, value: impl Fn(&str, bool) -> String) -> Vec<Property> {
     let there = ARRAYS.iter().filter(|array| facts.iter().any(|f| (array.present)(f)));
     let property = |array: &gfmd_record::Array| {
@@ -169,14 +169,14 @@ fn fields(facts: &[Facts], dimension: &str, value: impl Fn(&str, bool) -> String
     there.map(property).collect()
 }
 
-/// The arrays of statistics in a group of a file.
+/// Returns the statistics arrays in a group of a file.
 fn statistics(group: &str, shape: &str, name: impl Fn(&str) -> String) -> Vec<Property> {
     let there = STATISTICS.iter().filter_map(|array| Some((array.path.strip_prefix(group)?, array)));
     let property = |(path, array): (&str, &gfmd_record::Statistic)| {
         let text = format!("{} {shape}: {}.", quantity(array.unit.unwrap_or("length")), array.meaning);
         Property::of_record(name(path), "Array", text)
     };
-    // The number of a load is that of a file of several ones.
+    // The load number belongs to a file with several loads.
     there.filter(|(path, _)| *path != "load").map(property).collect()
 }
 
@@ -240,13 +240,13 @@ fn the_classes_of_python_have_the_columns() {
     compare(file, &text);
 }
 
-/// The numbers of a flow by their names, with their places in its object.
+/// Returns the numbers of a flow by name, with their places in its object.
 fn flow() -> String {
     let places = COLUMNS.iter().filter_map(|column| Some((column.name, column.json.strip_prefix("flow.")?)));
     places.map(|(name, place)| format!("    \"{name}\": \"{place}\",\n")).collect()
 }
 
-/// The problems with a lower surface.
+/// Returns the problems with a lower surface.
 fn of_lower(facts: &[Facts]) -> Vec<Facts> {
     facts.iter().copied().filter(|facts| facts.lower.is_some()).collect()
 }

@@ -1,4 +1,4 @@
-//! Records of all combinations of parts: a number is there, or its reason is; JSON and journals give it back to the
+//! Records of all combinations of parts: every number or its reason is present, and JSON and journals restore it to the
 //! last bit.
 
 use crate::parts::{Parts, all_facts};
@@ -70,7 +70,7 @@ fn check(parts: &Parts, problem: &Posed, rest: &Rest, step: Option<&Step>) {
     }
 }
 
-/// Numbers that are known without a record: of a wall at a load, the balance of the force, kappa, the count of points.
+/// Checks numbers of a hard wall under a load that are known without a record: force balance, kappa, points.
 #[test]
 fn numbers_are_those_of_the_state() {
     let facts = Facts { statistics: false, ..Facts::default() };
@@ -107,7 +107,7 @@ fn columns_are_declared_once_and_in_full() {
     assert!(Record::from_line(&Facts::default(), "kappa").is_err());
 }
 
-/// The page of the columns is made of them: `GFMD_DOCS=write cargo test -p gfmd-record` writes it.
+/// Compares the page of the columns. `GFMD_DOCS=write cargo test -p gfmd-record` writes it.
 #[test]
 fn the_page_has_the_columns() {
     let text = format!(
@@ -134,7 +134,7 @@ fn the_page_has_the_columns() {
     assert_eq!(std::fs::read_to_string(file).unwrap(), text);
 }
 
-/// The patches, distributions and spectra as a table in Markdown.
+/// Returns the patches, distributions and spectra as a Markdown table.
 fn statistics() -> String {
     let row = |array: &gfmd_record::Statistic| {
         let along = match array.along {
@@ -150,7 +150,7 @@ fn statistics() -> String {
     gfmd_record::STATISTICS.iter().fold(head.to_owned(), |page, array| page + &row(array))
 }
 
-/// The fields as a table in Markdown.
+/// Returns the fields as a Markdown table.
 fn fields() -> String {
     let row = |array: &gfmd_record::Array| {
         let meanings: Vec<&str> = array.meanings.iter().rev().map(|(_, meaning)| *meaning).collect();

@@ -1,4 +1,4 @@
-//! The blocks of variables that a step moves: few of them if the contact is small.
+//! Blocks of variables moved by a step; few if the contact is small.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use multiversion::multiversion;
 
 use crate::preconditioned::BLOCK;
 
-/// The active blocks: those with a variable or a direction that is not zero.
+/// Active blocks: blocks with a non-zero variable or direction.
 pub(super) struct Active {
     flags: Vec<bool>,
     /// True if stretches consist of whole blocks.
@@ -15,17 +15,17 @@ pub(super) struct Active {
 }
 
 impl Active {
-    /// All blocks of `variables` variables, which are passed in stretches of `stretch`.
+    /// Marks all blocks of `variables` variables as active; `stretch` is the length of a stretch.
     pub(super) fn all(variables: usize, stretch: usize) -> Self {
         Self { flags: vec![true; variables.div_ceil(BLOCK)], aligned: stretch.is_multiple_of(BLOCK) }
     }
 
-    /// The flags, for a problem that marks the active blocks itself.
+    /// Returns the flags for a problem that marks the active blocks itself.
     pub(super) fn flags_mut(&mut self) -> &mut [bool] {
         &mut self.flags
     }
 
-    /// Finds the active blocks. Variables of idle blocks were and are zero.
+    /// Finds the active blocks. Variables of idle blocks are zero before and after.
     pub(super) fn survey(&mut self, x: &[f64], direction: &[f32]) {
         pass_by(
             LEAF / BLOCK,
@@ -38,19 +38,19 @@ impl Active {
         );
     }
 
-    /// The active blocks of the range, which begins with a block.
+    /// Returns the active blocks of the range, which begins at a block boundary.
     pub(super) fn blocks(&self, range: Range<usize>) -> impl Iterator<Item = Range<usize>> {
         let blocks = range.clone().step_by(BLOCK).map(move |start| start..range.end.min(start + BLOCK));
         blocks.filter(|block| self.flags[block.start / BLOCK])
     }
 
-    /// The flags of the blocks in a form that can be divided into stretches.
+    /// Returns the block flags in a form that can be split into stretches.
     pub(super) fn flags(&self) -> Flags<'_> {
         if self.aligned { Flags::Known(&self.flags) } else { Flags::Unknown }
     }
 }
 
-/// The active blocks of a stretch, if they are known.
+/// Active blocks of a stretch, if known.
 #[derive(Clone, Copy)]
 pub(super) enum Flags<'a> {
     Unknown,
@@ -58,7 +58,7 @@ pub(super) enum Flags<'a> {
 }
 
 impl Flags<'_> {
-    /// True if a block is known to be idle.
+    /// Returns true if a block is known to be idle.
     #[inline(always)]
     pub(super) fn idle(self, block: usize) -> bool {
         match self {
@@ -91,7 +91,7 @@ impl Split for Flags<'_> {
     }
 }
 
-/// Sets the flag of each block with a variable or a direction that is not zero.
+/// Sets the flag of each block with a non-zero variable or direction.
 #[multiversion(targets = "simd")]
 fn find_active(x: &[f64], direction: &[f32], flags: &mut [bool]) {
     for (active, (x, z)) in flags.iter_mut().zip(x.chunks(BLOCK).zip(direction.chunks(BLOCK))) {
@@ -99,13 +99,13 @@ fn find_active(x: &[f64], direction: &[f32], flags: &mut [bool]) {
     }
 }
 
-/// True if all variables of a block are zero, and have no direction.
+/// Returns true if all variables and directions of a block are zero.
 #[inline(always)]
 pub(super) fn is_idle(x: &[f64], z: &[f32]) -> bool {
     !x.iter().fold(false, |any, x| any | (*x != 0.0)) & !moves(z)
 }
 
-/// True if a variable has a direction.
+/// Returns true if any direction is not zero.
 #[inline(always)]
 fn moves(z: &[f32]) -> bool {
     z.iter().fold(false, |any, z| any | (*z != 0.0))

@@ -1,4 +1,4 @@
-//! Two fields that are coupled by the function and by their means, in double precision.
+//! Two fields coupled by the function and by their means, in double precision.
 
 use gfmd_vector::{Share, add, for_each, pass, reduce, sum};
 
@@ -7,29 +7,29 @@ use super::{Advance, Course, Vectors};
 use crate::Visit;
 use crate::quadratic::{Iterate, LEAST_DESCENT, OptimalitySums, Target, add_linear, turn};
 
-/// A convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of non-negative variables of two fields, the halves of one vector,
+/// Convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of the non-negative variables of two fields, the halves of one vector,
 /// for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is symmetric and positive
 /// semi-definite, and has a preconditioner.
 pub trait Paired {
-    /// b, one value for each variable; the number of variables is even.
+    /// Returns b, one value for each variable; the number of variables is even.
     fn linear(&self) -> &[f64];
 
-    /// `out ← A x`.
+    /// Writes `A x` into `out`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
 
-    /// `out ← M gradient` on the free variables, zero elsewhere: approximately the step to the point where the gradient
-    /// of the free variables vanishes. Variables are free if they are positive, or if they are zero and their gradient
-    /// is negative. M depends on the free set; it is symmetric positive (semi-)definite and approximates A⁻¹ on this
-    /// set.
+    /// Writes `M gradient` into `out` on the free variables, and zero elsewhere. This is approximately the step to the
+    /// point where the gradient of the free variables vanishes. Variables are free if positive, or if zero with a
+    /// negative gradient. M depends on the free set; it is symmetric positive (semi-)definite and approximates A⁻¹ on
+    /// this set.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]);
 
-    /// Visits the variables that the problem itself changes during a search, such as a counter of its effort.
+    /// Visits the variables that the problem itself changes during a search, for example an effort counter.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
     }
 }
 
-/// The constraint on the means of the two halves.
+/// Constraint on the means of the two halves.
 #[derive(Clone, Copy)]
 enum Means {
     /// Both means have this value.
@@ -42,13 +42,13 @@ pub(super) struct Pair<'a, P> {
     problem: &'a mut P,
     x: &'a mut [f64],
     means: Means,
-    /// The scale of gradients in the residuals.
+    /// Scale of gradients in the residuals.
     scale: f64,
-    /// The gradient less the multiplier of each half.
+    /// Gradient minus the multiplier of each half.
     gradient: Vec<f64>,
     direction: Vec<f64>,
     last_step: Vec<f64>,
-    /// The image of the last step.
+    /// Image of the last step.
     image: Vec<f64>,
 }
 
@@ -59,7 +59,7 @@ impl<'a, P: Paired> Pair<'a, P> {
         Self { problem, x, means, scale: target.gradient_scale, gradient, direction, last_step, image }
     }
 
-    /// z ← z − β s with β such that z is conjugate to s, on the free variables, where z ≠ 0.
+    /// Subtracts β s from z, with β such that z is conjugate to s, where z ≠ 0 (free variables).
     fn conjugate(&mut self) {
         let Self { gradient, direction, last_step, image, .. } = self;
         let [z_image, s_image, z_gradient, s_gradient] = reduce(
@@ -151,7 +151,7 @@ impl<P: Paired> Vectors for Pair<'_, P> {
 
     fn steepest(&mut self) -> f64 {
         let Self { problem, x, gradient, direction, image, .. } = self;
-        // The preconditioner may have left numbers that are not finite.
+        // The preconditioner may have left values that are not finite.
         direction.fill(0.0);
         let squares = turn(&Share::whole(x.len(), 1), direction, x, gradient, 0.0, 0.0, &|x, g| x > 0.0 || g < 0.0);
         problem.apply(direction, image);
@@ -216,8 +216,8 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 }
 
-/// A point of the projected path: `max(0, x − length z − shift)` on the free variables, which are positive or have z ≠
-/// 0; the others do not change.
+/// Point of the projected path: `max(0, x − length z − shift)` on the free variables (positive or with z ≠ 0). The
+/// others do not change.
 #[derive(Clone, Copy)]
 pub(super) struct Path {
     length: f64,
@@ -232,7 +232,7 @@ impl Path {
         if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 }
     }
 
-    /// The sum of one half at its end with a shift, and the number of its positive variables.
+    /// Returns the sum of one half at the end of the path with a shift, and the number of its positive variables.
     fn total(&self, x: &[f64], direction: &[f64], shift: f64) -> [f64; 2] {
         let path = Self { shifts: [shift; 2], ..*self };
         reduce(
@@ -248,7 +248,7 @@ impl Path {
         )
     }
 
-    /// The shifts that keep the means, if there are any.
+    /// Returns the shifts that keep the means, if they exist.
     fn kept(&self, means: Means, x: [&[f64]; 2], direction: [&[f64]; 2]) -> Option<[f64; 2]> {
         let total = |half: usize, shift: f64| self.total(x[half], direction[half], shift);
         match means {
@@ -273,8 +273,8 @@ impl Path {
     }
 }
 
-/// The shift at which a decreasing function vanishes, from its value, its slope with the opposite sign, and the scale
-/// of its rounding errors: Newton's method within a bracket.
+/// Returns the zero of a decreasing function, given its value, negative slope and scale of rounding errors, by Newton's
+/// method within a bracket.
 fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
     let mut shift = 0.0;
     let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
@@ -297,7 +297,7 @@ fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
     Some(shift)
 }
 
-/// Scales the halves to the prescribed means, from which they differ by rounding errors.
+/// Scales the halves to remove rounding errors from the prescribed means.
 fn keep_means(x: &mut [f64], means: Means) {
     let points = x.len() / 2;
     let [first, second] = [&x[..points], &x[points..]].map(gfmd_vector::total);

@@ -1,4 +1,4 @@
-//! The projected path along a direction.
+//! Projected path along a direction.
 
 use gfmd_vector::{Share, add};
 
@@ -7,7 +7,7 @@ use super::constants::{BOUNDED_MEAN, HALVINGS, MEAN, SHORTER};
 use super::sums::{View, block_sums};
 use crate::Ceiling;
 
-/// The start of a path: variables, direction, gradient, and the active blocks.
+/// Start of a path: variables, direction, gradient, and the active blocks.
 pub(super) struct Start<'a> {
     pub(super) share: &'a Share,
     pub(super) x: &'a [f64],
@@ -18,11 +18,11 @@ pub(super) struct Start<'a> {
     pub(super) upper: Ceiling<'a>,
 }
 
-/// A point of the projected path: `factor · max(0, x − length z − μ)`, at most the upper bound, on the free variables,
-/// between the bounds or with z ≠ 0; the others do not change.
+/// Point of the projected path: `factor · max(0, x − length z − μ)`, at most the upper bound, on the free variables
+/// (between the bounds or with z ≠ 0). The others do not change.
 pub(super) struct Path {
     pub(super) length: f64,
-    /// The length in the unit of steps.
+    /// Length in the unit of steps.
     scale: f64,
     mu: f64,
     pub(super) factor: f64,
@@ -32,7 +32,7 @@ pub(super) struct Path {
 
 impl Path {
     pub(super) fn end(&self, x: f64, z: f32, upper: f64) -> f64 {
-        // Without branches, which could not be predicted.
+        // Without branches, which would be unpredictable.
         let end = x - self.scale * f64::from(z) - self.mu;
         let held = (x >= upper) & (z == 0.0);
         let end = if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 };
@@ -42,7 +42,7 @@ impl Path {
 }
 
 impl Start<'_> {
-    /// The point of the path at `length`, halved until the step to it begins downhill.
+    /// Returns the point of the path at `length`, halved until the step begins downhill.
     pub(super) fn downhill(&self, length: f64, mean: Option<f64>) -> Option<Path> {
         let Self { share, x, direction: z, gradient, active, view, upper } = *self;
         let (bounded, highest) = (upper.is_finite(), upper.highest(share));
@@ -87,8 +87,8 @@ impl Start<'_> {
                     path.slope += (path.factor - 1.0) * along;
                     break;
                 }
-                // Newton's method on a convex, piecewise linear function takes a few steps. With two bounds the
-                // function is not convex, and the steps are kept within a bracket.
+                // Newton's method takes a few steps on a convex, piecewise linear function. With two bounds, the
+                // function is not convex, and the steps stay within a bracket.
                 let mut mu = path.mu + excess / positive;
                 if bounded {
                     bracket[usize::from(excess < 0.0)] = path.mu;
@@ -115,7 +115,7 @@ impl Start<'_> {
     }
 }
 
-/// The middle of a bracket; a bracket that is open on one side is widened.
+/// Returns the middle of a bracket, or a point beyond its finite end if it is open on one side.
 fn middle([low, high]: [f64; 2], mu: f64, size: f64) -> f64 {
     match (low.is_finite(), high.is_finite()) {
         (true, true) => 0.5 * (low + high),

@@ -1,4 +1,4 @@
-//! One field, with steps, their images and the gradient in single precision.
+//! One field, with steps, images and gradient in single precision.
 
 use gfmd_vector::{Share, add, add_times, for_each, pass};
 use multiversion::multiversion;
@@ -17,30 +17,30 @@ pub(super) struct Single<'a, P> {
     x: &'a mut [f64],
     target: &'a Target,
     share: Share,
-    /// The units of gradients and of steps.
+    /// Units of gradients and of steps.
     units: [f64; 2],
     upper: Upper,
-    /// The gradient less a level, and that level: the multiplier at the last refresh.
+    /// Gradient minus a level, and the level, which is the multiplier at the last refresh.
     gradient: Vec<f32>,
     level: f64,
     multiplier: f64,
     direction: Vec<f32>,
     last_step: Vec<f32>,
-    /// The image of the last step.
+    /// Image of the last step.
     image: Vec<f32>,
     active: Active,
     sums: Sums,
-    /// The sums of each stretch.
+    /// Sums of each stretch.
     parts: Vec<Sums>,
 }
 
 impl<'a, P: Preconditioned> Single<'a, P> {
-    /// Brings the start to the prescribed mean.
+    /// Creates the search and moves the start to the prescribed mean.
     pub(super) fn new(problem: &'a mut P, x: &'a mut [f64], target: &'a Target) -> Self {
         let n = problem.length();
         let (share, upper) = (problem.share(), problem.upper());
         begin(&share, x, target.mean, &upper);
-        // A power of two, by which nothing is rounded.
+        // A power of two, which causes no rounding.
         let unit = target.gradient_scale.log2().floor().exp2();
         Self {
             x,
@@ -67,7 +67,7 @@ impl<'a, P: Preconditioned> Single<'a, P> {
         View { gradient, step, offset, level: self.level }
     }
 
-    /// x ← x − (1 − part) s; the gradient is interpolated between those before and after the step.
+    /// Subtracts (1 − part) s from x. The gradient is interpolated between the beginning and the end of the step.
     fn step_back(&mut self, part: f64) {
         let view = self.view();
         let rest = 1.0 - part;
@@ -89,8 +89,8 @@ impl<'a, P: Preconditioned> Single<'a, P> {
         }
     }
 
-    /// z ← z − β s with β such that z is conjugate to s (Hestenes and Stiefel 1952), on the free variables, where z
-    /// ≠ 0. β does not depend on the length of s.
+    /// Subtracts β s from z, with β such that z is conjugate to s (Hestenes and Stiefel 1952), where z ≠ 0 (free
+    /// variables). β does not depend on the length of s.
     fn conjugate(&mut self) {
         let offset = self.view().offset;
         let Self { share, gradient, direction, last_step, image, active, .. } = self;
@@ -264,7 +264,7 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
     }
 }
 
-/// The gradient in its unit, less the level.
+/// Writes the gradient minus the level in its unit.
 #[multiversion(targets = "simd")]
 fn round(row: &[f64], view: View, gradient: &mut [f32]) {
     // The unit is a power of two.
@@ -272,7 +272,7 @@ fn round(row: &[f64], view: View, gradient: &mut [f32]) {
     gradient.iter_mut().zip(row).for_each(|(g, row)| *g = ((row - view.level) * factor) as f32);
 }
 
-/// x ← the end of the path along z; z and `row` ← the step there, in the unit of steps.
+/// Moves x to the end of the path along z, and writes the step, in its unit, into z and `row`.
 #[multiversion(targets = "simd")]
 fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], (Ceiling<'_>, Flags<'_>)), row: &mut [f32]) {
     let (x, z, (upper, flags)) = ends;
@@ -294,7 +294,7 @@ fn go(path: &Path, unit: f64, ends: (&mut [f64], &mut [f32], (Ceiling<'_>, Flags
     }
 }
 
-/// x ← x − `rest` s, between the bounds.
+/// Subtracts `rest` s from x, within the bounds.
 #[multiversion(targets = "simd")]
 fn retreat(rest: f64, step: &[f32], bounds: (Ceiling<'_>, Flags<'_>), x: &mut [f64]) {
     let (upper, flags) = bounds;
@@ -308,7 +308,7 @@ fn retreat(rest: f64, step: &[f32], bounds: (Ceiling<'_>, Flags<'_>), x: &mut [f
     }
 }
 
-/// z ← z − β s where z ≠ 0.
+/// Subtracts β s from z where z ≠ 0.
 #[multiversion(targets = "simd")]
 fn subtract(beta: f32, step: &[f32], flags: Flags<'_>, direction: &mut [f32]) {
     for (block, (z, s)) in direction.chunks_mut(BLOCK).zip(step.chunks(BLOCK)).enumerate() {
@@ -318,8 +318,7 @@ fn subtract(beta: f32, step: &[f32], flags: Flags<'_>, direction: &mut [f32]) {
     }
 }
 
-/// Scales the variables between the bounds such that the mean is the prescribed one, from which it differs by rounding
-/// errors.
+/// Scales the variables between the bounds to remove rounding errors from the prescribed mean.
 fn keep_mean(share: &Share, x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
     let Some(mean) = mean else { return };
     let [inside, at_bound] = share.reduce(
@@ -339,7 +338,7 @@ fn keep_mean(share: &Share, x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
     }
 }
 
-/// Moves the start to the prescribed mean, between zero and the upper bounds: towards the bounds scaled to that mean,
+/// Moves the start to the prescribed mean, between zero and the upper bounds: towards the bounds scaled to this mean,
 /// as far as necessary.
 fn begin(share: &Share, x: &mut [f64], mean: Option<f64>, upper: &Upper) {
     rescale(share, x, share.total_of(x), mean);

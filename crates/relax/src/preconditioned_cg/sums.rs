@@ -10,7 +10,7 @@ use crate::preconditioned::BLOCK;
 use crate::quadratic::Optimality;
 use crate::{Ceiling, Visit};
 
-/// Sums over one iterate; gradients are relative to the multiplier before it.
+/// Sums over one iterate; gradients are relative to the previous multiplier.
 #[derive(Clone, Copy)]
 pub(super) struct Sums {
     pub(super) x: f64,
@@ -18,11 +18,11 @@ pub(super) struct Sums {
     pub(super) positive: usize,
     pub(super) positive_gradient: f64,
     pub(super) lowest: f64,
-    /// The highest gradient at the upper bound.
+    /// Highest gradient at the upper bound.
     pub(super) highest: f64,
     /// ⟨g, step⟩ at the end of the step.
     pub(super) slope: f64,
-    /// Number of variables that the step has brought to a bound.
+    /// Number of variables brought to a bound by the step.
     pub(super) clipped: usize,
 }
 
@@ -38,8 +38,8 @@ impl Sums {
         clipped: 0,
     };
 
-    /// The change of the multiplier to the mean gradient of the variables between the bounds; if there are none, to the
-    /// middle of the gradients at either bound.
+    /// Returns the change of the multiplier to the mean gradient of the variables between the bounds; if there are
+    /// none, to the middle between the extreme gradients at the two bounds.
     pub(super) fn shift(&self) -> f64 {
         if self.positive > 0 {
             self.positive_gradient / self.positive as f64
@@ -70,7 +70,7 @@ impl Sums {
         }
     }
 
-    /// The sums over all stretches of all processes; `parts` are those of this process.
+    /// Returns the sums over all stretches of all processes; `parts` are the sums of this process.
     pub(super) fn all(share: &Share, parts: &[Self]) -> Self {
         if share.is_whole() {
             return Self::joined(parts);
@@ -89,7 +89,7 @@ impl Sums {
 
     pub(super) fn see(&mut self, x: f64, gradient: f64, step: f64, upper: f64) {
         self.slope += gradient * step;
-        // A search that diverges may reach infinity, which is no bound.
+        // A diverging search may reach infinity, which is no bound.
         if x >= upper && x.is_finite() {
             self.highest = self.highest.max(gradient);
             self.clipped += usize::from(step > 0.0);
@@ -134,20 +134,20 @@ impl Serialise for Sums {
     }
 }
 
-/// The factors from numbers in single precision to numbers of the problem.
+/// Factors from single-precision values to values of the problem.
 #[derive(Clone, Copy)]
 pub(super) struct View {
-    /// The unit of gradients.
+    /// Unit of gradients.
     pub(super) gradient: f64,
-    /// The unit of steps.
+    /// Unit of steps.
     pub(super) step: f64,
-    /// The multiplier less the level, in the unit of gradients.
+    /// Multiplier minus the level, in the unit of gradients.
     pub(super) offset: f64,
     pub(super) level: f64,
 }
 
 impl View {
-    /// The gradient less the multiplier.
+    /// Returns the gradient minus the multiplier.
     pub(super) fn own(&self, gradient: f32) -> f64 {
         (f64::from(gradient) - self.offset) * self.gradient
     }
@@ -157,10 +157,10 @@ impl View {
     }
 }
 
-/// The gradients of a stretch, variables, steps, upper bounds, active blocks.
+/// Gradients, variables, steps, upper bounds and active blocks of a stretch.
 type Stretch<'a, G> = (&'a [G], &'a [f64], &'a [f32], Ceiling<'a>, Flags<'a>);
 
-/// The sums over a stretch after a step; `own` makes the gradient less the multiplier.
+/// Returns the sums over a stretch after a step; `own` returns the gradient minus the multiplier.
 #[multiversion(targets = "simd")]
 pub(super) fn measure<G: Copy + PartialOrd + From<f32>, F: Fn(G) -> f64>(
     view: View,
@@ -197,7 +197,7 @@ pub(super) fn measure<G: Copy + PartialOrd + From<f32>, F: Fn(G) -> f64>(
     sums
 }
 
-/// The sums of terms over a block, formed pairwise so that processors can compute several at once.
+/// Returns the sums of terms over a block, in pairwise order for vectorisation.
 #[multiversion(targets = "simd")]
 pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -> [f64; K], const K: usize>(
     fields: (&[A], &[B], &[C], &[D]),
@@ -209,7 +209,7 @@ pub(super) fn block_sums<A: Copy, B: Copy, C: Copy, D: Copy, F: Fn(A, B, C, D) -
     const HALF: usize = BLOCK / 2;
     let mut values = [[0.0; HALF]; K];
     if let Some(((a, b), (c, d))) = whole {
-        // The compiler vectorises a loop whose length it knows.
+        // The compiler vectorises a loop of known length.
         for half in [0, HALF] {
             for i in 0..HALF {
                 let terms = terms(a[half + i], b[half + i], c[half + i], d[half + i]);
@@ -242,7 +242,7 @@ mod tests {
 
     use super::*;
 
-    /// Whatever vectors a processor has.
+    /// The order does not depend on the vector length of the processor.
     #[test]
     fn a_block_has_the_sums_of_its_terms_in_one_order() {
         for length in [BLOCK, BLOCK - 1, 40, 1] {

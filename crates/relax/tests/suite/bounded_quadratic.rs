@@ -1,5 +1,5 @@
-//! Tests of the conjugate-gradient methods on small dense problems with a known minimum: problems constructed from it,
-//! or solved by trying every set of positive variables.
+//! Tests of the conjugate-gradient methods on small dense problems with a known minimum. The problem is constructed
+//! from the minimum, or solved by trying every set of positive variables.
 
 use std::ops::ControlFlow;
 
@@ -21,18 +21,17 @@ enum Method {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Preconditioner {
-    /// The inverse of A on the free variables.
+    /// Inverse of A on the free variables.
     Inverse,
-    /// A multiple of the identity.
+    /// Multiple of the identity.
     Scale(f64),
-    /// A preconditioner that never lets a variable leave zero.
+    /// Preconditioner that keeps variables at zero.
     Closed,
-    /// A preconditioner whose directions lead uphill.
+    /// Preconditioner with directions that lead uphill.
     Uphill,
 }
 
-/// All methods except [`Method::PolonskyKeer`], which cycles in one of 10⁴ of the random problems below: it has no
-/// safeguard.
+/// All methods except [`Method::PolonskyKeer`], which has no safeguard and cycles in one of 10⁴ random problems below.
 const METHODS: [Method; 7] = [
     Method::ProjectedCg,
     Method::Preconditioned(Preconditioner::Inverse),
@@ -72,7 +71,7 @@ impl Preconditioned for Dense {
         self.b.len()
     }
 
-    /// Half of the variables, if their number is even.
+    /// Returns half of the number of variables if it is even.
     fn stretch(&self) -> usize {
         let n = self.b.len();
         if n.is_multiple_of(2) { n / 2 } else { n }
@@ -140,7 +139,7 @@ impl Dense {
         Ok((x, reached))
     }
 
-    /// The minimum found by `method`; panics if the search fails.
+    /// Returns the minimum found by `method`. Panics if the search fails.
     fn minimum(&self, method: Method, start: &[f64], target: &Target) -> (Vec<f64>, Iterate) {
         match self.minimise(method, start, target) {
             Ok((x, Minimum { reached, ending: Ending::Converged })) => (x, reached),
@@ -156,7 +155,7 @@ impl Dense {
         self.gradient(x).iter().zip(&self.b).zip(x).map(|((g, b), x)| 0.5 * (g + b) * x).sum()
     }
 
-    /// The minimum, by trying every set of positive variables.
+    /// Finds the minimum by trying every set of positive variables.
     fn exact(&self, mean: Option<f64>) -> Vec<f64> {
         let n = self.b.len();
         let candidates = (0..1_u32 << n).filter_map(|set| {
@@ -188,7 +187,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Gaussian elimination with pivots.
+/// Solves a x = b by Gaussian elimination with pivoting.
 fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
@@ -209,7 +208,7 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// The matrix BᵀB/n + shift.
+/// Returns the matrix BᵀB/n + shift.
 fn matrix(entries: &[f64], n: usize, shift: f64) -> Vec<Vec<f64>> {
     let column = |i: usize| entries.iter().skip(i).step_by(n).copied();
     let product = |i: usize, j: usize| column(i).zip(column(j)).map(|(a, b)| a * b).sum::<f64>() / n as f64;
@@ -224,13 +223,13 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Bound on the error of x at the tolerance: the two residuals bound ⟨x − x*, A (x − x*)⟩ = ⟨x − x*, g − g*⟩, and A ≥
-/// 0.1 in these tests. The error thus has half the digits of the tolerance.
+/// Asserts a bound on the error of x at the tolerance: the two residuals bound ⟨x − x*, A (x − x*)⟩ = ⟨x − x*, g − g*⟩,
+/// and A ≥ 0.1 in these tests. The solution thus has half the digits of the tolerance.
 fn error(x: &[f64], exact: &[f64]) -> f64 {
     (target(None).budget.tolerance * (x.iter().sum::<f64>() + exact.iter().sum::<f64>()) / 0.1).sqrt()
 }
 
-/// A variable and its gradient at the minimum: at least one of them is zero.
+/// Generates a variable and its gradient at the minimum; at least one of them is zero.
 fn pair() -> impl Strategy<Value = (f64, f64)> {
     prop_oneof![3 => (0.1..3.0).prop_map(|x| (x, 0.0)), 2 => (0.1..3.0).prop_map(|g| (0.0, g)), 1 => Just((0.0, 0.0))]
 }
@@ -312,7 +311,7 @@ proptest! {
     }
 }
 
-/// A ring of springs, also connected to the ground, with loads of both signs.
+/// Returns a ring of springs, also connected to the ground, with loads of both signs.
 fn ring(n: usize) -> Dense {
     let a = (0..n)
         .map(|i| {
@@ -382,7 +381,7 @@ fn what_ends_early_says_why_and_where() {
 
 #[test]
 fn what_has_no_minimum_breaks_down() {
-    // The second variable has no stiffness but a load.
+    // The second variable has a load but no stiffness.
     let dense = Dense {
         a: vec![vec![1.0, 0.0], vec![0.0, 0.0]],
         b: vec![1.0, -1.0],

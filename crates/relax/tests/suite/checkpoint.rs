@@ -1,4 +1,4 @@
-//! Checkpoints of searches: continued from any of them, a search makes the same numbers.
+//! Tests of checkpoints: a search resumed from any checkpoint gives the same numbers.
 
 use std::ops::ControlFlow;
 
@@ -11,7 +11,7 @@ use gfmd_relax::{
     relax_until,
 };
 
-/// A watcher that keeps the checkpoint of one iteration, or continues from it, and records all residuals.
+/// Watcher that keeps the checkpoint of one iteration, or resumes from it, and records all residuals.
 #[derive(Default)]
 struct Keeper {
     at: Option<usize>,
@@ -39,7 +39,7 @@ impl Watch for Keeper {
     }
 }
 
-/// Runs a search whole, then from each of its checkpoints; all numbers must be equal to the last bit.
+/// Runs a whole search, then resumes it from several checkpoints. All numbers must be bitwise equal.
 fn continues(name: &str, search: impl Fn(&mut dyn Watch) -> (Vec<f64>, u64, Ending)) {
     let mut whole = Keeper::default();
     let result = search(&mut whole);
@@ -66,7 +66,8 @@ fn bits(numbers: &[f64]) -> Vec<u64> {
 
 const N: usize = 60;
 
-/// The matrix 2 + 2 (second differences) with a load that presses some entries to zero; a counter of its images.
+/// Matrix 1 + 2 (second differences) + ½ (second differences at distance 7) with a load that presses some entries to
+/// zero, and a counter of images.
 struct Springs {
     load: Vec<f64>,
     images: u64,
@@ -187,7 +188,7 @@ fn conjugate_gradients_continue_bit_for_bit() {
     }
 }
 
-/// The same springs below a wall.
+/// Springs below a wall.
 struct Walled {
     springs: Springs,
     wall: Vec<f64>,
@@ -240,7 +241,7 @@ impl Proximal for Walled {
         4.0
     }
 
-    /// Gauss-Seidel sweeps, enough for the last bit.
+    /// Makes enough Gauss-Seidel sweeps to converge to the last bit.
     fn settle(&mut self, anchor: &[f64], u: &mut [f64]) {
         self.springs.images += 1;
         u.fill(0.0);
@@ -262,7 +263,7 @@ impl Proximal for Walled {
     }
 }
 
-/// Reads the counter of a problem.
+/// Visitor that reads the counter of a problem.
 struct Reader<'a>(&'a mut u64);
 
 impl Visit for Reader<'_> {
@@ -275,7 +276,7 @@ impl Visit for Reader<'_> {
     fn field(&mut self, _: &mut [f64]) {}
 }
 
-/// Relaxes to a certified residual that is far below that of the method, so that the target is reduced on the way.
+/// Relaxes to a certified residual far below the residual of the method, so that the target is reduced during the run.
 fn relax<L: Landscape, M: Method>(mut problem: L, method: &M, watch: &mut dyn Watch) -> (Vec<f64>, u64, Ending) {
     let mut state = method.start(&mut problem, vec![0.0; N]).unwrap();
     let budget = Budget { tolerance: 1e-9, max_iterations: 100_000 };

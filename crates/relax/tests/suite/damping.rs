@@ -27,7 +27,7 @@ fn eigenvalues_solve_the_characteristic_equation() {
     }
 }
 
-/// The closed form of the history, and the number of steps that follows from it, against the iteration itself.
+/// Compares the closed form of the history, and the resulting number of steps, with the iteration.
 #[test]
 fn predicted_history_and_steps_agree_with_the_iteration() {
     let critical = Damping::critical(0.04, 0.7);
@@ -70,7 +70,8 @@ fn regimes_change_at_the_critical_stiffness() {
         assert!(matches!(damping.motion(k), Motion::Critical { .. }));
         assert!(matches!(damping.motion(1.001 * k), Motion::UnderDamped { .. }));
         assert!(matches!(damping.motion(0.999 * k), Motion::OverDamped { slow, fast } if slow > fast && fast > 0.0));
-        // √k Δt above 1 flips the sign every step, once more critical at the far end of the oscillating band.
+        // √k Δt above 1 flips the sign in every step; damping is critical again at the upper end of the oscillating
+        // band.
         let stiff = (1.0 + damping.beta.sqrt()).powi(2) / damping.tau;
         assert!(matches!(damping.motion(stiff), Motion::Critical { eigenvalue } if eigenvalue < 0.0));
         assert!(matches!(damping.motion(1.001 * stiff), Motion::OverDamped { slow, .. } if slow < 0.0));
@@ -126,7 +127,7 @@ fn optimal_is_critical_at_the_largest_useful_step() {
     assert_relative_eq!(optimal.tau, critical.tau, max_relative = 1e-14);
     // τ k_max = (1 + √β)².
     assert_relative_eq!(optimal.tau * k_max, (1.0 + optimal.beta.sqrt()).powi(2), max_relative = 1e-14);
-    // With one stiffness one step suffices for any accuracy.
+    // With a single stiffness, one step suffices for any accuracy.
     assert!(Damping::optimal(3.0, 3.0).steps_per_decade(3.0, 3.0) < 0.1);
 }
 
@@ -141,7 +142,7 @@ fn unstable_steps_are_refused_with_the_limit() {
         }
         other => panic!("{other:?}"),
     }
-    // At the closed form the stiffest mode becomes unstable under critical damping of the softest mode.
+    // At the closed-form limit, the stiffest mode becomes unstable under critical damping of the softest mode.
     assert_relative_eq!(Damping::critical(k_min, limit).spectral_radius(k_max), 1.0, max_relative = 1e-12);
 
     let undamped = Damping { beta: 0.999, tau: 4.0 / k_max };

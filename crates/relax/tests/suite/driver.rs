@@ -1,4 +1,4 @@
-//! Tests of the ends of runs: converged, interrupted, out of steps, diverged.
+//! Tests of how runs end: converged, interrupted, out of steps, diverged.
 
 use std::{cell::Cell, io, ops::ControlFlow};
 
@@ -138,7 +138,7 @@ fn observers_see_every_step_and_can_stop() {
     assert_eq!(outcome, Outcome::Interrupted(state.status(&problem)));
     assert_eq!((state.step, seen.get(), rare.get()), (25, 26, 3));
 
-    // Either observer of a pair may stop the run.
+    // Each observer of a pair can stop the run.
     let now = state.status(&problem);
     let stop = |_: &Status, _: &VerletState| Ok(ControlFlow::Break(()));
     assert!(((), stop).observe(&now, &state).unwrap().is_break());
@@ -192,7 +192,7 @@ fn a_time_step_beyond_the_limit_is_noticed_within_a_few_steps() {
     }
 }
 
-/// The strongest growth of a stable run, that of the stiffest mode under optimal damping, does not count as divergence.
+/// The strongest growth of a stable run (stiffest mode, optimal damping) does not count as divergence.
 #[test]
 fn a_transient_is_no_divergence() {
     let (k_min, k_max) = (1e-5, 1.0);
@@ -208,7 +208,7 @@ fn a_transient_is_no_divergence() {
     assert!(highest > 0.9 / 7.4 * k_max / k_min, "{highest:e}");
 }
 
-/// A landscape that returns given values.
+/// Landscape that returns given values.
 struct Given {
     energy: f64,
     force: f64,
@@ -335,7 +335,7 @@ fn an_empty_problem_is_solved() {
     assert!(relax(&mut Nothing, &method, &mut state, &STOP, &mut ()).is_ok());
 }
 
-/// A landscape whose residual is zero everywhere, as after an underflow.
+/// Landscape with zero residual everywhere, as after an underflow.
 struct Blind;
 
 impl Landscape for Blind {

@@ -1,10 +1,10 @@
-//! Tests of FIRE against an implementation of theory.md, section 6.4, entry by entry.
+//! Tests of FIRE against an entry-by-entry implementation of theory.md, section 6.4.
 
 use gfmd_relax::{Fire, Landscape, Method, RelaxError, Stop, Uphill, relax};
 
 use crate::support::{Chain, distance, scattered};
 
-/// The algorithm of theory.md, section 6.4, on plain vectors, with one statement per line of the text.
+/// Algorithm of theory.md, section 6.4, on plain vectors, with one statement per line of the text.
 struct Plain {
     fire: Fire,
     u: Vec<f64>,
@@ -22,7 +22,7 @@ impl Plain {
         Self { fire, u, v, dt: fire.dt_start, alpha: fire.alpha_start, downhill: 0, step: 0, uphills: 0 }
     }
 
-    /// Entries on the wall that press against it have neither force nor velocity.
+    /// Returns the force, with zero force and velocity for entries pressed against the wall.
     fn net_force(&mut self, problem: &mut Chain) -> Vec<f64> {
         let mut f = vec![0.0; self.u.len()];
         problem.force(&self.u, &mut f);
@@ -121,7 +121,7 @@ fn both_versions_follow_the_theory_step_by_step() {
 #[test]
 fn the_time_step_stays_within_its_limits() {
     let mut problem = Chain::springs(60, 0.01, |_| 0.2);
-    // A short largest time step, which is reached between two steps uphill.
+    // A maximum time step short enough to be reached between two steps uphill.
     let dt_max = 0.2 * Fire::largest_dt(problem.band().1);
     for fire in [Fire::bitzek(dt_max), Fire::v2(dt_max)] {
         let mut state = fire.start(&mut problem, scattered(60)).unwrap();
@@ -152,7 +152,7 @@ fn gives_up_after_too_many_steps_uphill() {
     }
 }
 
-/// With this overshoot the time step is constant for `grace` steps, then halved at each step uphill.
+/// With this overshoot, the time step is constant for `grace` steps, then halved at each step uphill.
 #[test]
 fn uphill_steps_shorten_the_time_step_after_the_grace() {
     let mut problem = Chain::modes(&[1.9, 1.9]);
@@ -185,7 +185,7 @@ fn an_entry_that_a_step_back_takes_off_its_bound_has_left_it() {
     assert_eq!((state.settled, state.evaluations), (0, 4));
 }
 
-/// For two entries on their bounds a velocity into the wall does not count as a step uphill.
+/// For two entries on their bounds, a velocity into the wall does not count as a step uphill.
 #[test]
 fn entries_that_arrive_at_their_bound_stay_there() {
     let mut problem = Chain::springs(2, 0.05, |_| 1.0).below(vec![0.1, 1.4]).above(vec![-0.6, 1.4]);

@@ -4,7 +4,7 @@ use gfmd_relax::{Bounds, Inertial, Landscape, Method, Nesterov, Outcome, Smooth,
 
 use crate::support::{Chain, distance, scattered, solve};
 
-/// A chain with M = K + k₀.
+/// Chain with M = K + k₀.
 struct Weighted {
     chain: Chain,
     extra: f64,

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-relax` as one program: those of one file by `cargo test -p gfmd-relax --test suite FILE::`.
+//! Tests of `gfmd-relax` as one program. To run one file: `cargo test -p gfmd-relax --test suite FILE::`.
 
 mod bounded_quadratic;
 mod checkpoint;

@@ -7,7 +7,7 @@ use crate::support::{Chain, distance, scattered};
 
 const MODES: [f64; 6] = [0.01, 0.03, 0.2, 0.7, 1.9, 3.9];
 
-/// Critical damping of each entry, for a problem whose entries are its modes.
+/// Returns the critical damping of each entry, for a problem in which entries are modes.
 fn critical_for_all(tau: f64) -> impl Fn(&mut [f64]) {
     move |motion| {
         for (d, k) in motion.iter_mut().zip(MODES) {
@@ -33,7 +33,7 @@ fn no_mode_oscillates_and_the_softest_is_as_slow_as_with_one_damping() {
     }
     let one = Verlet::critical(MODES[0], MODES[5], tau.sqrt()).unwrap();
     assert_relative_eq!(one.damping.amplitude(MODES[0], 600), state.u[0], max_relative = 1e-9);
-    // With one damping the stiff modes do oscillate.
+    // With a uniform damping, the stiff modes oscillate.
     assert!((1..600).any(|step| one.damping.amplitude(MODES[3], step) < 0.0));
 }
 

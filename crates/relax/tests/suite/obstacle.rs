@@ -1,4 +1,4 @@
-//! Tests with chains pressed against bounds, for which all methods find the exact solution.
+//! Tests that all methods find the exact solution for chains pressed against bounds.
 
 use gfmd_relax::{Fire, Landscape, Method, Nesterov, Outcome, Stop, Verlet, relax};
 
@@ -17,7 +17,7 @@ fn settle(method: &impl Method, problem: &mut Chain, u: Vec<f64>) -> Vec<f64> {
     state.u
 }
 
-/// The solution by every method, from two starts.
+/// Returns the solution by every method, from two starts.
 fn by_all_methods(problem: &Chain) -> Vec<(&'static str, Vec<f64>)> {
     let (k_min, k_max) = problem.band();
     let dt = Fire::largest_dt(k_max);
@@ -61,7 +61,7 @@ fn a_chain_pressed_against_a_table() {
 
 #[test]
 fn a_lifted_chain_pulls_off_where_it_should() {
-    // Without load a bound below zero presses the chain down like a punch; elsewhere the chain is free.
+    // Without a load, a bound below zero presses the chain down like a punch; elsewhere the chain is free.
     let n = 41;
     let punch: Vec<f64> = (0..n).map(|i| 0.005 * (i as f64 - 17.2).powi(2) - 0.3).collect();
     let problem = Chain::springs(n, 0.2, |_| 0.0).below(punch);
@@ -80,7 +80,7 @@ fn without_a_bound_the_answer_is_that_of_elimination() {
     for (method, u) in by_all_methods(&problem) {
         assert!(distance(&u, &exact) < 1e-10, "{method}");
     }
-    // An infinite bound gives bit by bit the result without bounds.
+    // An infinite bound gives bitwise the result without bounds.
     let bounded = problem.clone().below(vec![f64::INFINITY; 50]);
     let optimal = Verlet::optimal(problem.band().0, problem.band().1).unwrap();
     let (mut a, mut b) = (problem, bounded);

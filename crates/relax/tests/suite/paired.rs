@@ -1,15 +1,15 @@
-//! Two halves of variables, coupled by a matrix and by their means, against every active set.
+//! Tests of two fields, coupled by a matrix and by their means, against every active set.
 
 use gfmd_relax::{Budget, Ending, MemoryCheckpoint, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
 
-/// A dense matrix, with its diagonal as the preconditioner.
+/// Dense matrix, with its diagonal as the preconditioner.
 struct Dense {
     matrix: Vec<f64>,
     linear: Vec<f64>,
 }
 
 impl Dense {
-    /// A matrix B Bᵀ + 0.1 with numbers that follow from the `seed`.
+    /// Creates a matrix B Bᵀ + 0.1 with pseudo-random numbers from `seed`.
     fn new(n: usize, seed: u64) -> Self {
         let mut state = seed;
         let mut number = || {
@@ -53,7 +53,7 @@ fn target(mean: Option<f64>) -> Target {
     Target { mean, gradient_scale: 1.0, budget: Budget { tolerance: 1e-11, max_iterations: 20_000 } }
 }
 
-/// The largest violation of the conditions of the minimum, with multipliers from the positive variables.
+/// Returns the largest violation of the optimality conditions, with multipliers from the positive variables.
 fn violation(problem: &Dense, x: &[f64], mean: Option<f64>) -> f64 {
     let middle = x.len() / 2;
     let mut gradient = problem.gradient(x);
@@ -105,7 +105,7 @@ fn unusable_starts_are_refused() {
     assert!(refused.is_err());
 }
 
-/// Keeps the checkpoint of one call, or continues from it.
+/// Watcher that keeps the checkpoint of one call, or resumes from it.
 #[derive(Default)]
 struct Keeper {
     at: usize,

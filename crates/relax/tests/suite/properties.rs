@@ -5,7 +5,8 @@ use proptest::prelude::*;
 
 use crate::support::{Chain, distance};
 
-/// Strictly diagonally dominant, hence positive definite, chains with couplings of both signs and sometimes a bound.
+/// Generates strictly diagonally dominant, hence positive definite, chains with couplings of both signs and optional
+/// bounds.
 fn chains() -> impl Strategy<Value = Chain> {
     (2..40usize).prop_flat_map(|n| {
         let coupling = prop::collection::vec(-1.0..1.0, n - 1);
@@ -23,7 +24,7 @@ fn chains() -> impl Strategy<Value = Chain> {
     })
 }
 
-/// The solution by projected Gauss–Seidel, which is slow but converges on all these problems.
+/// Solves by projected Gauss–Seidel, which is slow but converges on all these problems.
 fn by_sweeps(problem: &Chain) -> Vec<f64> {
     let n = problem.len();
     let mut u = vec![0.0; n];

@@ -1,11 +1,11 @@
-//! Tests of the rates of convergence against theory.md, sections 6.1 and 6.2.
+//! Tests of convergence rates against theory.md, sections 6.1 and 6.2.
 
 use approx::assert_relative_eq;
 use gfmd_relax::{Damping, Landscape, Method, OnRise, Outcome, RelaxError, Stop, Verlet, relax};
 
 use crate::support::{Chain, distance, scattered};
 
-/// The asymptotic factor per step of the largest error. The largest errors in windows of equal numbers of steps are
+/// Measures the asymptotic factor per step of the largest error. Maxima over windows with equal numbers of steps are
 /// compared, so that oscillations have no effect.
 fn measured(verlet: Verlet, modes: &[f64], steps: usize) -> f64 {
     let mut problem = Chain::modes(modes);
@@ -31,7 +31,7 @@ fn assert_rate(verlet: Verlet, modes: &[f64], steps: usize) {
     let predicted = modes.iter().map(|&k| verlet.damping.spectral_radius(k)).fold(0.0, f64::max);
     let found = measured(verlet, modes, steps);
     assert_relative_eq!(found.ln(), predicted.ln(), max_relative = 0.05);
-    // The planning functions predict this number, too.
+    // The planning functions predict the same number.
     let (k_min, k_max) = (modes[0], modes[modes.len() - 1]);
     let decade = verlet.damping.steps_per_decade(k_min, k_max);
     assert_relative_eq!(-f64::ln(10.0) / found.ln(), decade, max_relative = 0.06);
@@ -132,7 +132,7 @@ fn guarded_steps_never_rise() {
     }
     let back = state.evaluations - state.step - 1;
     assert!(back > 3 && back < 500, "the test needs rises, found {back}");
-    // This run is strongly underdamped, √β = 0.9975 per step: without a guard it has not converged yet.
+    // This run is strongly underdamped, √β = 0.9975 per step; without a guard, it has not yet converged.
     let error = problem.residual(&state.u, &state.force);
     let free = unchecked(guarded.damping);
     let mut state = free.start(&mut problem, scattered(40)).unwrap();
@@ -143,7 +143,7 @@ fn guarded_steps_never_rise() {
     assert!(error < 0.1 * free_error, "{error:e} {free_error:e}");
 }
 
-/// A landscape whose lowest energy is zero by cancellation, so that every increase near the end is due to rounding.
+/// Landscape with a lowest energy of zero by cancellation, so that every increase near the end is due to rounding.
 struct Lifted {
     chain: Chain,
     by: f64,
@@ -178,8 +178,7 @@ fn rounding_does_not_hold_the_guard_up() {
     });
     assert!(guarded < free * 5 / 4, "{guarded} evaluations, {free} without the guard");
 
-    // Close to the minimum the energy is dominated by rounding from the first step on: convergence is slow, but not
-    // lost.
+    // Close to the minimum, rounding dominates the energy from the first step on; convergence is slow, but not lost.
     let guarded = Verlet::critical(k_min, k_max, 0.6).unwrap().guarded(k_max).unwrap();
     let near = problem.chain.solution().iter().zip(scattered(40)).map(|(u, s)| u + 1e-6 * s).collect();
     let mut state = guarded.start(&mut problem, near).unwrap();
@@ -188,7 +187,7 @@ fn rounding_does_not_hold_the_guard_up() {
     assert!(matches!(relax(&mut problem, &guarded, &mut state, &stop, &mut ()), Ok(Outcome::Converged(_))));
 }
 
-/// The guard must step back: if it rested at the end of the step instead, u₋ ← u, a mode with 1 < τ k < 2 would grow.
+/// The guard must step back: resting at the end of the step instead, u₋ ← u, lets a mode with 1 < τ k < 2 grow.
 #[test]
 fn resting_after_the_rise_is_no_safeguard() {
     let (beta, kappa) = (0.95, 1.4f64);

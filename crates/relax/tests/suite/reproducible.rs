@@ -1,4 +1,4 @@
-//! Tests that results are equal bit by bit after a restart, and for any number of threads.
+//! Tests that results are bitwise equal after a restart and for any number of threads.
 
 use gfmd_relax::{
     Fire, Landscape, Method, ModeDamped, Momentum, Nesterov, Outcome, RelaxError, State, Status, Stop, Verlet, relax,
@@ -144,7 +144,7 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-/// There is one evaluation per step, one at the start and one per step back; the residual needs none.
+/// There is one evaluation at the start, per step, and per step back; the residual needs none.
 #[test]
 fn forces_are_evaluated_once_per_step() {
     with_all_methods!(problem, method => {
@@ -165,7 +165,7 @@ fn forces_are_evaluated_once_per_step() {
         assert_eq!(problem.calls, reached.evaluations);
         assert_eq!(reached.evaluations, reached.step + 1 + back);
         assert!(back < reached.step / 5);
-        // The force in the state is that at the point of the state.
+        // The force of the state is the force at its point.
         let mut force = vec![0.0; 120];
         let energy = problem.force(&state.u, &mut force);
         assert_eq!((energy, force), (state.energy, state.force));

@@ -1,8 +1,8 @@
-//! Vectors in stretches, for problems that are small and dense.
+//! Vectors in stretches for small dense problems.
 
 use gfmd_vector::{Rows, Split};
 
-/// Hands on the `values`, stretch by stretch.
+/// Passes `values` to `sink`, stretch by stretch.
 pub(crate) fn hand_on<T, O: Split, R>(
     stretch: usize,
     values: &[T],
@@ -16,7 +16,7 @@ pub(crate) fn hand_on<T, O: Split, R>(
     }
 }
 
-/// The vector that `source` makes, stretch by stretch.
+/// Returns the vector that `source` generates, stretch by stretch.
 pub(crate) fn made<I: Split>(stretch: usize, length: usize, input: I, source: impl Fn(I, &mut [f32])) -> Vec<f64> {
     let mut row = vec![0.0; length];
     for (row, Rows(input, _)) in row.chunks_mut(stretch).zip(Rows(input, stretch).parts(1)) {

@@ -3,21 +3,21 @@
 use gfmd_relax::{Bounds, Landscape};
 use gfmd_vector::pass;
 
-/// A chain: U = ½ uᵀ K u − loadᵀ u, K symmetric and tridiagonal.
+/// Chain with U = ½ uᵀ K u − loadᵀ u, K symmetric and tridiagonal.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     pub(crate) diagonal: Vec<f64>,
-    /// Coupling of i and i + 1; one less than `diagonal`.
+    /// Coupling of i and i + 1; one entry fewer than `diagonal`.
     pub(crate) coupling: Vec<f64>,
     pub(crate) load: Vec<f64>,
     pub(crate) lower: Option<Vec<f64>>,
     pub(crate) upper: Option<Vec<f64>>,
-    /// Calls of `force`.
+    /// Number of calls of `force`.
     pub(crate) calls: u64,
 }
 
 impl Chain {
-    /// Springs of stiffness 1 between neighbours and fixed ends, and of stiffness `ground` to the ground.
+    /// Creates springs of stiffness 1 between neighbours and fixed ends, and of stiffness `ground` to the ground.
     pub(crate) fn springs(n: usize, ground: f64, load: impl Fn(usize) -> f64) -> Self {
         Self {
             diagonal: vec![2.0 + ground; n],
@@ -29,7 +29,7 @@ impl Chain {
         }
     }
 
-    /// Uncoupled modes without load: the solution is zero, so that small errors keep all digits.
+    /// Creates uncoupled modes without load. The solution is zero, so small errors keep all digits.
     pub(crate) fn modes(stiffness: &[f64]) -> Self {
         let n = stiffness.len();
         Self {
@@ -50,7 +50,7 @@ impl Chain {
         Self { lower: Some(lower), ..self }
     }
 
-    /// Smallest and largest eigenvalue, by bisection on the signs of the Sturm sequence.
+    /// Returns the smallest and the largest eigenvalue, by bisection on the signs of the Sturm sequence.
     pub(crate) fn band(&self) -> (f64, f64) {
         let n = self.diagonal.len();
         let coupling = |i: usize| self.coupling.get(i).copied().unwrap_or(0.0);
@@ -90,7 +90,7 @@ impl Chain {
         k
     }
 
-    /// The exact solution below `upper`.
+    /// Returns the exact solution below `upper`.
     pub(crate) fn solution(&self) -> Vec<f64> {
         active_set(&self.matrix(), &self.load, self.upper.as_deref())
     }
@@ -135,7 +135,7 @@ impl Landscape for Chain {
     }
 }
 
-/// Solves A x = b, dense, by elimination with row pivoting.
+/// Solves the dense system A x = b by elimination with row pivoting.
 pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for column in 0..n {
@@ -159,8 +159,8 @@ pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     b
 }
 
-/// argmin ½ uᵀ K u − loadᵀ u over u ≤ upper: guesses the active set, solves for the free entries exactly, corrects the
-/// guess, and finally checks the conditions of the minimum.
+/// Returns argmin ½ uᵀ K u − loadᵀ u over u ≤ upper: guesses the active set, solves for the free entries exactly,
+/// corrects the guess, and finally checks the optimality conditions.
 pub(crate) fn active_set(k: &[Vec<f64>], load: &[f64], upper: Option<&[f64]>) -> Vec<f64> {
     let n = load.len();
     let open = vec![f64::INFINITY; n];
@@ -188,7 +188,7 @@ fn unit(n: usize, i: usize) -> Vec<f64> {
     (0..n).map(|j| f64::from(u8::from(i == j))).collect()
 }
 
-/// Reproducible, scattered numbers in −1 … 1.
+/// Returns reproducible, scattered numbers in −1 … 1.
 pub(crate) fn scattered(n: usize) -> Vec<f64> {
     (1..=n).map(|i| 2.0 * (0.618_033_988_749_894_9 * (i * i) as f64).fract() - 1.0).collect()
 }

@@ -7,7 +7,7 @@ use gfmd_relax::{AugmentedLagrangian, Bounds, Landscape, Method, Nesterov, Proxi
 
 use crate::support::{active_set, bits, distance};
 
-/// A periodic line of n nodes under a parabolic punch; stiffness k(q) = √(q² + q₀²) of its modes.
+/// Periodic line of n nodes under a parabolic punch, with mode stiffness k(q) = √(q² + q₀²).
 struct Line {
     stiffness: Vec<Vec<f64>>,
     punch: Vec<f64>,
@@ -20,7 +20,7 @@ fn k(m: usize) -> f64 {
     (q * q + 0.25).sqrt()
 }
 
-/// Σ over modes of g(k(q)) cos q(x − x') / n: a function of the stiffness matrix.
+/// Returns Σ over modes of g(k(q)) cos q(x − x') / n, a function of the stiffness matrix.
 fn function_of_stiffness(g: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
     let entry = |distance: usize| {
         (0..N).map(|m| g(k(m)) * (TAU * (m * distance) as f64 / N as f64).cos()).sum::<f64>() / N as f64
@@ -74,7 +74,7 @@ fn scalar_mass_finds_the_solution_and_mass_like_stiffness_does_not() {
     relax(&mut problem, &verlet, &mut state, &stop, &mut ()).unwrap();
     assert!(distance(&state.u, &exact) < 1e-12 * DEPTH, "{}", distance(&state.u, &exact) / DEPTH);
 
-    // u₊ = Π(u + β (u − u₋) + τ M⁻¹ f) with M = √(K² + k₀²), so that all modes without bounds converge together …
+    // u₊ = Π(u + β (u − u₋) + τ M⁻¹ f) with M = √(K² + k₀²), so that all modes without bounds converge together.
     let inverse_mass = function_of_stiffness(|k| 1.0 / (k * k + 0.25f64.powi(2)).sqrt());
     let (beta, tau) = (0.3, 0.8);
     let run = |upper: Option<&[f64]>, mut u: Vec<f64>| {
@@ -96,7 +96,7 @@ fn scalar_mass_finds_the_solution_and_mass_like_stiffness_does_not() {
     let (free, _) = run(None, exact.clone());
     assert!(distance(&free, &[0.0; N]) < 1e-14, "right without bounds");
 
-    // … and with bounds the iteration also settles, but at another point.
+    // With bounds, the iteration also settles, but at another point.
     let (wrong, last_move) = run(Some(&problem.punch), vec![0.0; N]);
     assert!(last_move < 1e-15, "settled: {last_move}");
     assert!(distance(&wrong, &exact) > 0.3 * DEPTH, "{}", distance(&wrong, &exact) / DEPTH);
@@ -107,7 +107,7 @@ fn scalar_mass_finds_the_solution_and_mass_like_stiffness_does_not() {
     assert!(distance(&walked, &wrong) < 1e-12);
 }
 
-/// The line with springs of stiffness ϱ at every node.
+/// Line with springs of stiffness ϱ at every node.
 struct Sprung {
     line: Line,
     mobility: Vec<Vec<f64>>,
@@ -160,7 +160,7 @@ fn the_augmented_lagrangian_finds_the_solution_with_mass_like_stiffness() {
     }
 }
 
-/// A checkpoint consists of the state only: with a new problem the run continues bit by bit.
+/// A checkpoint consists of the state only; with a new problem, the run continues bit for bit.
 #[test]
 fn the_augmented_lagrangian_resumes_with_the_same_bits() {
     let mobility = function_of_stiffness(|k| 1.0 / (k + PENALTY));
@@ -179,11 +179,11 @@ fn the_augmented_lagrangian_resumes_with_the_same_bits() {
     assert_eq!(straight, resumed);
 }
 
-/// Without momentum the mismatch never grows for any penalty, and 0 < τ < 2 converges.
+/// Without momentum, the mismatch never grows for any penalty, and 0 < τ < 2 converges.
 #[test]
 fn plain_steps_of_the_augmented_lagrangian_only_get_shorter() {
     for penalty in [0.3, PENALTY, 50.0] {
-        // A penalty other than PENALTY is a change of units of the wall.
+        // Scaling the stiffness is equivalent to another penalty, up to a change of units.
         let scale = PENALTY / penalty;
         let mut line = line();
         line.stiffness = function_of_stiffness(|k| k * scale);

@@ -1,5 +1,5 @@
-//! The figures of one state of a contact: maps of pressure, of traction with two signs and of the gap, and a section
-//! through both surfaces with the pressure below it.
+//! Figures of one state of a contact: maps of the pressure, of the traction with both signs and of the gap, and a
+//! section through both surfaces with the pressure below it.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
 use gfmd_unit::{Shown as Readable, Units};
 
-/// The fields of a state for its figures, row by row, with the units of the input.
+/// Fields of a state for its figures, row by row, in the units of the input.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     /// Normal pressure; attraction is negative.
@@ -28,8 +28,8 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The fields of a state; a base that moves adds `lift` to the displacement, and a plastic `depth` is drawn in the
-    /// body.
+    /// Returns the fields of a state. The displacement `lift` of a moving base is added to the level of the surface,
+    /// and a plastic `depth` is subtracted.
     pub fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
         let mut level = contiguous(&state.displacement_z()).into_owned();
         let mut add = |field: Option<&Array2<f64>>, sign: f64| {
@@ -46,18 +46,18 @@ impl Shown {
         }
     }
 
-    /// Zeros for `points` points.
+    /// Returns zero fields with `points` points.
     pub fn zeros(points: usize) -> Self {
         let zeros = || vec![0.0; points];
         Self { pressure: zeros(), repulsion: zeros(), gap: zeros(), level: zeros() }
     }
 
-    /// The fields, for checkpoints.
+    /// Returns the fields, for checkpoints.
     pub fn fields_mut(&mut self) -> [&mut [f64]; 4] {
         [&mut self.pressure, &mut self.repulsion, &mut self.gap, &mut self.level].map(Vec::as_mut_slice)
     }
 
-    /// The fields of the contact with a lower surface, in its frame.
+    /// Returns the fields of the contact with a lower surface, in the frame of that surface.
     pub fn below(state: &impl Fields) -> Self {
         let mut shown = Self::of(state, None, None);
         shown.level.iter_mut().for_each(|level| *level = -*level);
@@ -65,21 +65,21 @@ impl Shown {
     }
 }
 
-/// The face of the body in contact.
+/// Face of the body in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
-    /// The upper face, against the rigid surface above.
+    /// Upper face, against the rigid surface above.
     Upper,
-    /// The lower face of a slab, against the surface below it.
+    /// Lower face of a slab, against the surface below it.
     Lower,
 }
 
-/// One state of a contact for its figures.
+/// State of a contact for its figures.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
-    /// The fields.
+    /// Fields of the state.
     pub shown: &'a Shown,
-    /// The grid of the fields.
+    /// Grid of the fields.
     pub grid: &'a Grid,
     /// Unit of lengths.
     pub unit: &'a str,
@@ -87,29 +87,29 @@ pub struct Scene<'a> {
     pub stress: Option<&'a str>,
     /// E*, the unit of pressures.
     pub modulus: f64,
-    /// The hardness, if the contact has one.
+    /// Hardness, if the contact has one.
     pub hardness: Option<&'a Hardness>,
     /// Name of the rough surface.
     pub rigid: &'static str,
-    /// The face of the body that is shown.
+    /// Face of the body to show.
     pub face: Face,
 }
 
-/// The quantity that a figure shows.
+/// Quantity shown in a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The pressure.
+    /// Normal pressure.
     Pressure,
     /// Repulsion and attraction, with two colours.
     Traction,
-    /// The distance between the surfaces.
+    /// Distance between the surfaces.
     Gap,
-    /// A section through both surfaces.
+    /// Section through both surfaces.
     Section,
 }
 
 impl Kind {
-    /// The end of the name of its files.
+    /// Returns the suffix of its file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pressure => "map",
@@ -120,19 +120,19 @@ impl Kind {
     }
 }
 
-/// The name of a rough surface in a section.
+/// Returns the name of a rough surface in a section.
 pub fn rough(is_composite: bool) -> &'static str {
     if is_composite { "composite of both surfaces" } else { "rigid surface" }
 }
 
-/// The index of the colour of contact.
+/// Index of the contact colour.
 const CONTACT: usize = 1;
 
-/// The part of the deformation that the residuals of a contact leave: smaller heights and gaps are rounding.
+/// Part of the deformation that the contact residuals leave; smaller heights and gaps are rounding.
 const ROUNDING: f64 = 1e-8;
 
 impl<'a> Scene<'a> {
-    /// The upper face of a contact with this surface.
+    /// Returns the upper face of a contact with this surface.
     pub fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
         let rigid = rough(surface.second.is_some());
         let (unit, stress) = (surface.unit(), surface.stress());
@@ -141,7 +141,7 @@ impl<'a> Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Draws the figures: `PREFIX-map` and so on, of a lower face `PREFIX-lower-map` and so on.
+    /// Draws the figures: `PREFIX-map` etc., or `PREFIX-lower-map` etc. for a lower face.
     pub fn draw(&self, prefix: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut files = Vec::new();
         self.figures(|kind, drawn| {
@@ -181,7 +181,7 @@ impl Scene<'_> {
         self.section().map_or(Ok(()), |chart| take(Kind::Section, &Drawn::Chart(chart)))
     }
 
-    /// The map of the pressure, repulsive in one colour and attractive in another, from −`end` to `end`.
+    /// Returns the map of the pressure from −`end` to `end`, with repulsion in one colour and attraction in another.
     fn traction<'v>(&self, values: &'v [f64], end: f64, label: &str) -> Drawn<'v> {
         let mut drawn = field(self.grid, values, &format!("{label}, attraction negative"), self.unit);
         if let Drawn::Map(map) = &mut drawn {
@@ -190,7 +190,7 @@ impl Scene<'_> {
         drawn
     }
 
-    /// True if pressures are shown divided by E*: their unit is not known.
+    /// Returns true if pressures are shown divided by E* because their unit is not known.
     pub fn is_divided(&self) -> bool {
         self.readable().is_none()
     }
@@ -199,7 +199,7 @@ impl Scene<'_> {
         Units::new(Some(self.unit), self.stress).shown("stress", largest(&self.shown.pressure))
     }
 
-    /// The unit of pressures: a readable unit if the unit is known, otherwise E*.
+    /// Returns how pressures are drawn: in a readable unit if their unit is known, otherwise divided by E*.
     fn pressures(&self) -> Pressures {
         match self.readable() {
             Some(Readable { factor, name }) => Pressures {
@@ -211,20 +211,20 @@ impl Scene<'_> {
         }
     }
 
-    /// The size of the deformation, by the largest pressure and the longest wave.
+    /// Estimates the deformation from the largest pressure and the longest wave.
     fn deformation(&self) -> f64 {
         let [lx, ly] = self.grid.lengths();
         let side = if self.grid.is_line() { lx } else { lx.max(ly) };
         largest(&self.shown.pressure) * side / self.modulus
     }
 
-    /// The distance between the surfaces; zero in contact, and where residuals make it negative.
+    /// Returns the distances between the surfaces; zero in contact and where residuals make the gap negative.
     fn distances(&self) -> impl Iterator<Item = f64> {
         let both = self.shown.gap.iter().zip(&self.shown.repulsion);
         both.map(|(gap, repulsion)| if *repulsion > 0.0 { 0.0 } else { gap.max(0.0) })
     }
 
-    /// The map of the gap on a logarithmic scale, with a separate colour for contact.
+    /// Returns the map of the gap on a logarithmic scale, with a separate colour for contact.
     fn gap<'v>(&self, distances: &'v [f64], name: &str) -> Drawn<'v> {
         let mut drawn = field(self.grid, distances, &format!("gap / {name}"), self.unit);
         if let Drawn::Map(map) = &mut drawn {
@@ -234,8 +234,8 @@ impl Scene<'_> {
         drawn
     }
 
-    /// The row of points along x with the largest pressure: both surfaces, points in contact marked, and the pressure
-    /// below them.
+    /// Returns the section along x through the largest pressure: both surfaces with the points in contact marked, and
+    /// the pressure below them.
     fn section(&self) -> Option<Chart> {
         let Self { shown, grid, unit, .. } = self;
         let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
@@ -283,8 +283,8 @@ impl Scene<'_> {
         Some(Chart::stacked(vec![upper, lower]))
     }
 
-    /// The elastic surface in contact along a row, as runs of points, each from half a step before its first point to
-    /// half a step after its last.
+    /// Returns the elastic surface in contact along a row as runs of points, each from half a step before its first
+    /// point to half a step after its last.
     fn contacts(&self, points: &[usize]) -> Vec<Series> {
         let (Shown { repulsion, level, .. }, ny, dx) = (self.shown, self.grid.points()[1], self.grid.spacing()[0]);
         let at = |place: usize| ((points[place] / ny) as f64 * dx, level[points[place]]);
@@ -304,7 +304,7 @@ impl Scene<'_> {
         runs
     }
 
-    /// The points of a row; in a long row, one of several neighbours, the one nearest to the other surface.
+    /// Returns the points of a row. A long row keeps one of several neighbours, the one nearest to the other surface.
     fn chosen(&self, row: usize) -> Vec<usize> {
         let Self { shown, grid, .. } = self;
         let [nx, ny] = grid.points();
@@ -316,7 +316,7 @@ impl Scene<'_> {
         all.chunks(nx.div_ceil(MOST_POINTS)).filter_map(|part| part.iter().min_by(nearest).copied()).collect()
     }
 
-    /// The pressures along a row, repulsion and attraction each in a colour, with the hardness.
+    /// Returns the pressures along a row, repulsion and attraction in separate colours, with the hardness.
     fn signed(&self, pressures: &[(f64, f64)], points: &[usize], over: f64) -> Panel {
         let part = |label: &str, hue, keep: fn(f64) -> f64| {
             let pairs = pressures.iter().map(|(x, p)| (*x, keep(*p)));
@@ -343,17 +343,17 @@ impl Scene<'_> {
     }
 }
 
-/// The way in which pressures are drawn.
+/// Scale and labels of pressures in figures.
 struct Pressures {
-    /// The pressure that is one on an axis.
+    /// Pressure shown as one on an axis.
     over: f64,
-    /// The label of a map.
+    /// Label of a map.
     label: String,
-    /// The label of an axis.
+    /// Label of an axis.
     short: String,
 }
 
-/// Series with both coordinates of their points times these factors.
+/// Scales both coordinates of all points.
 fn scaled(mut series: Vec<Series>, [x, y]: [f64; 2]) -> Vec<Series> {
     for point in series.iter_mut().flat_map(|series| &mut series.points) {
         (point.x, point.y) = (point.x * x, point.y * y);
@@ -361,11 +361,11 @@ fn scaled(mut series: Vec<Series>, [x, y]: [f64; 2]) -> Vec<Series> {
     series
 }
 
-/// The smallest attraction that is shown, over the largest repulsion; residuals of a hard wall are smaller.
+/// Smallest attraction shown, relative to the largest repulsion; residuals of a hard wall are smaller.
 const ATTRACTED: f64 = 1e-6;
 
-/// The end of a symmetric colour scale; `None` without attraction. It covers all repulsive values but a few, which are
-/// largest at sharp peaks, and at least the strongest attraction.
+/// Returns the end of a symmetric colour scale; `None` without attraction. The scale covers nearly all repulsive
+/// values, without the few largest ones at sharp peaks, and at least the strongest attraction.
 fn largest_of_two_signs(values: &[f64]) -> Option<f64> {
     let strongest = values.iter().fold(0.0, |strongest: f64, p| strongest.max(-p));
     let mut repulsive: Vec<f64> = values.iter().copied().filter(|p| *p > 0.0).collect();
@@ -378,7 +378,7 @@ fn largest_of_two_signs(values: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A field of 6 x 2 points whose largest pressure lies in the row y = 1.
+    /// Returns fields of 6 x 2 points with the largest pressure in the row y = 1.
     fn shown() -> Shown {
         let row =
             |zero: [f64; 6], one: [f64; 6]| zero.into_iter().zip(one).flat_map(|(a, b)| [a, b]).collect::<Vec<f64>>();
@@ -414,11 +414,11 @@ mod tests {
         assert_eq!(runs, [vec![(0.5, 0.5), (1.0, 0.0), (2.0, -1.0), (2.5, -0.25)], vec![(4.5, 0.5), (5.0, 0.0)]]);
         assert_eq!(heights(&lower.series[0]), [0.0, 1.0, 2.0, 0.0, 0.0, 0.5]);
         assert_eq!((lower.series.len(), lower.levels.len(), lower.levels[0].range), (1, 1, [2.0, 2.0]));
-        // A field of the hardness is a line along the row.
+        // A hardness field is a line along the row.
         let field = Hardness::Field(Array2::from_shape_fn((6, 2), |(i, j)| (4 + i + 10 * j) as f64));
         let chart = scene(&shown, &grid, Some(&field)).section().unwrap();
         assert_eq!(heights(&chart.panels[1].series[1]), [7.0, 7.5, 8.0, 8.5, 9.0, 9.5]);
-        // Seen from a lower surface the rigid one lies below.
+        // Seen from a lower surface, the rigid one lies below.
         let below = Scene { face: Face::Lower, ..scene(&shown, &grid, None) }.section().unwrap();
         assert_eq!(heights(&below.panels[0].series[0]), [0.5, 0.0, -1.0, 0.25, 0.5, 0.0]);
     }
@@ -446,7 +446,7 @@ mod tests {
         assert_eq!(kinds(&shown), ["map", "traction", "gap", "section"]);
         let section = scene(&shown, &grid, None).section().unwrap();
         assert_eq!(heights(&section.panels[1].series[1]), [0.0, 0.0, 0.0, 0.0, -2.5, 0.0]);
-        // Fields that a file may lack.
+        // A file may lack these fields.
         shown.level.clear();
         assert_eq!(kinds(&shown), ["map", "traction", "gap"]);
         shown.gap.clear();

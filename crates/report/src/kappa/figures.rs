@@ -1,4 +1,4 @@
-//! The figures of a sweep.
+//! Figures of a sweep.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use gfmd_run::failure::Failure;
 /// Draws `NAME-extrapolation`, `NAME-area` and `NAME-map` beside the file `out`.
 ///
 /// # Errors
-/// Files that cannot be written.
+/// Returns an error if a file cannot be written.
 pub fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let Study { plan, analysis, example, .. } = study;
     let stem = stem(out);
@@ -35,25 +35,25 @@ pub fn draw(out: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-/// The prefix of the figures of a result.
+/// Returns the figure prefix of a result.
 pub fn stem(out: &Path) -> PathBuf {
     out.with_extension("")
 }
 
-/// A chart of kappa against eps^alpha of each axis, less the terms of the other axes, with the fit and the limit.
+/// Returns a chart of κ against eps^alpha for each axis without the terms of the other axes, with fit and limit.
 pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     let shown: Vec<&Extrapolation> = analysis.extrapolations.iter().filter(|e| e.p_star == config.fit.p_star).collect();
     let result = analysis.result();
     let several = config.surface.hurst.len() > 1;
     let mut panels = Vec::new();
     for (position, axis) in Limit::ALL.into_iter().enumerate() {
-        // The continuum error of the raw area is drawn against the measured edge if it is fitted by it.
+        // The continuum error of the raw area is drawn against the measured edge if the fit uses the edge.
         let by_edge = axis == Limit::Continuum && result.fit.edge.is_some();
         if result.fit.term(axis).is_none() && !by_edge {
             continue;
         }
         let alpha = result.fit.term(axis).map_or(1.0, |term| term.exponent.value);
-        // The term of eps_t is multiplied by the power of eps_f.
+        // The eps_t term is multiplied by the power of eps_f.
         let crossed = axis == Limit::Thermodynamic && result.fit.parameters.crossed;
         let mut series = Vec::new();
         for extrapolation in &shown {
@@ -132,7 +132,7 @@ pub(super) fn extrapolation(config: &Config, analysis: &Analysis) -> Chart {
     Chart::new(panels)
 }
 
-/// The fitted values of data along eps_c against their measured edge, and the limit at no edge.
+/// Returns the fitted values along eps_c against the measured edge, starting with the limit at zero edge.
 fn on_edge<'a>(fit: &Fit, data: impl Iterator<Item = &'a Datum>) -> Vec<(f64, f64)> {
     let limit = fit.kappa_tfc.value;
     let value = |datum: &Datum| {
@@ -147,7 +147,7 @@ fn on_edge<'a>(fit: &Fit, data: impl Iterator<Item = &'a Datum>) -> Vec<(f64, f6
     curve
 }
 
-/// True for data on the line along this axis: their levels along the other two are the most frequent ones.
+/// Returns true for data on the line along this axis, with the most frequent levels along the other two axes.
 fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bool {
     let all: Vec<[f64; 3]> = all.collect();
     let others = |eps: &[f64; 3]| [0, 1, 2].map(|k| if k == axis { 0.0 } else { eps[k] });
@@ -156,8 +156,8 @@ fn varies(all: impl Iterator<Item = [f64; 3]>, eps: [f64; 3], axis: usize) -> bo
     count(&eps) == most
 }
 
-/// A chart of contact area against reduced pressure: the finest point of each family, and the extrapolated limit.
-/// `None` for slopes, from which no area follows.
+/// Returns a chart of contact area against reduced pressure: the finest point of each family, and the extrapolated
+/// limit. `None` for slopes, because they give no area.
 pub(super) fn area(plan: &Plan, analysis: &Analysis) -> Option<Chart> {
     let config = &plan.config;
     if config.fit.estimator == Estimator::Slope {
@@ -180,7 +180,7 @@ pub(super) fn area(plan: &Plan, analysis: &Analysis) -> Option<Chart> {
         let eps_c_inv = finest.map_or(0.0, |index| plan.points[index].discretisation.eps_c_inv);
         series.push(Series::points(&format!("*H* = {hurst}, 1/*ε*_c = {eps_c_inv}"), 2 * family, points));
         let limits = (analysis.extrapolations.iter()).filter(|e| e.hurst == hurst && e.area == Area::Raw);
-        // The axes are logarithmic. Few data may extrapolate to a limit below zero.
+        // The axes are logarithmic. A fit to few data may extrapolate to a limit below zero.
         let limits = limits.filter(|e| e.fit.kappa_tfc.value > 0.0);
         let mut points: Vec<Point> = limits
             .map(|e| {
@@ -199,7 +199,7 @@ pub(super) fn area(plan: &Plan, analysis: &Analysis) -> Option<Chart> {
     Some(area_chart(series))
 }
 
-/// The chart of kappa against eps_c and eps_f, a curve for each value of the other one; `None` without reference cells.
+/// Returns charts of κ against eps_c and eps_f, with one curve per value of the other; `None` without reference cells.
 pub(super) fn protocol(study: &Study) -> Option<Chart> {
     let first = study.analysis.protocols.first()?;
     let loads = &study.plan.config.loads.p_star;
@@ -207,7 +207,7 @@ pub(super) fn protocol(study: &Study) -> Option<Chart> {
     let arms = study.analysis.arms(&study.plan, first.hurst, load);
     let mut panels = Vec::new();
     for (axis, other) in [(Limit::Continuum, Limit::Fractal), (Limit::Fractal, Limit::Continuum)] {
-        // One size of cell: the one with most points.
+        // Use the cell size with most points.
         let of_size = |t: f64| arms.iter().filter(move |arm| arm.axis == axis && arm.cell[0] == t);
         let points = |t: f64| of_size(t).map(|arm| arm.inverse.len()).sum::<usize>();
         let sizes = study.plan.points.iter().map(|point| point.discretisation.eps_t_inv);

@@ -1,4 +1,4 @@
-//! The sections of a page for every result: origin, cost, repetition, citation.
+//! Sections common to all pages: origin, cost, repetition, citation.
 
 use gfmd_files::{Provenance, Reader};
 use maud::{Markup, html};
@@ -13,14 +13,14 @@ use gfmd_run::lower::{self, LowerArgs};
 use gfmd_run::result::Kind;
 use gfmd_unit::Units;
 
-/// The warnings of the run, a line each.
+/// Returns the warnings of the run, one per line.
 pub fn warnings(reader: &Reader) -> Vec<String> {
     let all = reader.text("/", "warnings").unwrap_or_default();
     all.lines().filter(|line| !line.trim().is_empty()).map(text).collect()
 }
 
-/// The page with the sections of every result. `again` is the command that repeats the run, or the reason why none
-/// does.
+/// Renders the page with the sections common to all results. `again` is the command that repeats the run, or the reason
+/// why it cannot be repeated.
 pub fn whole_page(
     page: &Page,
     reader: &Reader,
@@ -48,7 +48,7 @@ pub fn whole_page(
     let common = Common {
         kicker: format!("gfmd {} · {file}", kind.name()),
         dated,
-        // Fields below a surface follow from it without a search: `check` compares their means.
+        // Fields below a surface need no search; `check` compares their means.
         checksum: (kind != Kind::Body).then_some(checksum),
         repeat: repeat(reader, kind, again, &file),
         config: whole,
@@ -64,7 +64,7 @@ pub fn whole_page(
     render(page, &common)
 }
 
-/// The page about an object other than a result file. `repeat` describes how to make it again.
+/// Renders the page about an object other than a result file. `repeat` describes how to make it again.
 pub(crate) fn page_of(page: &Page, kicker: String, provenance: &Provenance, repeat: Markup) -> Markup {
     let Provenance { program, version, git_commit, created, .. } = provenance;
     render(
@@ -82,7 +82,7 @@ pub(crate) fn page_of(page: &Page, kicker: String, provenance: &Provenance, repe
     )
 }
 
-/// A time in words.
+/// Formats a time in words.
 fn dated(created: &str) -> String {
     match created.split_once('T') {
         Some((day, time)) => format!("{day}, {} UTC", time.split(['.', 'Z']).next().unwrap_or_default()),
@@ -90,7 +90,7 @@ fn dated(created: &str) -> String {
     }
 }
 
-/// The program as a work to cite.
+/// Returns the citation of this program.
 fn own(version: &str, commit: &str) -> Markup {
     html! {
         "The gfmd developers, " cite { "gfmd: Green’s function molecular dynamics of rough contact" }
@@ -98,12 +98,12 @@ fn own(version: &str, commit: &str) -> Markup {
     }
 }
 
-/// A command whose lines end between two flags, not within one.
+/// Renders a command so that lines break between flags, not within one.
 pub(crate) fn command(words: &str) -> Markup {
     html! { @for word in text(words).split(' ') { span.word { (word) } " " } }
 }
 
-/// The command that repeats the run, the recorded one, and the check.
+/// Renders the command that repeats the run, the recorded command, and the check.
 fn repeat(reader: &Reader, kind: Kind, again: &Result<String, String>, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
     let from_file = reader.text("/surface", "file").ok().map(|path| {
@@ -131,7 +131,7 @@ fn repeat(reader: &Reader, kind: Kind, again: &Result<String, String>, file: &st
     }
 }
 
-/// The elastic body of a configuration in words.
+/// Describes the elastic body of a configuration.
 pub(crate) fn body(table: &toml::Table, units: &Units) -> Fact {
     let value = |name: &str| Some(of(table, name)).filter(|value| value.is_finite());
     let material = match (value("e_star"), value("young"), value("poisson")) {

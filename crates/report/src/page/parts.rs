@@ -15,7 +15,7 @@ use super::{Certificate, Fact, Page, Table};
 use crate::figures::{Face, Kind, Scene, heights, rough, sides};
 use gfmd_run::convergence::StoredFailure;
 
-/// True for a column that has a number and is not left out.
+/// Returns true for a column that has a number and is not left out.
 fn is_shown(form: Form, values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite() && (form != Form::SizeUnlessZero || *value != 0.0))
 }
@@ -31,7 +31,7 @@ impl Page {
         self.certificate("largest of all conditions", stored.worst("residual"), tolerance);
     }
 
-    /// Adds the effort of all states.
+    /// Adds the cost of all states.
     pub(crate) fn effort(&mut self, stored: &Stored) {
         self.cost.extend([
             Fact(html! { "transform pairs" }, transforms(stored.sum("transform_pairs"))),
@@ -66,8 +66,8 @@ impl Page {
         self.asked.push(Fact::new("interface", law));
     }
 
-    /// Adds the figures of state `index`, named as in `state`, whose unit of pressure is `modulus`, and the map of the
-    /// heights.
+    /// Adds the figures of state `index`, named as in `state` and with pressures in the unit `modulus`, and the map of
+    /// the heights.
     pub(crate) fn fields(
         &mut self,
         reader: &Reader,
@@ -132,8 +132,7 @@ impl Page {
         drawn.unwrap_or_else(|never| match never {});
     }
 
-    /// Adds the tables of the numbers of the first `rows` states, with the columns that have a number, in readable
-    /// units.
+    /// Adds tables of the first `rows` states, in readable units. Columns without a number are left out.
     pub(crate) fn numbers(&mut self, stored: &Stored, rows: usize, state: &str) {
         let tables = [
             (RecordTable::State, ""),

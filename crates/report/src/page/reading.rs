@@ -1,4 +1,4 @@
-//! Reading of the parts of a file for its page: columns by name, the configuration, fields of the expected shape.
+//! Reads the parts of a file for its page: columns by name, the configuration, fields of the expected shape.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
@@ -12,15 +12,15 @@ use crate::figures::{Face, Shown};
 use gfmd_run::failure::Failure;
 use gfmd_run::units::units_of_result;
 
-/// The values of a column in a readable unit, and that unit; in the unit of the file for `None`.
+/// Values of a column and their readable unit; `None` for values in the unit of the file.
 pub(crate) type InUnit = (Vec<f64>, Option<Readable>);
 
-/// The configuration of a file as a table; empty if it cannot be read.
+/// Reads the configuration of a file as a table; empty if it cannot be read.
 pub(crate) fn config(reader: &Reader) -> toml::Table {
     reader.text("/", "config").ok().and_then(|config| config.parse().ok()).unwrap_or_default()
 }
 
-/// The columns of one group, all of one length.
+/// Columns of one group, all of the same length.
 pub(crate) struct Stored<'a> {
     reader: &'a Reader,
     group: &'a str,
@@ -28,28 +28,28 @@ pub(crate) struct Stored<'a> {
 }
 
 impl<'a> Stored<'a> {
-    /// The columns of `group`; `first` must exist, and gives their length.
+    /// Opens the columns of `group`. The column `first` must exist and sets their length.
     ///
     /// # Errors
-    /// A file without the column `first`.
+    /// Returns an error if the file has no column `first`.
     pub(crate) fn new(reader: &'a Reader, group: &'a str, first: &str) -> Result<Self, Failure> {
         let values = reader.values::<f64>(&format!("{group}/{first}"));
         let values = values.map_err(|error| Failure::Input(error.to_string()))?;
         Ok(Self { reader, group, length: values.len() })
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub(crate) fn len(&self) -> usize {
         self.length
     }
 
-    /// The column `name`; NaN in every row if the file has no such column of this length.
+    /// Returns the column `name`; NaN in every row if the file has no such column of this length.
     pub(crate) fn column(&self, name: &str) -> Vec<f64> {
         let values = self.reader.values(&format!("{}/{name}", self.group)).unwrap_or_default();
         if values.len() == self.length { values } else { vec![f64::NAN; self.length] }
     }
 
-    /// A column in a readable unit, if the unit of the file is known.
+    /// Returns a column in a readable unit, if the unit of the file is known.
     pub(crate) fn read(&self, column: &Column) -> InUnit {
         let mut values = self.column(column.name);
         let finite = values.iter().filter(|value| value.is_finite());
@@ -61,13 +61,13 @@ impl<'a> Stored<'a> {
         (values, unit)
     }
 
-    /// The units of the numbers, as far as they are known.
+    /// Returns the units of the numbers, as far as they are known.
     pub(crate) fn units(&self) -> Units {
         units_of_result(self.reader).unwrap_or_default()
     }
 
-    /// A number of a row times `times` as tables show it, with its unit: the limit on fine grids with the digits that
-    /// are certain, two digits and `~` where that is not known, five digits of a number without such a limit.
+    /// Formats a number of a row, multiplied by `times`, with its unit, as in the tables. A column with a limit on fine
+    /// grids shows its certain digits, or two digits and `~` if the limit is unknown; other columns show five digits.
     pub(crate) fn said(&self, name: &str, row: usize, times: f64) -> Markup {
         let [value, limit, error] = ["", "_limit", "_limit_error"].map(|end| self.column(&format!("{name}{end}"))[row]);
         let kind = COLUMNS.iter().find(|column| column.name == name).map_or("1", |column| column.unit);
@@ -77,37 +77,37 @@ impl<'a> Stored<'a> {
         html! { @if limited { (powers(&with_limit(value, limit, error))) } @else { (number(value)) } (unit) }
     }
 
-    /// True if the file has the column.
+    /// Returns true if the file has the column.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.reader.contains(&format!("{}/{name}", self.group))
     }
 
-    /// The largest residual `name` of the rows that were computed, which have a mean pressure; NaN if one of them is
+    /// Returns the largest residual `name` of the computed rows, i.e. rows with a mean pressure; NaN if one of them is
     /// NaN.
     pub(crate) fn worst(&self, name: &str) -> f64 {
         let rows = self.column("mean_pressure").into_iter().zip(self.column(name));
         let computed = rows.filter(|(pressure, _)| pressure.is_finite()).map(|(_, residual)| residual);
-        // The maximum of two numbers leaves NaN out.
+        // `f64::max` ignores NaN.
         computed.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }).unwrap_or(f64::NAN)
     }
 
-    /// The sum of the numbers of a column; NaN if the file has none.
+    /// Returns the sum of a column without NaN values; NaN if the file has none.
     pub(crate) fn sum(&self, name: &str) -> f64 {
         self.column(name).into_iter().filter(|value| !value.is_nan()).reduce(|a, b| a + b).unwrap_or(f64::NAN)
     }
 
-    /// The columns whose names begin with `prefix`, sorted.
+    /// Returns the names of columns that begin with `prefix`, sorted.
     pub(crate) fn names(&self, prefix: &str) -> Vec<String> {
         self.reader.names(self.group).into_iter().filter(|name| name.starts_with(prefix)).collect()
     }
 
-    /// The unit of a column, as the file has it; empty for a number without one.
+    /// Returns the unit of a column as stored in the file; empty for a number without unit.
     pub(crate) fn unit(&self, name: &str) -> String {
         let unit = self.attribute(name, "units");
         if unit == "1" { String::new() } else { plain(&unit) }
     }
 
-    /// The definition of a column, as the file has it.
+    /// Returns the definition of a column as stored in the file.
     pub(crate) fn definition(&self, name: &str) -> String {
         self.attribute(name, "long_name")
     }
@@ -117,7 +117,7 @@ impl<'a> Stored<'a> {
     }
 }
 
-/// The names of the fields of one face of the body.
+/// Names of the fields of one face of the body.
 pub(crate) struct FaceFields {
     pub(crate) pressure: &'static str,
     pub(crate) gap: &'static str,
@@ -132,13 +132,13 @@ impl FaceFields {
         Self { pressure: "lower_pressure", gap: "lower_gap", displacement: "lower_displacement_z", face: Face::Lower };
 }
 
-/// The surface of a contact or path.
+/// Surface of a contact or path.
 pub(crate) struct StoredSurface {
     pub(crate) grid: Grid,
     pub(crate) heights: Vec<f64>,
     /// Unit of lengths.
     pub(crate) unit: String,
-    /// The units of the numbers.
+    /// Units of the numbers.
     pub(crate) units: Units,
     pub(crate) rms_gradient: f64,
     pub(crate) description: String,
@@ -148,7 +148,7 @@ impl StoredSurface {
     /// Reads `/surface`.
     ///
     /// # Errors
-    /// A file without heights or lengths.
+    /// Returns an error if the file has no heights or lengths.
     pub(crate) fn read(reader: &Reader) -> Result<Self, String> {
         let path = "/surface/height";
         let heights: Vec<f64> = reader.values(path).map_err(|error| error.to_string())?;
@@ -167,11 +167,11 @@ impl StoredSurface {
         })
     }
 
-    /// The fields of state `index` that the figures of a face show. Gap and displacement may be missing. The pressure
-    /// of a wall behind an attraction is not in the file; points with a closed gap therefore also count as contact.
+    /// Returns the fields of state `index` for the figures of a face. Gap and displacement may be missing. The file
+    /// lacks the pressure of a wall behind an attraction; points with a closed gap therefore also count as contact.
     ///
     /// # Errors
-    /// The errors of [`field`](Self::field) for the pressure.
+    /// Returns the errors of [`field`](Self::field) for the pressure.
     pub(crate) fn shown(&self, reader: &Reader, index: usize, fields: &FaceFields) -> Result<Shown, String> {
         let pressure = self.field(reader, fields.pressure, index)?;
         let gap = self.field(reader, fields.gap, index).unwrap_or_default();
@@ -186,14 +186,14 @@ impl StoredSurface {
         Ok(Shown { pressure, repulsion, gap, level })
     }
 
-    /// The field `name` of state `index`.
+    /// Reads the field `name` of state `index`.
     ///
     /// # Errors
-    /// A field that is missing, not on the grid of the surface, or not computed.
+    /// Returns an error if the field is missing, not on the grid of the surface, or not computed.
     pub(crate) fn field(&self, reader: &Reader, name: &str, index: usize) -> Result<Vec<f64>, String> {
         let path = format!("/fields/{name}");
         let shape = reader.shape(&path).map_err(|_| format!("the file has no field {name}"))?;
-        // The shape is compared before anything of that size is read.
+        // Compare the shape before reading that much data.
         if shape.get(1..) != Some(&self.grid.points()[..]) {
             return Err(format!("{path} has the shape {shape:?}; its last two lengths must be those of the surface"));
         }

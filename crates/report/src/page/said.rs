@@ -1,4 +1,4 @@
-//! Numbers of options and results in a page, with their units if these are known.
+//! Numbers of options and results in a page, with their units if known.
 
 use gfmd_problem::options::quantities::{kind_in_row, kinds};
 use gfmd_unit::Units;
@@ -7,21 +7,21 @@ use toml::Value;
 
 use super::write::{given, text};
 
-/// A number of a kind with its unit.
+/// Formats a number of a kind with its unit.
 pub(crate) fn with_unit(value: f64, kind: &str, units: &Units) -> Markup {
     let (factor, unit) = unit_for(value, kind, units);
     html! { (given(value * factor)) (unit) }
 }
 
-/// Numbers of one kind with their unit behind the last.
+/// Formats numbers of one kind with their unit after the last.
 pub(crate) fn list(numbers: &[f64], kind: &str, units: &Units) -> Markup {
     let largest = numbers.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let (factor, unit) = unit_for(largest, kind, units);
     html! { (joined(numbers.iter().map(|value| given(value * factor)), ", ")) (unit) }
 }
 
-/// The factor to the unit in which numbers of a kind up to `largest` are read, and what stands behind these: a space
-/// and the unit, or nothing if it is not known.
+/// Returns the factor to the readable unit for numbers of a kind up to `largest`, and their suffix: a space and the
+/// unit, or nothing if the unit is unknown.
 pub(crate) fn unit_for(largest: f64, kind: &str, units: &Units) -> (f64, String) {
     match units.shown(kind, largest) {
         Some(unit) => (unit.factor, format!(" {}", unit.name)),
@@ -32,12 +32,12 @@ pub(crate) fn unit_for(largest: f64, kind: &str, units: &Units) -> (f64, String)
     }
 }
 
-/// The name of a unit as people write it.
+/// Returns the name of a unit in the usual notation.
 pub(crate) fn plain(unit: &str) -> String {
     unit.replace('*', "·").replace("^2", "²")
 }
 
-/// The value of an option of a configuration with its units.
+/// Formats the value of a configuration option with its units.
 pub(crate) fn option(key: &str, value: &Value, units: &Units) -> Markup {
     let kind = |column: usize, length: usize| kind_in_row(key, column, length);
     match value {
@@ -61,7 +61,7 @@ pub(crate) fn option(key: &str, value: &Value, units: &Units) -> Markup {
     }
 }
 
-/// A row of numbers of several kinds.
+/// Formats a row of numbers of several kinds.
 fn row(key: &str, entry: &Value, units: &Units) -> Markup {
     let Value::Array(entries) = entry else { return option(key, entry, units) };
     let cell = |(column, entry): (usize, &Value)| match number(entry) {

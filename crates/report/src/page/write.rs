@@ -3,12 +3,12 @@
 use gfmd_files::legible;
 use maud::{Markup, html};
 
-/// A number with five significant digits; a dash for NaN.
+/// Formats a number with five significant digits; a dash for NaN.
 pub(crate) fn number(value: f64) -> Markup {
     with_digits(value, 5)
 }
 
-/// A number with `digits` significant digits; very large and very small ones as powers of ten.
+/// Formats a number with `digits` significant digits; very large and very small ones as powers of ten.
 fn with_digits(value: f64, digits: usize) -> Markup {
     if !value.is_finite() {
         return html! { "–" };
@@ -24,7 +24,7 @@ fn with_digits(value: f64, digits: usize) -> Markup {
     html! { (mantissa.replace('-', "−")) " × 10" sup { (power.to_string().replace('-', "−")) } }
 }
 
-/// A number of a text table, with a superscript power of ten.
+/// Formats a number of a text table with a superscript power of ten.
 pub(crate) fn powers(shown: &str) -> Markup {
     let shown = shown.replace('-', "−");
     match shown.split_once('e') {
@@ -36,7 +36,7 @@ pub(crate) fn powers(shown: &str) -> Markup {
     }
 }
 
-/// A given number with its digits, at most six.
+/// Formats a given number with its own digits, at most six.
 pub(crate) fn given(value: f64) -> Markup {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if !rounded.is_finite() {
@@ -53,7 +53,7 @@ pub(crate) fn given(value: f64) -> Markup {
     html! { @if mantissa != "1" { (mantissa) " × " } "10" sup { (power) } }
 }
 
-/// The number of pairs of transforms; several small ones are a part of one.
+/// Formats the number of transform pairs; several small transforms count as a fraction.
 pub(crate) fn transforms(count: f64) -> Markup {
     if count.is_finite() && count.fract() != 0.0 {
         html! { (format!("{count:.1}")) }
@@ -62,7 +62,7 @@ pub(crate) fn transforms(count: f64) -> Markup {
     }
 }
 
-/// A count.
+/// Formats a count.
 pub(crate) fn whole(value: f64) -> Markup {
     if value.is_finite() {
         html! { (format!("{value:.0}")) }
@@ -71,7 +71,7 @@ pub(crate) fn whole(value: f64) -> Markup {
     }
 }
 
-/// An interval; a dash if there is none.
+/// Formats an interval; a dash if there is none.
 pub(crate) fn interval([low, high]: [f64; 2]) -> Markup {
     if !(low.is_finite() && high.is_finite()) {
         return html! { "–" };
@@ -79,10 +79,10 @@ pub(crate) fn interval([low, high]: [f64; 2]) -> Markup {
     html! { "[" (with_digits(low, 4)) ", " (with_digits(high, 4)) "]" }
 }
 
-/// The longest text of a file in a page, in characters.
+/// Longest text of a file in a page, in characters.
 const LONGEST: usize = 20_000;
 
-/// A text of a file, made safe for a page: without control characters, and cut if it is too long.
+/// Makes a text of a file safe for a page: removes control characters and truncates it if it is too long.
 pub(crate) fn text(found: &str) -> String {
     let end = found.char_indices().nth(LONGEST).map_or(found.len(), |(end, _)| end);
     let (start, rest) = found.split_at(end);
@@ -94,13 +94,13 @@ pub(crate) fn text(found: &str) -> String {
     text
 }
 
-/// A number of a configuration; NaN if there is none of this name.
+/// Returns a number of a configuration; NaN if it has no number of this name.
 pub(crate) fn of(table: &toml::Table, name: &str) -> f64 {
     let value = table.get(name).and_then(|value| value.as_float().or(value.as_integer().map(|i| i as f64)));
     value.unwrap_or(f64::NAN)
 }
 
-/// A word of a command, quoted for a shell.
+/// Quotes a word of a command for a shell.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

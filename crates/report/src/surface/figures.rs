@@ -1,4 +1,4 @@
-//! The figures of a surface.
+//! Figures of a surface.
 
 use std::f64::consts::TAU;
 
@@ -9,13 +9,13 @@ use gfmd_unit::{Shown, Units};
 use super::{Subject, kind, unit_of};
 use crate::figures::{largest, length, short, sides};
 
-/// The largest number of points of a line; longer profiles are thinned to lowest and highest values.
+/// Largest number of points of a line; longer profiles are thinned to their lowest and highest values.
 const MOST_POINTS: usize = 4000;
 
-/// The smallest ratio of the whole range to that without outliers for which the colours of a map leave outliers out.
+/// Smallest ratio of the full range to the range without outliers at which the colours of a map leave outliers out.
 const FAR: f64 = 2.0;
 
-/// The smallest density shown in a distribution, over the highest one.
+/// Smallest density shown in a distribution, relative to the highest one.
 const LOWEST_DENSITY: f64 = 1e-5;
 
 impl Subject<'_> {
@@ -35,7 +35,7 @@ impl Subject<'_> {
         Some(take(&map))
     }
 
-    /// The heights along the row of points through the middle.
+    /// Returns the heights along the row of points through the middle.
     pub fn profile(&self) -> Chart {
         let row = self.grid.points()[1] / 2;
         let spacing = self.grid.spacing();
@@ -65,12 +65,12 @@ impl Subject<'_> {
         }])
     }
 
-    /// The radially averaged spectrum with the wavelengths that the points resolve and the fitted power law; `None` if
-    /// no mode has power.
+    /// Returns the radially averaged spectrum with the wavelengths that the points resolve and the fitted power law;
+    /// `None` if no mode has power.
     pub fn spectrum(&self) -> Option<Chart> {
         let with_power = self.spectrum.iter().filter(|bin| bin.density > 0.0);
         let highest = with_power.clone().map(|bin| bin.density).fold(0.0, f64::max);
-        // Rounding of a spectrum with a cut-off is not shown.
+        // Do not show the rounding of a spectrum with a cut-off.
         let shown = with_power.filter(|bin| bin.density > 1e-16 * highest);
         let lowest = shown.clone().map(|bin| bin.density).fold(f64::INFINITY, f64::min);
         if highest <= 0.0 {
@@ -79,7 +79,7 @@ impl Subject<'_> {
         let side = sides(self.grid, self.unit());
         let height = length(self.unit(), largest(&self.heights.iter().copied().collect::<Vec<_>>()));
         let is_line = self.grid.is_line();
-        // Heights are in another unit than distances.
+        // Heights have another unit than distances.
         let power = if is_line { 1 } else { 2 };
         let (along, over) = (1.0 / side.factor, height.factor.powi(2) * side.factor.powi(power));
         let scaled = |(q, density): (f64, f64)| (q * along, density * over);
@@ -114,7 +114,7 @@ impl Subject<'_> {
         }]))
     }
 
-    /// The autocorrelation against distance: the radial mean, along x and along y; `None` for a flat surface.
+    /// Returns the autocorrelation against distance: radial mean, along x and along y; `None` for a flat surface.
     pub fn autocorrelation(&self, texture: &Texture) -> Option<Chart> {
         let found = &texture.autocorrelation;
         if found.mean_square() <= 0.0 {
@@ -163,7 +163,7 @@ impl Subject<'_> {
         Some(take(&map))
     }
 
-    /// The distributions of height, slope and curvature; `None` for a flat surface.
+    /// Returns the distributions of height, slope and curvature; `None` for a flat surface.
     pub fn distributions(&self, texture: &Texture) -> Option<Chart> {
         let found = &texture.distributions;
         let slopes = [("along *x*", &found.slope_x), ("along *y*", &found.slope_y)];
@@ -206,7 +206,7 @@ impl Subject<'_> {
         (!series.is_empty()).then(|| Panel { x: Axis::linear(&x), y: Axis::log(&y), series, ..Panel::default() })
     }
 
-    /// Rms slope, and rms curvature, against distance; `None` without a value above zero.
+    /// Returns rms slope and rms curvature against distance; `None` without a value above zero.
     pub fn scales(&self, texture: &Texture) -> [Option<Chart>; 2] {
         let side = sides(self.grid, self.unit());
         let chart = |name: &str, power: i32, along: &[Vec<[f64; 2]>; 2]| {
@@ -236,13 +236,13 @@ impl Subject<'_> {
         [chart("rms slope", 0, &texture.scales.slope), chart("rms curvature", -1, &texture.scales.curvature)]
     }
 
-    /// The bearing curve with its core; `None` for a flat surface.
+    /// Returns the bearing curve with its core; `None` for a flat surface.
     pub fn bearing(&self, texture: &Texture) -> Option<Chart> {
         let found = &texture.bearing;
         let core = found.core?;
         let read = length(self.unit(), largest(&found.height));
         let curve = found.ratio.iter().zip(&found.height).map(|(ratio, height)| (100.0 * ratio, height * read.factor));
-        // The core ends on the curve at its two ratios.
+        // The line spans ratios from 0 to 100 %; its ends have the heights of the curve at the two ratios of the core.
         let top = core.top * read.factor;
         let line = [(0.0, top), (100.0, top - core.sk * read.factor)];
         let label = format!("core, *S*_k = {} {}", short(core.sk * read.factor), read.name);
@@ -254,7 +254,7 @@ impl Subject<'_> {
         }]))
     }
 
-    /// The readable unit for a power of length up to `highest`.
+    /// Returns the readable unit for a power of length up to `highest`.
     fn read(&self, power: i32, highest: f64) -> Shown {
         let known = Units::new(self.unit, None).shown(&kind(power), highest);
         let name = if power == 0 { String::new() } else { unit_of(self.unit(), power) };
@@ -262,7 +262,7 @@ impl Subject<'_> {
     }
 }
 
-/// The range of the values without a thousandth at either end, if these are far outside it.
+/// Returns the range of the values without a thousandth at either end; `None` unless the full range is much wider.
 fn without_outliers(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     let beyond = values.len() / 1000;
@@ -273,7 +273,7 @@ fn without_outliers(values: &[f64]) -> Option<[f64; 2]> {
     (high > low && whole[1] - whole[0] > FAR * (high - low)).then_some([low, high])
 }
 
-/// The power law of a Hurst exponent through the mean logarithm of the density in the range of the fit.
+/// Returns the power law of a Hurst exponent through the mean logarithm of the density in the range of the fit.
 fn power_law(is_line: bool, spectrum: &[RadialBin], [longest, shortest]: [f64; 2], hurst: f64) -> Option<Series> {
     let exponent = if is_line { 1.0 + 2.0 * hurst } else { 2.0 + 2.0 * hurst };
     let [from, to] = [TAU / longest, TAU / shortest];

@@ -4,23 +4,23 @@ use gfmd_field::Grid;
 
 use super::{LANES, ROWS};
 
-/// Blocks of [`LANES`] neighbouring points in a row, in the order of the points of the grid. Values of the points are
-/// stored block by block.
+/// Blocks of [`LANES`] neighbouring points in a row, in the order of the grid points. Values of the points are stored
+/// block by block.
 #[derive(Debug)]
 pub struct Blocks {
-    /// The number of blocks in a row of the grid.
+    /// Number of blocks in a row of the grid.
     width: usize,
-    /// The place of each block among all of the grid.
+    /// Index of each block among all blocks of the grid.
     places: Vec<usize>,
-    /// The first block of every row, and the number of all.
+    /// First block of every row, followed by the number of blocks.
     starts: Vec<usize>,
 }
 
-/// The number of blocks below which a single thread processes them.
+/// Number of blocks below which a single thread processes them.
 const FEW: usize = 64;
 
 impl Blocks {
-    /// The blocks with these indices among all blocks of `grid`, in ascending order.
+    /// Creates the blocks with these indices among all blocks of `grid`, in ascending order.
     pub fn new(grid: &Grid, places: Vec<usize>) -> Self {
         let [rows, columns] = grid.points();
         let width = columns / LANES;
@@ -32,42 +32,42 @@ impl Blocks {
         Self { width, places, starts }
     }
 
-    /// The number of blocks.
+    /// Returns the number of blocks.
     pub fn len(&self) -> usize {
         self.places.len()
     }
 
-    /// True without blocks.
+    /// Returns true if there are no blocks.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
 
-    /// The place of each block among all of the grid.
+    /// Returns the index of each block among all blocks of the grid.
     pub fn places(&self) -> &[usize] {
         &self.places
     }
 
-    /// The blocks of a row.
+    /// Returns the blocks of a row.
     pub fn in_row(&self, row: usize) -> Range<usize> {
         self.starts[row]..self.starts[row + 1]
     }
 
-    /// The number of rows of the grid.
+    /// Returns the number of rows of the grid.
     pub fn rows(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// The number of blocks in a row of the grid.
+    /// Returns the number of blocks in a row of the grid.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// The row of a block.
+    /// Returns the row of a block.
     pub fn row(&self, block: usize) -> usize {
         self.places[block] / self.width
     }
 
-    /// The column of a block among those of the grid's blocks.
+    /// Returns the column of a block, counted in blocks.
     pub fn column(&self, block: usize) -> usize {
         self.places[block] % self.width
     }
@@ -83,7 +83,7 @@ impl Blocks {
         self.for_some(0..self.rows(), size, values, each);
     }
 
-    /// The numbers of these rows, and the blocks of each with their values, `size` for each, of the `values` of all
+    /// Iterates over `rows`: the number of each row, its blocks, and their values, `size` per block. `values` holds all
     /// blocks of the rows.
     pub(super) fn by_row<'a, T>(
         &'a self,

@@ -6,16 +6,16 @@ use multiversion::multiversion;
 use super::stencil::{NARROW, Stencil};
 use super::{Blocks, LANES};
 
-/// The blocks with nonzero values. Those of a row are first in the range of its blocks.
+/// Blocks with nonzero values, placed first in the range of blocks of their row.
 #[derive(Debug, Default)]
 pub(super) struct Sources(Vec<Source>);
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source {
     column: u32,
-    /// The number of lanes with nonzero values; zero after the last source of a row.
+    /// Number of lanes with nonzero values; zero after the last source of a row.
     filled: u32,
-    /// The indices of these lanes, followed by lanes whose value is zero.
+    /// Indices of these lanes, followed by lanes with zero values.
     lanes: [u8; LANES],
     values: [f32; LANES],
 }
@@ -23,12 +23,12 @@ pub(super) struct Source {
 const END: Source = Source { column: 0, filled: 0, lanes: [0; LANES], values: [0.0; LANES] };
 
 impl Source {
-    /// The column among those of the grid's blocks.
+    /// Returns the column, counted in blocks.
     pub(super) fn column(&self) -> usize {
         self.column as usize
     }
 
-    /// The values of all lanes.
+    /// Returns the values of all lanes.
     pub(super) fn values(&self) -> [f32; LANES] {
         let mut values = [0.0; LANES];
         for (value, lane) in self.values.iter().zip(self.lanes) {
@@ -37,7 +37,7 @@ impl Source {
         values
     }
 
-    /// The source of a block.
+    /// Creates the source of a block.
     fn new(column: usize, values: &[f32; LANES]) -> Self {
         let filled: usize = (0..LANES).map(|lane| usize::from(values[lane] != 0.0) << lane).sum();
         let lanes = ORDER[filled];
@@ -50,7 +50,7 @@ impl Source {
     }
 }
 
-/// A permutation of all lanes for each subset of them, with the lanes of the subset first.
+/// Permutation of all lanes for each subset of lanes, with the subset first.
 const ORDER: [[u8; LANES]; 1 << LANES] = {
     let mut orders = [[0; LANES]; 1 << LANES];
     let mut set = 0;
@@ -78,7 +78,7 @@ impl Sources {
             for (_, of_row, sources) in blocks.by_row(rows, 1, sources) {
                 let mut number = 0;
                 for block in of_row {
-                    // The next one overwrites a block without values.
+                    // The next source overwrites a block without nonzero values.
                     sources[number] = Source::new(blocks.column(block), &values[block]);
                     number += usize::from(sources[number].filled != 0);
                 }
@@ -89,14 +89,14 @@ impl Sources {
         });
     }
 
-    /// The sources of a row.
+    /// Returns the sources of a row.
     pub(super) fn in_row(&self, blocks: &Blocks, row: usize) -> &[Source] {
         let sources = &self.0[blocks.in_row(row)];
         let number = sources.iter().position(|source| source.filled == 0);
         &sources[..number.unwrap_or(sources.len())]
     }
 
-    /// Adds to `out`, for each point of the blocks, the sum over all values times the kernel to this point.
+    /// Adds to `out`, for each point of the blocks, the sum of all values times the kernel to this point.
     pub(super) fn add<const N: usize>(&self, stencil: &Stencil<N>, blocks: &Blocks, out: &mut [f32]) {
         let length = blocks.width() + N - 1;
         blocks.for_rows(LANES, out, &|rows, out| {
@@ -109,8 +109,8 @@ impl Sources {
     }
 }
 
-/// Adds to `out` the sums for these blocks of a row, from those of the whole row, and so many `beyond` each of its
-/// ends, which belong to the opposite one.
+/// Adds to `out` the sums for these blocks of a row. `sums` covers the whole row and `beyond` blocks past each end,
+/// which belong to the opposite end.
 #[multiversion(targets = "simd")]
 fn hand_out(sums: &mut [[f32; LANES]], beyond: usize, (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
     let width = blocks.width();
@@ -126,8 +126,8 @@ fn hand_out(sums: &mut [[f32; LANES]], beyond: usize, (blocks, of_row): (&Blocks
     }
 }
 
-/// Adds to the sums for some rows the values of all sources that are near, times the kernel.
-// Wider vectors would be read across the ends of those that have just been written, which takes longer.
+/// Adds to the sums of some rows the values of all nearby sources times the kernel.
+// Wider vectors would straddle vectors that have just been written, which takes longer.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn sum<const N: usize>(
     sources: &Sources,
@@ -139,7 +139,7 @@ fn sum<const N: usize>(
     let (rows, reach) = (blocks.rows(), stencil.reach());
     let length = sums.len() / targets.len();
     let narrow = (N - NARROW) / 2;
-    // The row of the sources, plus the reach.
+    // The row of the sources plus the reach.
     for ahead in targets.start..targets.end + 2 * reach {
         let near = targets.start.max(ahead.saturating_sub(2 * reach))..targets.end.min(ahead + 1);
         let sums = &mut sums[(near.start - targets.start) * length..(near.end - targets.start) * length];
@@ -156,7 +156,7 @@ fn sum<const N: usize>(
     }
 }
 
-/// The rows of `length` blocks, from the block `first` on.
+/// Iterates over rows of `length` blocks, from the block `first` on.
 #[inline(always)]
 fn rows_of(sums: &mut [[f32; LANES]], length: usize, first: usize) -> impl Iterator<Item = &mut [[f32; LANES]]> {
     sums.chunks_exact_mut(length).map(move |row| &mut row[first..])
@@ -170,7 +170,7 @@ impl Source {
         kernel: impl Iterator<Item = &'a [f32]>,
         sums: impl Iterator<Item = &'a mut [[f32; LANES]]>,
     ) {
-        // The loops over lanes have lengths that the compiler knows.
+        // The compiler knows the lengths of the loops over lanes.
         match self.filled {
             1 => self.add_lanes::<N, 1>(kernel, sums),
             2 => self.add_lanes::<N, 2>(kernel, sums),

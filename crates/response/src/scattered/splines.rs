@@ -1,4 +1,4 @@
-//! B-splines that spread values of points to a coarse grid and interpolate fields from it (Essmann et al. 1995).
+//! B-splines that spread point values to a coarse grid and interpolate fields from it (Essmann et al. 1995).
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -9,39 +9,39 @@ use rayon::prelude::*;
 use super::sources::{Source, Sources};
 use super::{Blocks, COARSENING, LANES, ROWS};
 
-/// The number of coarse points in a direction to which a point spreads: a B-spline of degree one less.
+/// Number of coarse points per direction to which a point spreads; the degree of the B-spline is one less.
 pub(super) const ORDER: usize = 8;
 
-/// The number of coarse points along a row to which a block spreads; and the same padded with zeros to whole vectors.
+/// Number of coarse points along a row to which a block spreads, and the same number padded to whole vectors.
 const SPREAD: usize = ORDER + LANES / COARSENING - 1;
 const PADDED: usize = SPREAD.next_multiple_of(LANES);
 
-/// The number of coarse points before the first one of a row to which its first block spreads.
+/// Number of coarse points before the first point of a row to which its first block spreads.
 const BEFORE: usize = ORDER / 2 - 1;
 
-/// The splines between the points of blocks and a coarse grid. Values along rows are stored in lines: rows of the
-/// coarse grid, extended at both ends as far as blocks spread.
+/// Splines between the points of blocks and a coarse grid. Values along rows are stored in lines: rows of the coarse
+/// grid, extended at both ends as far as blocks spread.
 #[derive(Debug)]
 pub(super) struct Splines {
-    /// The numbers of coarse points.
+    /// Numbers of coarse points.
     points: [usize; 2],
-    /// The weights of a point, at each position between two coarse points, for the coarse points around it.
+    /// Weights of the coarse points around a point, for each position between two coarse points.
     weights: [[f32; ORDER]; COARSENING],
-    /// The weights between the lanes of a block and the coarse points around it, in both directions.
+    /// Weights between the lanes of a block and the coarse points around it, in both directions.
     given: [[f32; PADDED]; LANES],
     taken: [[f32; LANES]; SPREAD],
 }
 
-/// The contributions of the sources of every row to the coarse points of a line.
+/// Contributions of the sources of every row to the coarse points of a line.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     values: Vec<f32>,
-    /// False for rows without sources, whose values are stale.
+    /// False for rows without sources, with stale values.
     filled: Vec<bool>,
 }
 
 impl Splines {
-    /// The splines for a coarse grid with these numbers of points.
+    /// Creates the splines for a coarse grid with these numbers of points.
     pub(super) fn new(points: [usize; 2]) -> Self {
         let weights: [[f32; ORDER]; COARSENING] =
             from_fn(|place| spline(place as f64 / COARSENING as f64).map(|weight| weight as f32));
@@ -57,12 +57,12 @@ impl Splines {
         }
     }
 
-    /// The length of a line: a row of the coarse grid, extended at both ends as far as blocks spread.
+    /// Returns the length of a line: a row of the coarse grid, extended at both ends as far as blocks spread.
     pub(super) fn line(&self) -> usize {
         self.points[1] + PADDED - LANES / COARSENING
     }
 
-    /// Fills the lines with the contributions of the sources of every row of points to coarse points.
+    /// Fills the lines with the contributions of the sources in every row of points.
     pub(super) fn spread(&self, blocks: &Blocks, sources: &Sources, lines: &mut Lines) {
         let Lines { values, filled } = lines;
         values.resize(self.line() * blocks.rows(), 0.0);
@@ -94,7 +94,7 @@ impl Splines {
         }
     }
 
-    /// `out` ← values at the points of the blocks, interpolated from the lines of a field on the coarse grid.
+    /// Interpolates `out` at the points of the blocks from the lines of a field on the coarse grid.
     pub(super) fn interpolate(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
         blocks.for_rows(LANES, out, &|rows, out| {
             let mut line = vec![0.0; self.line()];
@@ -119,7 +119,7 @@ impl Splines {
     }
 }
 
-/// `line` ← `row`, continued periodically beyond its ends.
+/// Copies `row` to `line` and continues it periodically beyond its ends.
 pub(super) fn repeat(row: &[f32], line: &mut [f32]) {
     let columns = row.len();
     line[BEFORE..BEFORE + columns].copy_from_slice(row);
@@ -129,7 +129,7 @@ pub(super) fn repeat(row: &[f32], line: &mut [f32]) {
     }
 }
 
-/// Adds the values of a line beyond the ends of its row of `columns` points to the points of the row: the transpose of
+/// Adds the values of a line beyond the ends of its row of `columns` points to the points of the row; the transpose of
 /// [`repeat`].
 fn fold(line: &mut [f32], columns: usize) {
     for i in (BEFORE + columns..line.len()).rev() {
@@ -140,7 +140,7 @@ fn fold(line: &mut [f32], columns: usize) {
     }
 }
 
-/// `sum` ← `sum` + Σ weight row, for rows of its length.
+/// Adds Σ weight row to `sum`, for rows of its length.
 #[multiversion(targets = "simd")]
 fn add_all<const K: usize>(sum: &mut [f32], weights: &[f32; K], rows: [&[f32]; K]) {
     let rows = rows.map(|row| &row[..sum.len()]);
@@ -150,7 +150,7 @@ fn add_all<const K: usize>(sum: &mut [f32], weights: &[f32; K], rows: [&[f32]; K
     }
 }
 
-/// `line` ← contributions of the sources of a row to its coarse points, `columns` in number.
+/// Fills `line` with the contributions of the sources of a row to its `columns` coarse points.
 #[multiversion(targets = "simd")]
 fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32], columns: usize) {
     line.fill(0.0);
@@ -166,7 +166,7 @@ fn to_line(given: &[[f32; PADDED]; LANES], sources: &[Source], line: &mut [f32],
     fold(line, columns);
 }
 
-/// `out` ← values of these blocks of a row, interpolated from the coarse points of its line.
+/// Interpolates `out` at these blocks of a row from the coarse points of its line.
 #[multiversion(targets = "simd")]
 fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&Blocks, Range<usize>), out: &mut [f32]) {
     for (block, out) in of_row.zip(out.as_chunks_mut::<LANES>().0) {
@@ -179,10 +179,10 @@ fn from_line(taken: &[[f32; LANES]; SPREAD], line: &[f32], (blocks, of_row): (&B
     }
 }
 
-/// The values of the B-spline of [`ORDER`] centred at each of the points from `1 − ORDER/2` to `ORDER/2`, at `place`
-/// between 0 and 1.
+/// Returns the values at `place`, between 0 and 1, of the B-splines of [`ORDER`] centred at each of the points from
+/// `1 − ORDER/2` to `ORDER/2`.
 fn spline(place: f64) -> [f64; ORDER] {
-    // De Boor's recurrence for equidistant knots.
+    // De Boor recurrence for equidistant knots.
     let mut values = [0.0; ORDER];
     values[0] = 1.0;
     for degree in 1..ORDER {

@@ -7,29 +7,29 @@ use super::compliance_of;
 use crate::NormalResponse;
 use crate::elastic::fits;
 
-/// A kernel between two points, by their distance along x and y. N blocks of a row have points within reach of one of
-/// them.
+/// Kernel between two points, tabulated by their distance along x and y. N blocks of a row have points within reach of
+/// one block.
 #[derive(Debug)]
 pub(super) struct Stencil<const N: usize> {
-    /// The largest distance, in points.
+    /// Largest distance, in points.
     reach: usize,
     table: Vec<f32>,
     wide: Range<usize>,
 }
 
-/// The smallest number of blocks that a row of a kernel reaches: the block itself, and one on each side.
+/// Smallest number of blocks that a row of a kernel reaches: the block itself, and one on each side.
 pub(super) const NARROW: usize = 3;
 
-/// The distance in points from an axis, up to which a kernel has ripples along the axis.
+/// Distance in points from an axis up to which a kernel has ripples along the axis.
 const RIPPLE: usize = 1;
 
 impl<const N: usize> Stencil<N> {
-    /// The length of a row of the table.
+    /// Length of a row of the table.
     const WIDTH: usize = (N + 1) * LANES - 1;
 
-    /// The kernel whose value for the wave q is `of(q, G)`, up to a distance in length, and near the axes up to one in
-    /// points. It is computed on a periodic cell of fewer `points`, which divide those of the grid: its waves are waves
-    /// of the grid.
+    /// Tabulates the kernel with the spectrum `of(q, G)` up to a distance `radius` in length, and near the axes up to
+    /// `reach` in points. It is computed on a periodic cell of fewer `points`, which divide the points of the grid, so
+    /// that the waves of the cell are waves of the grid.
     pub(super) fn new(
         response: &NormalResponse,
         points: [usize; 2],
@@ -64,18 +64,18 @@ impl<const N: usize> Stencil<N> {
         Ok(Self { reach, table, wide: wide..2 * reach + 1 - wide })
     }
 
-    /// The largest distance, in points.
+    /// Returns the largest distance, in points.
     pub(super) fn reach(&self) -> usize {
         self.reach
     }
 
-    /// The rows in which the kernel reaches N blocks; in other rows it reaches [`NARROW`].
+    /// Returns the rows in which the kernel reaches N blocks; in other rows it reaches [`NARROW`].
     pub(super) fn wide(&self) -> &Range<usize> {
         &self.wide
     }
 
-    /// The kernel for targets `k` − reach rows behind the source, without so many blocks at its beginning. The values
-    /// from its lane l to all lanes of all blocks within reach begin at `LANES` − 1 − l.
+    /// Iterates over the kernel for targets `k` − reach rows after the source, skipping `without` blocks at its start.
+    /// The values from lane l to all lanes of the blocks within reach begin at `LANES` − 1 − l.
     #[inline(always)]
     pub(super) fn rows(&self, k: Range<usize>, without: usize) -> impl Iterator<Item = &[f32]> {
         self.table[k.start * Self::WIDTH..k.end * Self::WIDTH]

@@ -1,4 +1,4 @@
-//! All components of a patch that does not repeat.
+//! All components of a non-periodic patch.
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Material};
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 
-/// Far from the ends of a wide cell it does not matter what surrounds the patch, if the tractions have neither force
-/// nor moment. A periodic surface sees bands of waves in place of cells, which differ little for smooth tractions.
+/// Far from the ends of a wide cell, the surroundings of the patch do not matter if the tractions have neither force
+/// nor moment. A periodic surface has bands of waves in place of cells, which differ little for smooth tractions.
 #[test]
 fn smooth_tractions_without_force_move_a_patch_as_a_wide_periodic_surface() {
     let (n, wide) = (40, 240);
@@ -61,7 +61,7 @@ fn the_matrix_is_symmetric_and_a_line_is_refused() {
     for (i, j) in (0..size).flat_map(|i| (0..i).map(move |j| (i, j))) {
         assert!((matrix[i][j] - matrix[j][i]).abs() < 1e-14, "{i} {j}");
     }
-    // At the centre of a square cell G_xx is (1 − ν/2)/(1 − ν) of G_zz.
+    // At the centre of a square cell, G_xx is (1 − ν/2)/(1 − ν) times G_zz.
     let square = FreeFullCompliance::new(Grid::square(3, 1.0).unwrap(), &body).unwrap().into();
     let [xx, zz] = [4, 2 * 9 + 4].map(|k| column_of(&square, k)[k]);
     assert!((xx / zz - 0.9 / 0.8).abs() < 1e-14);

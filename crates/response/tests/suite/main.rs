@@ -1,4 +1,4 @@
-//! The tests of `gfmd-response` as one program: those of one file by `cargo test -p gfmd-response --test suite FILE::`.
+//! Tests of `gfmd-response` as one program; run one file with `cargo test -p gfmd-response --test suite FILE::`.
 
 mod free_full;
 mod operators;

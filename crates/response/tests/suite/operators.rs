@@ -1,4 +1,4 @@
-//! Tests of the operators against the matrices of single modes, and against each other.
+//! Comparison of the operators with the matrices of single modes, and with each other.
 
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ fn compliance_undoes_stiffness_on_every_grid_and_body() {
 
 #[test]
 fn frictionless_pressure_moves_the_surface_as_the_normal_response_says() {
-    // With odd numbers of points there are no Nyquist modes, and the two agree in every mode (theory.md, section 0).
+    // With odd numbers of points there are no Nyquist modes, and both agree in every mode (theory.md, section 0).
     let grid = Grid::new([9, 7], [1.0, 1.1]).unwrap();
     for body in bodies() {
         let (full, normal) = (FullResponse::new(grid, &body), Arc::new(NormalResponse::new(grid, &body)));
@@ -196,8 +196,8 @@ fn the_modes_of_a_matrix_are_its_eigenvectors() {
     }
 }
 
-/// A table that is made when it is first asked for is made in parallel; a thread that waits for its parts may take up a
-/// task that asks for the table, too. This must not wait for itself.
+/// A table is built in parallel at first use. A thread that waits for parts of the table may start a task that needs
+/// the same table; it must not wait for itself.
 #[test]
 fn tasks_that_ask_for_a_table_at_once_do_not_wait_for_one_another() {
     let grid = Grid::square(96, 1.0).unwrap();

@@ -1,4 +1,4 @@
-//! The response between few points of a grid, against that of the whole grid.
+//! Response between few points of a grid, compared with the response of the whole grid.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ fn response(points: [usize; 2], lengths: [f64; 2], height: Option<f64>) -> Norma
     NormalResponse::new(Grid::new(points, lengths).unwrap(), &body)
 }
 
-/// Every seventh block, and some that are neighbours, among them those at the edges.
+/// Every seventh block, and some neighbouring blocks, including blocks at the edges.
 fn places(grid: &Grid) -> Vec<usize> {
     let all = grid.len() / LANES;
     (0..all).filter(|place| place % 7 == 0 || place % 97 < 9 || *place < 20 || place + 20 > all).collect()
@@ -31,7 +31,7 @@ fn images_are_those_of_transforms_of_the_whole_surface() {
         let scattered = Scattered::of(&response, [uniform, 0.0]).unwrap();
         let blocks = Blocks::new(&grid, places(&grid));
         let noise = |i: usize| ((i as f64 + 1.0) * 0.618_034).fract();
-        // Among them some that are zero.
+        // Some values are zero.
         let values: Vec<f32> = (0..LANES * blocks.len()).map(|i| (noise(i) as f32 - 0.3).max(0.0)).collect();
         let mut pressure = vec![0.0; grid.len()];
         for (place, values) in blocks.places().iter().zip(values.chunks(LANES)) {

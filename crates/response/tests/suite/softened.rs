@@ -1,4 +1,4 @@
-//! Springs on a body, point by point.
+//! Point springs on a body.
 
 use std::sync::Arc;
 

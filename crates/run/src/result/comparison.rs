@@ -1,36 +1,36 @@
-//! Numbers compared with those that were computed again.
+//! Comparison of numbers with recomputed ones.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// The largest difference, relative to the scale of a variable, that another processor may make by rounding.
+/// Largest difference, relative to the scale of a variable, that another processor may cause by rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A text of a file in one line, without characters that steer a terminal.
+/// Returns a text of a file in one line, without terminal control characters.
 pub fn printable(text: &str) -> String {
     text.escape_debug().to_string()
 }
 
-/// A variable that differs.
+/// Variable that differs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Difference {
-    /// The variable.
+    /// Name of the variable.
     pub name: String,
-    /// Number of its values that differ.
+    /// Number of differing values.
     pub values: u64,
-    /// The stored value with the largest difference.
+    /// Stored value with the largest difference.
     pub stored: f64,
-    /// The value in its place.
+    /// Recomputed value in its place.
     pub recomputed: f64,
-    /// The difference in words, if it is none of numbers.
+    /// Difference in words, if it is not numeric.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remark: Option<String>,
 }
 
-/// The comparison of a file.
+/// Comparison of a file.
 pub struct Comparison {
-    /// The largest difference, relative to the scale of a variable, that is none.
+    /// Largest difference, relative to the scale of a variable, that does not count.
     accuracy: f64,
     compared: u64,
     rounded: u64,
@@ -44,13 +44,12 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// Takes what follows as determined up to this relative difference, and at least up to rounding.
+    /// Treats the following values as accurate to this relative difference, but not better than rounding.
     pub(crate) fn accurate_to(&mut self, relative: f64) {
         self.accuracy = ROUNDING.max(relative);
     }
 
-    /// Compares the values of a variable. `floor` is the least scale of its values, below which a difference has no
-    /// meaning.
+    /// Compares the values of a variable. `floor` is the least scale for relative differences.
     pub fn values(&mut self, name: &str, stored: &[f64], recomputed: &[f64], floor: f64) {
         if stored.len() != recomputed.len() {
             let words = format!("it has {} values; recomputed are {}", stored.len(), recomputed.len());
@@ -87,12 +86,12 @@ impl Comparison {
         self.values(name, &[stored], &[recomputed], floor);
     }
 
-    /// Counts a value that is equal, and no number.
+    /// Counts an equal value that is not a number.
     pub fn count(&mut self) {
         self.compared += 1;
     }
 
-    /// Compares a residual with the largest value that it may have.
+    /// Compares a residual with its largest allowed value.
     pub fn at_most(&mut self, name: &str, found: f64, allowed: f64) {
         self.compared += 1;
         if found.is_nan() || found > allowed {
@@ -108,12 +107,12 @@ impl Comparison {
         self.differences.insert(name, (f64::INFINITY, difference));
     }
 
-    /// The numbers of values compared, rounded and differing.
+    /// Returns the numbers of compared, rounded and differing values.
     pub fn counts(&self) -> (u64, u64, u64) {
         (self.compared, self.rounded, self.differences.values().map(|(_, difference)| difference.values).sum())
     }
 
-    /// The differences, ordered by name.
+    /// Returns the differences, ordered by name.
     pub fn into_differences(self) -> Vec<Difference> {
         self.differences.into_values().map(|(_, difference)| difference).collect()
     }

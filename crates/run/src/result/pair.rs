@@ -1,4 +1,4 @@
-//! A result compared with another file, part by part, as the table of [`trust`](super::trust) says.
+//! Comparison of a result with another file, part by part, following the table of [`trust`](super::trust).
 
 use std::path::PathBuf;
 
@@ -11,39 +11,39 @@ use super::folder::Folder;
 use super::trust::{Row, Way, row_of};
 use crate::failure::Failure;
 
-/// The most groups inside each other. Results have one; a group of a file may contain itself.
+/// Largest depth of nested groups. Results have one level; a group of a file may contain itself.
 const DEEPEST: usize = 4;
 
-/// The longest text in a message.
+/// Longest text in a message.
 const LONGEST: usize = 200;
 
-/// The second file.
+/// Kind of the second file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
-    /// The layout that the configuration gives, with coordinates but without values.
+    /// Layout that the configuration gives, with coordinates but without values.
     Layout,
-    /// A file of what was computed from the first one.
+    /// File with values computed from the first file.
     Values,
-    /// The file of a second run.
+    /// File of a second run.
     Run,
 }
 
-/// A result, and the file with which it is compared.
+/// Result, and the file with which it is compared.
 pub struct Pair<'a> {
-    /// The kind of both.
+    /// Kind of both results.
     pub kind: Kind,
-    /// The result.
+    /// Result.
     pub first: &'a Reader,
-    /// The file with which it is compared.
+    /// File with which the result is compared.
     pub second: &'a Reader,
-    /// The kind of this file.
+    /// Kind of that file.
     pub against: Against,
 }
 
-/// Compares the layout of a result with that which `write` writes.
+/// Compares the layout of a result with the layout that `write` writes.
 ///
 /// # Errors
-/// A file that cannot be written or read.
+/// Returns an error if a file cannot be written or read.
 pub fn layout(
     kind: Kind,
     first: &Reader,
@@ -60,7 +60,7 @@ impl Pair<'_> {
     /// Compares names, shapes, attributes, coordinates and values.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// Returns an error if the file cannot be read.
     pub fn compare(&self, comparison: &mut Comparison) -> Result<(), Failure> {
         self.group("", DEEPEST, comparison)
     }
@@ -79,7 +79,7 @@ impl Pair<'_> {
                 }
                 (true, true) => self.variable(&path, comparison)?,
                 (true, false) => match row_of(*kind, &path) {
-                    // It belongs to the search, which is not repeated.
+                    // The variable belongs to the search, which is not repeated.
                     Some(Row { plain: Way::Checksum, .. }) if self.against == Against::Layout => {}
                     _ => comparison.differ(&path, format!("{} has no such variable", self.words())),
                 },
@@ -120,7 +120,7 @@ impl Pair<'_> {
     /// Compares the attributes of the group or variable at `path`; the root is empty.
     fn attributes(&self, path: &str, comparison: &mut Comparison) -> Result<(), Failure> {
         let at = if path.is_empty() { "/" } else { path };
-        // A group that one of the files has not has no attributes there.
+        // A group that is missing in one of the files has no attributes there.
         let of = |reader: &Reader| reader.attributes(at).unwrap_or_default();
         let (stored, found) = (of(self.first), of(self.second));
         let get = |all: &[(String, Attribute)], name: &str| {
@@ -140,7 +140,7 @@ impl Pair<'_> {
             match (get(&stored, name), get(&found, name)) {
                 (Some(stored), Some(found)) => match (number(&stored), number(&found)) {
                     (Some(stored), Some(found)) => comparison.number(&part, stored, found, 0.0),
-                    // Files of earlier versions have the kind of quantity, where those of this one have its unit.
+                    // Files of earlier versions have the kind of quantity instead of its unit.
                     _ if stored == found || (name == "units" && is_kind(&stored)) => comparison.count(),
                     _ => comparison.differ(&part, format!("it is {}; it must be {}", shown(&stored), shown(&found))),
                 },
@@ -152,7 +152,7 @@ impl Pair<'_> {
         Ok(())
     }
 
-    /// The second file in words.
+    /// Returns the second file in words.
     fn words(&self) -> String {
         match self.against {
             Against::Layout | Against::Values => format!("a result of {} with this configuration", self.kind.name()),
@@ -161,7 +161,7 @@ impl Pair<'_> {
     }
 }
 
-/// True for the kind of a quantity with a dimension, such as `stress*length`.
+/// Returns true for the kind of a quantity with a dimension, such as `stress*length`.
 fn is_kind(attribute: &Attribute) -> bool {
     matches!(attribute, Attribute::Text(text) if Dimension::of(text).is_some_and(|found| found != Dimension::NONE))
 }

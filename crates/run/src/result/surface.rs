@@ -1,4 +1,4 @@
-//! The problem of a result, with the surface and the fields that stand in it.
+//! Problem of a result, with the surface and the fields stored in it.
 
 use clap::Args;
 use gfmd_contact::Boundary;
@@ -19,7 +19,7 @@ use gfmd_problem::options::flags::keys;
 /// Compares the heights of a result with their checksum.
 ///
 /// # Errors
-/// A file without a surface.
+/// Returns an error if the file has no surface.
 pub fn compare_heights(reader: &Reader, comparison: &mut Comparison) -> Result<(), Failure> {
     let heights: Vec<f64> = reader.values("/surface/height")?;
     if let Ok(stated) = reader.text("/surface", "height_sha256")
@@ -30,10 +30,10 @@ pub fn compare_heights(reader: &Reader, comparison: &mut Comparison) -> Result<(
     Ok(())
 }
 
-/// The problem of a result with the surface and the fields that stand in it, whatever they were made of.
+/// Returns the problem of a result with its stored surface and fields, whatever their origin.
 ///
 /// # Errors
-/// A file without a surface; a configuration that names a field, which the result does not have.
+/// Returns an error if the file has no surface, or lacks a field that the configuration names.
 pub fn stored_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Configuration) -> Result<A, Failure> {
     let mut stored = stored_fields(reader, config)?;
     stored.insert("surface".into(), format!("{}:/surface/height", reader.path().display()).into());
@@ -46,11 +46,11 @@ pub fn stored_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Conf
     config.problem(&replaced, stored)
 }
 
-/// The problem of a result, to be solved again. A surface that was made from a file or an array is taken from the
-/// result, where it is stored as it was used; a generated one, which has a number of points, is generated again.
+/// Returns the problem of a result, to be solved again. A surface from a file or an array is taken from the result,
+/// where it is stored as it was used. A generated one, which has a number of points, is generated again.
 ///
 /// # Errors
-/// The errors of [`stored_problem`].
+/// Fails like [`stored_problem`].
 pub fn repeated_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Configuration) -> Result<A, Failure> {
     match is_generated(config) {
         true => config.problem(&BESIDE.map(Into::into), stored_fields(reader, config)?),
@@ -58,10 +58,10 @@ pub fn repeated_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Co
     }
 }
 
-/// The keys of fields beside the surface, which stand in the result.
+/// Keys of stored fields other than the surface.
 const BESIDE: [&str; 4] = ["base_displacement", "base_traction", "lower_surface", "lower_seed"];
 
-/// The names of the fields that a result has beside its surface: its base, the surface below, and its hardness.
+/// Returns the names of the fields stored beside the surface: base, lower surface, and hardness.
 fn stored_fields(reader: &Reader, config: &Configuration) -> Result<Table, Failure> {
     let (base, lower, hardness) = (stored_base(reader), stored_lower(reader), stored_hardness(reader));
     let needed = [
@@ -75,12 +75,12 @@ fn stored_fields(reader: &Reader, config: &Configuration) -> Result<Table, Failu
     Ok(base.into_iter().chain(lower).chain(hardness).map(|(key, name)| (key.into(), name.into())).collect())
 }
 
-/// The unit of the heights of a group, as the file has it; `None` for any consistent unit.
+/// Returns the unit of the heights of a group, as the file has it; `None` for any consistent unit.
 pub(crate) fn stored_unit(reader: &Reader, group: &str) -> Option<String> {
     reader.text(&format!("{group}/height"), "units").ok().filter(|unit| unit != "length")
 }
 
-/// True if the heights of a result were generated, and no file had a part in them.
+/// Returns true if the heights of a result were generated without any file.
 fn is_generated(config: &Configuration) -> bool {
     config.has("n") && !config.has("surface") && !config.has("second_surface")
 }
@@ -88,7 +88,7 @@ fn is_generated(config: &Configuration) -> bool {
 /// Generates the surfaces of a result again, if they were generated, and compares heights and words.
 ///
 /// # Errors
-/// A configuration that makes no surface, a file without one.
+/// Returns an error if the configuration makes no surface, or if the file has none.
 pub fn regenerated(
     reader: &Reader,
     config: &Configuration,

@@ -1,16 +1,15 @@
-//! The parts of a result and how `check` verifies each: the table by which it decides, and from which docs/trust.md is
-//! made.
+//! Parts of a result, and how `check` verifies each of them. docs/trust.md is generated from this table.
 
 use std::fmt::Write as _;
 
 use super::Kind;
 
-/// The ways in which a part of a result is verified.
+/// Ways to verify a part of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Every change beyond rounding is noticed under a right checksum.
+    /// Every change beyond rounding is noticed, even with a correct checksum.
     Verified,
-    /// Some changes are noticed under a right checksum.
+    /// Some changes are noticed, even with a correct checksum.
     InPart,
     /// Only the checksum notices a change.
     Checksum,
@@ -35,7 +34,7 @@ pub struct Row {
     pub plain: Way,
     /// Verification with `--rerun`.
     pub rerun: Way,
-    /// The data or the computation that it is compared with; empty for none.
+    /// Data or computation for the comparison; empty for none.
     pub by: &'static str,
 }
 
@@ -45,7 +44,7 @@ const fn row(parts: &'static [&'static str], plain: Way, rerun: Way, by: &'stati
 
 use Way::{Checksum, InPart, Verified};
 
-/// Rows of all kinds.
+/// Rows of all kinds of results.
 const ALL: &[Row] = &[
     row(&["@schema_version"], Verified, Verified, "the version of the program"),
     row(&["@content_sha256"], Verified, Verified, "the whole content"),
@@ -90,7 +89,7 @@ const SURFACE: &[Row] = &[
     row(&["/surface@*"], Checksum, Checksum, ""),
 ];
 
-/// Rows of the record of a search, and of one that failed.
+/// Rows of the record of a search, and of a failed search.
 const SEARCH: &[Row] =
     &[row(&["/history/*", "/history@*", "/not_converged/*", "/not_converged@*"], Checksum, Verified, "the second run")];
 
@@ -254,7 +253,7 @@ const SWEEP: &[Row] = &[
     row(&["/example/*", "/example@*"], Verified, Verified, "the configuration"),
 ];
 
-/// The rows of a kind. The first row that matches a part applies to it.
+/// Returns the rows of a kind. The first row that matches a part applies to it.
 pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
         Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
@@ -268,12 +267,12 @@ pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
     own.iter().copied().flatten()
 }
 
-/// The row of a part of a result; `None` if no result of the kind has such a part.
+/// Returns the row of a part of a result; `None` if no result of the kind has this part.
 pub fn row_of(kind: Kind, part: &str) -> Option<&'static Row> {
     rows(kind).find(|row| row.parts.iter().any(|pattern| fits(pattern, part)))
 }
 
-/// True if a part has the form of a pattern. Variables fit no pattern of attributes, and attributes none of variables.
+/// Returns true if a part matches a pattern. Variables match no attribute pattern, and attributes no variable pattern.
 fn fits(pattern: &str, part: &str) -> bool {
     pattern.contains('@') == part.contains('@') && matches(pattern, part)
 }
@@ -288,7 +287,7 @@ fn matches(pattern: &str, text: &str) -> bool {
     }
 }
 
-/// The page docs/trust.md.
+/// Returns the page docs/trust.md.
 pub fn page() -> String {
     let mut page = String::from(include_str!("trust.md"));
     let table = |page: &mut String, title: &str, rows: &[Row]| {
@@ -322,7 +321,7 @@ mod tests {
 
     use super::*;
 
-    /// No second run takes the time of the first.
+    /// Checks that times are not compared, since a second run takes another time.
     #[test]
     fn numbers_of_the_clock_are_not_compared() {
         let clocks = COLUMNS.iter().filter(|column| column.origin == Origin::Clock);

@@ -1,4 +1,4 @@
-//! Files of variables: the checksum of the head, the number of finished parts, the variables, a checksum of all.
+//! Files of variables: checksum of the head, number of finished parts, variables, checksum of everything.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -8,7 +8,7 @@ use gfmd_files::{Checksum, FileError, input};
 
 use crate::failure::Failure;
 
-/// The length of a checksum.
+/// Length of a checksum.
 const SUM: usize = 64;
 
 fn checksum(bytes: &[u8]) -> String {
@@ -17,7 +17,7 @@ fn checksum(bytes: &[u8]) -> String {
     sum.text()
 }
 
-/// A visitor that copies variables to a file, or to memory.
+/// Visitor that copies variables to a file, or to memory.
 pub(super) struct Writer<W> {
     sink: W,
     sum: Checksum,
@@ -39,7 +39,7 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Writes the checksum. Returns the error of the first write that failed, if any did.
+    /// Writes the checksum. Returns the error of the first failed write, if there is one.
     pub(super) fn finish(mut self) -> io::Result<W> {
         self.failed?;
         self.sink.write_all(self.sum.text().as_bytes())?;
@@ -64,13 +64,13 @@ impl<W: Write> Visit for Writer<W> {
     }
 }
 
-/// The numbers that are written at a time.
+/// Number of values that are written at a time.
 const PIECE: usize = 1 << 12;
 
-/// A file of variables, as a visitor that puts them back.
+/// File of variables, as a visitor that restores them.
 pub struct Stored {
     bytes: Vec<u8>,
-    /// The position of the next variable, beyond the end if more were read than there are.
+    /// Position of the next variable; beyond the end if more were read than exist.
     next: usize,
     parts: usize,
 }
@@ -100,20 +100,20 @@ impl Stored {
         Ok(Some(stored))
     }
 
-    /// Number of parts that were finished when the file was written.
+    /// Returns the number of parts that were finished when the file was written.
     pub(super) fn parts(&self) -> usize {
         self.parts
     }
 
-    /// True if all variables are read.
+    /// Returns true if all variables are read.
     pub(crate) fn is_at_end(&self) -> bool {
         self.next >= self.bytes.len()
     }
 
-    /// Makes a value from all variables.
+    /// Restores a value from all variables.
     ///
     /// # Errors
-    /// A value that cannot be made; a file with other variables than those of the value.
+    /// Returns an error if the value cannot be made, or if the file has other variables than the value.
     pub(crate) fn restore<T, R: Into<Failure>>(
         &mut self,
         make: impl FnOnce(&mut dyn Visit) -> Result<T, R>,

@@ -1,4 +1,4 @@
-//! The states of a file, made again from its fields, and compared with what the file says of them.
+//! Comparison of a file with the states that follow from its fields.
 
 use gfmd_contact::{Boundary, Drive, Fields as _, Load};
 use gfmd_files::Reader;
@@ -12,20 +12,20 @@ use super::{Chosen, Parts, Prepared};
 use crate::failure::Failure;
 use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
 
-/// The relative differences of the numbers of a law on a patch, over the tolerance of the solve.
+/// Allowed relative difference of the numbers of a law on a patch, divided by the solve tolerance.
 pub(crate) const OF_A_PATCH: f64 = 100.0;
 
-/// The file of a series, with the contact that it is about.
+/// File of a series, with its contact.
 pub struct Stored<'a> {
-    /// The file.
+    /// File.
     pub reader: &'a Reader,
-    /// The input that its configuration and its arrays give.
+    /// Input given by its configuration and its arrays.
     pub prepared: &'a Prepared,
-    /// The contact posed on it.
+    /// Contact posed with this input.
     pub contact: &'a Posed,
-    /// The tolerance of its states.
+    /// Tolerance of its states.
     pub tolerance: f64,
-    /// The columns of the file, part by part.
+    /// Columns of the file, part by part.
     records: Vec<Record>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> Stored<'a> {
     /// Reads the columns of a file.
     ///
     /// # Errors
-    /// A file that cannot be read, or of another problem.
+    /// Returns an error if the file cannot be read, or is of another problem.
     pub fn new(
         reader: &'a Reader,
         prepared: &'a Prepared,
@@ -44,55 +44,54 @@ impl<'a> Stored<'a> {
         Ok(Self { reader, prepared, contact, tolerance, records })
     }
 
-    /// The number of parts.
+    /// Returns the number of parts.
     pub fn count(&self) -> usize {
         self.records.len()
     }
 
-    /// A number of a part; NaN without one.
+    /// Returns a number of a part; NaN without one.
     pub fn number(&self, name: &str, index: usize) -> f64 {
         self.records.get(index).map_or(f64::NAN, |record| record.number(name))
     }
 
-    /// The path of a column.
+    /// Returns the path of a column.
     pub fn path(&self, name: &str) -> String {
         format!("{}/{name}", Parts::of(&self.prepared.facts).group)
     }
 
-    /// The unit of length, the rms height.
+    /// Returns the unit of length, the rms height.
     pub fn height(&self) -> f64 {
         self.prepared.surface.statistics.moments.rms_height().max(f64::MIN_POSITIVE)
     }
 
-    /// True if a law acts on a patch, whose displacement outside of it is not in the file: states made again are then
-    /// as exact as their search.
+    /// Returns true if a law acts on a patch. The file lacks the displacement outside the patch, so recomputed states
+    /// are only as exact as their search.
     pub(crate) fn is_law_on_patch(&self) -> bool {
         self.prepared.facts.solves_a_law() && self.prepared.facts.boundary == Boundary::Free
     }
 
-    /// The largest residual of a state that converged, made again.
+    /// Returns the largest allowed residual of a recomputed state that had converged.
     pub fn allowed(&self) -> f64 {
         self.tolerance * if self.is_law_on_patch() { RESIDUAL_OF_A_PATCH } else { 1.0 }
     }
 
-    /// A field at a place of the file.
+    /// Reads a field at a place of the file.
     ///
     /// # Errors
-    /// A field that the file does not have in this shape.
+    /// Returns an error if the file does not have the field in this shape.
     pub fn field(&self, name: &str, place: usize) -> Result<Array2<f64>, Failure> {
         let values = self.reader.slab(&format!("/fields/{name}"), place)?;
         let made = Array2::from_shape_vec(self.prepared.surface.grid.points(), values);
         made.map_err(|error| Failure::input("/fields", error))
     }
 
-    /// The state that the contact makes of the fields at a place; `None` of a part that was not solved, whose fields
-    /// are NaN.
+    /// Computes the state of the contact from the fields at a place; `None` for an unsolved part, which has NaN fields.
     ///
     /// # Errors
-    /// Fields that cannot be read, or of which no state can be made.
+    /// Returns an error if fields cannot be read, or do not make a state.
     pub fn state(&self, place: usize, drive: Drive) -> Result<Option<Rest>, Failure> {
         let fields = self.contact.basis().iter().map(|name| match *name {
-            // Without a hardness nothing gives way.
+            // Without a hardness there is no plastic depth.
             "plastic_depth" if !self.prepared.facts.hardness => Ok(Array2::zeros(self.prepared.surface.grid.points())),
             name => self.field(name, place),
         });
@@ -104,8 +103,8 @@ impl<'a> Stored<'a> {
         self.contact.certify(&fields, drive).map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
     }
 
-    /// Compares what a step of a path states of its drive: convergence, reduced load, load or approach. True if it
-    /// converged, and the rest of it can be compared.
+    /// Compares convergence, reduced load, and load or approach of a path step with its drive. Returns true if the step
+    /// converged and the rest of it can be compared.
     pub fn compare_step(&self, index: usize, drive: Drive, comparison: &mut Comparison) -> bool {
         let number = |name: &str| self.number(name, index);
         let [residual, pressure, converged] = ["residual", "mean_pressure", "converged"].map(number);
@@ -134,12 +133,11 @@ impl<'a> Stored<'a> {
         true
     }
 
-    /// Compares the numbers and fields of a step at a waypoint with the state that the contact makes of the fields, and
-    /// returns the state; `None` of a step that was not solved. `flow` computes the flow through its gap, if it is
-    /// asked for.
+    /// Compares the numbers and fields of a step at a waypoint with the state computed from the fields, and returns the
+    /// state; `None` for an unsolved step. `flow` computes the flow through the gap, if requested.
     ///
     /// # Errors
-    /// The errors of [`state`](Self::state).
+    /// Fails like [`state`](Self::state).
     pub fn compare_waypoint(
         &self,
         (index, place): (usize, usize),
@@ -158,10 +156,10 @@ impl<'a> Stored<'a> {
         Ok(Some(state))
     }
 
-    /// Compares the fields of a state with those at a place.
+    /// Compares the fields of a state with the stored fields at a place.
     ///
     /// # Errors
-    /// Fields that cannot be read.
+    /// Returns an error if fields cannot be read.
     pub fn compare_fields(&self, place: usize, state: &Rest, comparison: &mut Comparison) -> Result<(), Failure> {
         let facts = &self.prepared.facts;
         comparison.accurate_to(if self.is_law_on_patch() { OF_A_PATCH * self.tolerance } else { 0.0 });
@@ -181,7 +179,7 @@ impl<'a> Stored<'a> {
         Ok(())
     }
 
-    /// The least scale of a field. The gap of full contact is what rounding leaves.
+    /// Returns the least scale of a field. The gap of full contact is only rounding error.
     fn floor_of_field(&self, name: &str) -> f64 {
         let patch = self.is_law_on_patch();
         match name {
@@ -192,7 +190,7 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// The numbers of a state so far, whose residuals may be those that are [allowed](Self::allowed).
+    /// Returns the numbers of a state so far; its residuals may be as large as [allowed](Self::allowed).
     pub fn at<'s>(&'s self, index: usize, state: &'s Rest) -> At<'s> {
         let allowed = if self.number("converged", index) == 1.0 { self.allowed() } else { self.tolerance };
         self.prepared.at(state, allowed)
@@ -204,12 +202,12 @@ impl<'a> Stored<'a> {
         let has_converged = self.number("converged", index) == 1.0;
         comparison.accurate_to(if patch { OF_A_PATCH * self.tolerance } else { 0.0 });
         let of_fields = |origin| matches!(origin, Origin::Fields | Origin::Grid | Origin::Residual);
-        // What a finer grid told is not in the file.
+        // Numbers from a finer grid do not follow from the file.
         let is_refined = self.prepared.facts.grid_error == GridError::Refine;
         let is_told = |column: &Column| of_fields(column.origin) && !(is_refined && column.origin == Origin::Grid);
         for (column, cell) in record.cells().filter(|(column, _)| is_told(column)) {
             let path = self.path(column.name);
-            // The layout tells what is missing.
+            // The layout shows missing columns.
             if !self.reader.contains(&path) {
                 continue;
             }
@@ -228,13 +226,13 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// The least scale of a number, below which a difference is one of rounding.
+    /// Returns the least scale of a number; smaller differences are rounding errors.
     fn floor(&self, column: &Column, record: &Record) -> f64 {
         let is_path = self.prepared.facts.task == Task::Path;
         match column.name {
-            // Small beside 1, and made by rounding.
+            // Small beside 1, and caused by rounding.
             _ if column.origin == Origin::Residual => 1e-3,
-            // Equal pressures deviate, and closed gaps gape, by rounding.
+            // Rounding makes equal pressures deviate and closed gaps open.
             "pressure_deviation_in_contact" => record.number("max_pressure"),
             "mean_gap" | "lower_mean_gap" => self.height(),
             // A path goes through zero.
@@ -244,7 +242,7 @@ impl<'a> Stored<'a> {
                 "stress*length" => self.prepared.unit_pressure() * self.height(),
                 _ => 1.0,
             },
-            // Repulsion and attraction cancel at the load zero.
+            // Repulsion and attraction cancel at zero load.
             "mean_pressure" | "p_star" | "force" | "kappa" | "kappa_corrected" if self.prepared.adhesion.is_some() => {
                 let [most, mean] = ["max_pressure", "mean_pressure"].map(|name| record.number(name));
                 let scale = (record.number(column.name) * most / mean).abs();

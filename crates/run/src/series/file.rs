@@ -1,4 +1,4 @@
-//! The HDF5 file of a series.
+//! HDF5 file of a series.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -27,10 +27,10 @@ use crate::rows;
 use crate::session::Session;
 use crate::source::Surface;
 
-/// The file of a series: the surface is written at once, the fields state by state, the scalars at the end. Of several
-/// processes the first one writes it; all make the same calls, and give their rows of the fields.
+/// File of a series: the surface is written at once, the fields state by state, the scalars at the end. With several
+/// processes, the first one writes it; all make the same calls, and give their rows of the fields.
 pub struct StateFile<'a> {
-    /// The file of the process that writes.
+    /// File at the writing process.
     archive: Option<Archive<'a>>,
     share: Share,
     facts: Facts,
@@ -38,28 +38,28 @@ pub struct StateFile<'a> {
     units: Units,
 }
 
-/// The fields of each state that go into a file.
+/// Choice of fields of each state for the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Chosen {
-    /// All that there are.
+    /// All fields.
     #[default]
     All,
-    /// Those with these names.
+    /// Fields with these names.
     Named(Vec<&'static str>),
 }
 
-/// Words that name no fields.
+/// Error: words that do not name fields.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("it must be none, or some of {}, with commas between them", Chosen::listed(", "))]
 pub struct ChosenError;
 
-/// The names of the fields that loads may have.
+/// Returns the names of the fields that loads may have.
 fn names() -> impl Iterator<Item = &'static str> {
     ARRAYS.iter().filter(|array| array.of_loads.is_some()).map(|array| array.name)
 }
 
 impl Chosen {
-    /// The chosen ones of the fields of a problem.
+    /// Returns the chosen fields of a problem.
     fn of<'s>(&'s self, facts: &'s Facts) -> impl Iterator<Item = &'static Array> + 's {
         arrays(facts).filter(move |array| match self {
             Self::All => true,
@@ -67,25 +67,24 @@ impl Chosen {
         })
     }
 
-    /// All names, with this text between them.
+    /// Returns all names, separated by `between`.
     pub fn listed(between: &str) -> String {
         names().collect::<Vec<_>>().join(between)
     }
 
-    /// The first of the fields named that the loads do not have.
+    /// Returns the first named field that the loads do not have.
     pub fn missing(&self, facts: &Facts) -> Option<&'static Array> {
         let Self::Named(names) = self else { return None };
         ARRAYS.iter().find(|array| names.contains(&array.name) && !(array.present)(facts))
     }
 
-    /// The places among the chosen fields of those by which contact and gap are told apart, if both are chosen.
+    /// Returns the places, among the chosen fields, of the two that separate contact from gap, if both are chosen.
     pub fn contact_and_gap(&self, facts: &Facts) -> Option<[usize; 2]> {
         let place = |wanted: &str| self.of(facts).position(|array| array.name == wanted);
         Some([place(repulsion(facts))?, place("gap")?])
     }
 
-    /// The chosen ones of the fields of a state, in the order of the file; a base that moves adds `lift` to the
-    /// displacement.
+    /// Returns the chosen fields of a state, in file order; a moved base adds `lift` to the displacement.
     pub fn fields<'s>(
         &self,
         facts: &Facts,
@@ -137,32 +136,32 @@ impl Serialize for Chosen {
     }
 }
 
-/// A field of a state, named as in a file.
+/// Field of a state, named as in a file.
 pub struct Field<'s> {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit.
     pub units: &'static str,
-    /// Its values, [x, y].
+    /// Values, `[x, y]`.
     pub values: CowArray<'s, f64, Ix2>,
 }
 
-/// All fields of a state; a base that moves adds `lift` to the displacement.
+/// Returns all fields of a state; a moved base adds `lift` to the displacement.
 pub fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
     let values = Chosen::All.fields(facts, state, lift);
     arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
 }
 
-/// The path of a field in a file.
+/// Returns the path of a field in a file.
 fn path_of(array: &Array) -> String {
     format!("/fields/{}", array.name)
 }
 
 impl<'a> StateFile<'a> {
-    /// A file for the fields of so many states of a surface; processes without an `output` only send their rows.
+    /// Creates a file for the fields of `states` states of a surface. Processes without `output` only send rows.
     ///
     /// # Errors
-    /// A file that cannot be written, at the process that writes.
+    /// Returns an error, at the writing process, if the file cannot be written.
     pub fn create(
         output: Option<&'a Output>,
         provenance: &Provenance,
@@ -182,7 +181,7 @@ impl<'a> StateFile<'a> {
         if surface.share.is_whole() {
             archive.as_mut().map_or(Ok(()), |archive| surface.write(archive, [&x, &y]))?;
         } else {
-            // Its rows travel in any case.
+            // The rows travel in any case.
             surface.write_shared(archive.as_mut(), [&x, &y])?;
         }
         failed?;
@@ -197,10 +196,10 @@ impl<'a> StateFile<'a> {
         Ok(Self { archive, share: surface.share.clone(), facts, chosen, units })
     }
 
-    /// As [`create`](Self::create), with all fields that the input of a series has.
+    /// Creates like [`create`](Self::create), with all fields in the input of a series.
     ///
     /// # Errors
-    /// A file that cannot be written; of several processes at all of them.
+    /// Returns an error, at all processes, if the file cannot be written.
     pub fn of(
         output: Option<&'a Output>,
         provenance: &Provenance,
@@ -222,33 +221,33 @@ impl<'a> StateFile<'a> {
     /// Writes the group `/lower`.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&lower.grid, lower.unit());
         self.archive.as_mut().map_or(Ok(()), |archive| lower::write(lower, archive, [&x, &y]))
     }
 
-    /// Writes the field of the hardness, if it is one.
+    /// Writes the hardness if it is a field.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_hardness(&mut self, hardness: Option<&Hardness>, surface: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&surface.grid, surface.unit());
         hardness::write(hardness, self.archive.as_mut(), &self.share, [&x, &y], &self.units)
     }
 
-    /// Writes the fields of one state; a base that moves adds `lift` to the displacement.
+    /// Writes the fields of one state; a moved base adds `lift` to the displacement.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write(&mut self, index: usize, state: &Rest, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
         self.write_fields(index, self.chosen.fields(&self.facts, state, lift))
     }
 
-    /// As [`write`](Self::write), from the values of the fields row by row.
+    /// Writes like [`write`](Self::write), from the field values row by row.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_values(&mut self, index: usize, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         let Some(archive) = &mut self.archive else { return Ok(()) };
         for (array, field) in self.chosen.of(&self.facts).zip(fields) {
@@ -257,10 +256,10 @@ impl<'a> StateFile<'a> {
         Ok(())
     }
 
-    /// Writes the chosen fields of one state, in the order of the file.
+    /// Writes the chosen fields of one state, in file order.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write_fields<'b>(
         &mut self,
         index: usize,
@@ -279,16 +278,16 @@ impl<'a> StateFile<'a> {
         outcome
     }
 
-    /// The file, for what a command adds; `None` at the processes that do not write.
+    /// Returns the file, for additions by a command; `None` at the processes that do not write.
     pub fn archive(&mut self) -> Option<&mut Archive<'a>> {
         self.archive.as_mut()
     }
 
-    /// Writes the scalars of `count` parts, NaN beyond those there are, and gives the file its name; `None` at the
+    /// Writes the scalars of `count` parts, NaN beyond the given records, and gives the file its name; `None` at the
     /// processes that do not write.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn finish(
         self,
         records: &[Record],

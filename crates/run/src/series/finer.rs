@@ -1,4 +1,4 @@
-//! The same contact on a finer grid, from which the error of the numbers by the grid is found.
+//! Same contact on a finer grid, to find the grid error of its numbers.
 
 use gfmd_contact::{Drive, Watch};
 use gfmd_problem::{GridError, Posed, Rest};
@@ -12,8 +12,8 @@ use crate::hardness::GivenHardness;
 use crate::session::Session;
 use crate::source::{SourceArgs, Surface};
 
-/// The surface of a problem on a grid of twice as many points along each side, once, or, where the heights between the
-/// points are not known, by both interpolations; none unless `--grid-error refine` is asked for.
+/// Returns the surface of a problem on a grid with twice as many points along each side: once, or by both
+/// interpolations if the heights between the points are unknown. Empty unless `--grid-error refine` is requested.
 fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failure> {
     let how = prepared.facts.grid_error;
     if how != GridError::Refine {
@@ -27,10 +27,10 @@ fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failur
     ways.map(|how| asked.source.finer(2, how)).collect()
 }
 
-/// A problem on finer grids, each with its input, posed: none, one, or one for each of two interpolations.
+/// Poses a problem on finer grids, with the input of each: none, one, or one for each of two interpolations.
 ///
 /// # Errors
-/// A problem of which no other grid is known, or that does not fit into the memory.
+/// Returns an error if no other grid of the problem is known, or if the problem does not fit into memory.
 pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepared, Posed)>, Failure> {
     let pose = |source: SourceArgs| {
         let asked = Asked { source: &source, once: true, ..asked.clone() };
@@ -41,10 +41,10 @@ pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepare
     sources(asked, prepared)?.into_iter().map(pose).collect()
 }
 
-/// The numbers on a finer grid, or the reason why there are none: the number beside which they would stand stays.
+/// Returns the numbers on a finer grid, or the reason why there are none; the number on the coarse grid stays.
 ///
 /// # Errors
-/// An interruption.
+/// Returns an error after an interruption.
 pub fn beside(found: Result<OnFinerGrid, Failure>) -> Result<Result<OnFinerGrid, String>, Failure> {
     match found {
         Ok(found) => Ok(Ok(found)),
@@ -53,34 +53,34 @@ pub fn beside(found: Result<OnFinerGrid, Failure>) -> Result<Result<OnFinerGrid,
     }
 }
 
-/// A contact on a grid of twice as many points along each side, whose states are found load by load.
+/// Contact on a grid with twice as many points along each side, solved load by load.
 pub struct Finer {
     args: ContactArgs,
-    /// Its input.
+    /// Input.
     pub prepared: Prepared,
     contact: Posed,
     last: Option<Rest>,
 }
 
 impl Finer {
-    /// Poses the finer contacts of the one that the options pose ([`on_finer_grids`]).
+    /// Poses the finer contacts of the contact that the options pose ([`on_finer_grids`]).
     ///
     /// # Errors
-    /// As [`on_finer_grids`].
+    /// Fails like [`on_finer_grids`].
     pub fn pose(args: &ContactArgs, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
         let posed = on_finer_grids(&args.asked()?, prepared)?.into_iter();
         Ok(posed.map(|(prepared, contact)| Self { args: args.clone(), prepared, contact, last: None }).collect())
     }
 
-    /// True if a state was found before.
+    /// Returns true if a state was found before.
     pub fn has_started(&self) -> bool {
         self.last.is_some()
     }
 
-    /// The state under a drive, which follows on that under the drive before, with its surface and its numbers.
+    /// Solves for the state under a drive, starting from the previous one; returns it with its surface and its numbers.
     ///
     /// # Errors
-    /// A search that was interrupted, or did not converge.
+    /// Returns an error if the search was interrupted, or did not converge.
     pub fn reach(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<(&Rest, &Surface, At<'_>), Failure> {
         let [nx, ny] = self.prepared.surface.grid.points();
         let first = match self.last {
@@ -101,7 +101,7 @@ impl Finer {
     }
 }
 
-/// The numbers of a state on a finer grid, which resolves whatever lies between the points of the other one.
+/// Returns the numbers of a state on a finer grid, which resolves all that lies between the points of the coarser one.
 pub fn resolved<'a>(finer: &'a Prepared, state: &'a Rest, tolerance: f64) -> At<'a> {
     At { short_waves: 0.0, ..finer.at(state, tolerance) }
 }

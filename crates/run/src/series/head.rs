@@ -1,4 +1,4 @@
-//! The problem of a series, as its report begins.
+//! Problem of a series, as at the beginning of its report.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -22,7 +22,7 @@ use gfmd_problem::Adhesion;
 use gfmd_problem::options::named;
 use gfmd_problem::options::{OtherArgs, Relaxation};
 
-/// The problem that was solved, as printed.
+/// Solved problem, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Head {
@@ -38,12 +38,12 @@ pub struct Head {
     #[serde(flatten)]
     pub second: Option<Second>,
     pub rms_gradient: f64,
-    /// Of loads.
+    /// Only for loads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_slope: Option<f64>,
     pub rms_height: f64,
     pub e_star: f64,
-    /// The body, unless it is a half-space or a slab on a bonded base, and alone.
+    /// Body, unless it is a single half-space or slab on a bonded base.
     #[serde(flatten)]
     pub others: OtherArgs,
     #[serde(skip)]
@@ -55,35 +55,35 @@ pub struct Head {
     pub base: BaseArgs,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower: Option<Lower>,
-    /// Of a path.
+    /// Only for a path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
-    /// Of a path only if it is free.
+    /// For a path only with free boundaries.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boundary: Option<&'static str>,
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
-    /// With an attraction.
+    /// Only with an attraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adhesion: Option<Adhesion>,
-    /// Unless it is not asked for.
+    /// Absent without a grid error estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_error: Option<FoundBy>,
 }
 
-/// The way to the error of the numbers by the grid, as printed.
+/// Method to find the grid error, as printed.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoundBy {
-    /// Mode.
+    /// Mode of the method.
     #[serde(with = "named")]
     pub mode: GridError,
-    /// The points of the finest grid.
+    /// Points of the finest grid.
     pub n: [usize; 2],
-    /// The assumption about what lies between the points.
+    /// Assumption about the heights between the points.
     pub assumes: &'static str,
-    /// The order, in the distance of the points, of the error of the limit of each number that has one.
+    /// Order of the limit's error in the grid spacing, for each number that has one.
     pub orders: BTreeMap<&'static str, f64>,
 }
 
@@ -102,7 +102,7 @@ impl FoundBy {
     }
 }
 
-/// The surface below the slab, as printed.
+/// Surface below the slab, as printed.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Lower {
@@ -114,7 +114,7 @@ pub struct Lower {
 }
 
 impl Head {
-    /// The head of a report about the states of a surface.
+    /// Builds the head of a report about the states of a surface.
     pub fn new(asked: &Asked, prepared: &Prepared, surface: &RigidSurface) -> Self {
         let Prepared { facts, surface: Surface { grid, boundary, .. }, limit, .. } = prepared;
         let given = &prepared.surface;
@@ -155,12 +155,12 @@ impl Head {
         }
     }
 
-    /// The units of the numbers.
+    /// Returns the units of the numbers.
     pub fn units(&self) -> Units {
         Units::new(self.unit.as_deref(), self.stress_unit.as_deref())
     }
 
-    /// A number of a kind in a unit that people read, or as it is with the word for a unit that is not known.
+    /// Formats a number of a kind in a readable unit, or as it is with the word `unknown` if its unit is unknown.
     pub fn read(&self, value: f64, kind: &str, unknown: &str) -> String {
         match self.units().shown(kind, value) {
             Some(unit) => unit.text(value),
@@ -168,7 +168,7 @@ impl Head {
         }
     }
 
-    /// Warns of slopes and strains that are not small.
+    /// Warns about slopes and strains that are not small.
     pub fn warn_of_slopes(&self, records: &[Record], facts: &Facts, session: &Session) {
         let Self { rms_gradient, max_slope: Some(max_slope), e_star, .. } = self else { return };
         let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, facts) else { return };
@@ -236,7 +236,7 @@ impl fmt::Display for Head {
     }
 }
 
-/// True if only the normal displacement is unknown.
+/// Returns true if only the normal displacement is unknown.
 pub fn is_normal(components: &Unknown) -> bool {
     *components == Unknown::Normal
 }

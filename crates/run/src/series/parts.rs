@@ -1,23 +1,23 @@
-//! The parts of a series: their words, and their places in a file.
+//! Parts of a series: their words, and their places in a file.
 
 use gfmd_problem::{Facts, Task};
 
-/// The words for the parts of a series, and their places in a file.
+/// Words for the parts of a series, and their places in a file.
 pub struct Parts {
-    /// A part.
+    /// Word for a part.
     pub name: &'static str,
-    /// Several parts.
+    /// Word for several parts.
     pub(crate) plural: &'static str,
-    /// The group of their scalars.
+    /// Group of their scalars.
     pub group: &'static str,
-    /// The meaning of the dimension of their scalars, whose name is that of a part.
+    /// Meaning of the dimension of their scalars, which has the name of a part.
     pub(super) meaning: &'static str,
-    /// The dimension of their fields, and its meaning.
+    /// Dimension of their fields, and its meaning.
     pub(super) stored: (&'static str, &'static str),
 }
 
 impl Parts {
-    /// Those of a problem.
+    /// Returns the parts of a problem.
     pub fn of(facts: &Facts) -> &'static Self {
         match facts.task {
             Task::Loads => &LOADS,

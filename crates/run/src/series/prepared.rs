@@ -1,4 +1,4 @@
-//! The input of a series, read and checked before its first solve.
+//! Input of a series, read and checked before the first solve.
 
 use std::array::from_fn;
 use std::borrow::Cow;
@@ -27,52 +27,52 @@ use crate::source::{SourceArgs, Surface};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, check_wavenumbers};
 
-/// The parts of a problem as they are asked for, of a series of any kind; [`Asked::new`] has those without a flag.
+/// Requested parts of a problem, for a series of any kind; [`Asked::new`] returns those that need no flag.
 #[derive(Clone)]
 pub struct Asked<'a> {
     /// Surface.
     pub source: &'a SourceArgs,
-    /// Elastic body; with a relaxation its moduli of the long term.
+    /// Elastic body; with its long-term moduli if it relaxes.
     pub body: Cow<'a, BodyArgs>,
-    /// The table of the body, if it has one.
+    /// Compliance table of the body, if it has one.
     pub compliance: Cow<'a, ComplianceArgs>,
-    /// Displacement or traction of its base.
+    /// Displacement or traction of the base.
     pub base: Cow<'a, BaseArgs>,
-    /// Surface below it.
+    /// Surface below the slab.
     pub lower: Cow<'a, LowerArgs>,
     /// Interaction.
     pub law: Cow<'a, LawArgs>,
     /// Hardness.
     pub hardness: Option<&'a GivenHardness>,
-    /// The limit of the shear, and its flag.
+    /// Limit of the shear, and its flag.
     pub limit: Option<(Limit, &'static str)>,
     /// Relaxation of the body.
     pub prony: Option<Prony>,
-    /// Coefficient of wear, 1/stress.
+    /// Wear coefficient, 1/stress.
     pub wear: Option<f64>,
     /// Boundary of the cell.
     pub boundary: Boundary,
-    /// Choices of the damped dynamics.
+    /// Options of the damped dynamics.
     pub dynamics: Dynamics,
     /// Method.
     pub solver: Solver,
     /// Tolerance and largest number of iterations.
     pub budget: Budget,
-    /// True if one state is in memory at a time, and nothing is measured of it.
+    /// True if only one state at a time is in memory, and nothing is measured.
     pub once: bool,
 }
 
-/// The input of a series.
+/// Input of a series.
 pub struct Prepared {
-    /// Facts by which parts go together.
+    /// Facts that decide which parts can be combined.
     pub facts: Facts,
-    /// The surface as it is given.
+    /// Surface as given.
     pub surface: Surface,
     /// Elastic body.
     pub body: Body,
-    /// Its base, if it is moved.
+    /// Base, if it is moved.
     pub base: Option<MovedBase>,
-    /// Below the slab.
+    /// Surface below the slab.
     pub lower: Option<Surface>,
     /// Interaction.
     pub law: Arc<dyn Law>,
@@ -82,22 +82,22 @@ pub struct Prepared {
     pub limit: Option<Limit>,
     /// Relaxation of the body, if it is viscoelastic.
     pub prony: Option<Prony>,
-    /// Coefficient of wear, if the surfaces wear, 1/stress.
+    /// Wear coefficient, 1/stress, if the surfaces wear.
     pub wear: Option<f64>,
     dynamics: Dynamics,
-    /// Height of the surface's top above the highest point of the grid, if this process has all of it.
+    /// Height of the surface's top above the highest grid point, if this process has the whole surface.
     rise: Option<f64>,
-    /// The numbers of the attraction, if there is one.
+    /// Numbers of the attraction, if there is one.
     pub adhesion: Option<Adhesion>,
-    /// The spectral moments of the surface; of a patch, which does not repeat, in a window.
+    /// Spectral moments of the surface; under a window for a patch, which is not periodic.
     moments: Moments,
 }
 
 impl Prepared {
-    /// Reads the parts of a problem with these facts, whose surface may be a line.
+    /// Reads the parts of a problem with these facts. The argument of `facts` is true for a line.
     ///
     /// # Errors
-    /// Parts that do not go together, that cannot be read, or that no memory holds.
+    /// Returns an error if parts cannot be combined, cannot be read, or do not fit into memory.
     pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
         let body = asked.compliance.body(&asked.body)?;
         asked.budget.check().map_err(|error| Failure::input("--tol", error))?;
@@ -122,7 +122,7 @@ impl Prepared {
         session.fits(need, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
-            // What the contact sees is the surface that the base displaces.
+            // The contact sees the surface as displaced by the base.
             Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(&asked.source.name(), error))?,
             None => surface,
         };
@@ -166,22 +166,22 @@ impl Prepared {
         }
     }
 
-    /// The units of reduced quantities.
+    /// Returns the scales of reduced quantities.
     pub fn scales(&self) -> Scales {
         Scales { contact_modulus: self.body.contact_modulus(), rms_gradient: self.surface.rms_gradient() }
     }
 
-    /// The unit of reduced pressures, E* times the rms gradient.
+    /// Returns the unit of reduced pressures, E* times the rms gradient.
     pub fn unit_pressure(&self) -> f64 {
         self.body.contact_modulus() * self.surface.rms_gradient()
     }
 
-    /// The lift that a base that moves adds to the displacement.
+    /// Returns the lift that a moved base adds to the displacement.
     pub fn lift(&self) -> Option<&Array2<f64>> {
         self.base.as_ref().map(|base| &base.lift)
     }
 
-    /// A state of the contact, of which columns are computed; without a stiffness.
+    /// Describes a state of the contact for its columns, without a stiffness.
     pub fn at<'a>(&'a self, state: &'a Rest, tolerance: f64) -> At<'a> {
         let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
         let (inside, spacing) = (self.surface.statistics.seam.inside, self.surface.grid.spacing());
@@ -196,12 +196,12 @@ impl Prepared {
         }
     }
 
-    /// The share of the mean square gradient of the surface in waves shorter than four points.
+    /// Returns the share of the mean square gradient of the surface in waves shorter than four points.
     pub fn short_waves(&self) -> f64 {
         self.moments.short_waves()
     }
 
-    /// The number of waves that share the mean square gradient of the surface.
+    /// Returns the number of waves that share the mean square gradient of the surface.
     pub fn waves(&self) -> f64 {
         self.moments.waves
     }
@@ -209,10 +209,10 @@ impl Prepared {
     /// Poses the contact with this law.
     ///
     /// # Errors
-    /// Parts from which no contact can be made.
+    /// Returns an error if the parts do not make a contact.
     pub fn pose(&self, source: &SourceArgs, law: &Arc<dyn Law>) -> Result<Posed, Failure> {
         let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
-        // All fields: a part that is not handed over would be left out of the contact.
+        // All fields, so that no part is left out of the contact.
         let given = Given {
             facts: self.facts,
             body: &self.body,
@@ -230,11 +230,11 @@ impl Prepared {
         pose(&given).map_err(|refusal| Failure::posing(refusal, &source.name()))
     }
 
-    /// Poses the contact, and tells where the grid is too coarse for its law.
+    /// Poses the contact, and warns if the grid is too coarse for its law.
     ///
     /// # Errors
-    /// As [`pose`](Self::pose); a method that does not solve it; a grid on which the law has no meaning, unless it is
-    /// asked for.
+    /// Fails like [`pose`](Self::pose); also if the method does not solve the contact, and if the law has no meaning on
+    /// the grid, unless that is requested.
     pub fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
         let contact = self.pose(asked.source, &self.law)?;
         let (found, allowed) = (asked.solver, contact.solvers());
@@ -254,7 +254,7 @@ impl Prepared {
         Ok(contact)
     }
 
-    /// A warning of a contact at the edge of a patch that does not repeat; `None` if it does, or if the edge is free.
+    /// Returns a warning if the contact reaches the edge of a patch; `None` if it does not, or for a periodic surface.
     pub fn doubt_of_edge(&self, state: &Rest) -> Option<String> {
         let Surface { grid, share, boundary: Boundary::Free, .. } = &self.surface else { return None };
         let ([nx, ny], first) = (grid.points(), share.rows().start);
@@ -272,13 +272,13 @@ impl Prepared {
         })
     }
 
-    /// The numbers of the problem that no material has, in words: signs that units are mixed up.
+    /// Describes numbers of the problem that no material has, as signs of mixed-up units.
     pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<String> {
         let units = self.surface.units();
         let modulus = self.body.contact_modulus();
         let Some(metres) = units.metres() else { return Vec::new() };
         let mut doubts = Vec::new();
-        // Without a unit of stress a large modulus can only be one in Pa.
+        // Without a unit of stress, a large modulus must be in Pa.
         let pascals = units.pascals().or_else(|| (modulus >= SOFTEST).then_some(1.0));
         if let Some(pascals) = pascals
             && modulus * pascals < SOFTEST
@@ -303,7 +303,7 @@ impl Prepared {
         doubts
     }
 
-    /// Warns of drives far beyond full contact, which `flag` gives: units are mixed up.
+    /// Warns about drives, given by `flag`, far beyond full contact: their units are mixed up.
     pub fn warn_of_drives(&self, drives: &[Drive], flag: &str, session: &Session) {
         let reduced = drives.iter().filter_map(|drive| match drive.load {
             Load::MeanPressure(pressure) => Some(pressure / self.unit_pressure()),
@@ -314,7 +314,7 @@ impl Prepared {
         }
     }
 
-    /// Warns of approaches at which strain is not small.
+    /// Warns about approaches with strain that is not small.
     pub fn warn_of_strain(&self, approaches: impl IntoIterator<Item = f64>, session: &Session) {
         let approach = approaches.into_iter().fold(0.0, f64::max);
         if let Some(doubt) = self.doubt_of_strain(approach) {
@@ -322,7 +322,7 @@ impl Prepared {
         }
     }
 
-    /// The words about a largest approach, length, at which strain is not small; `None` if it is.
+    /// Returns a warning if strain is not small at the largest approach, length; `None` if it is small.
     pub fn doubt_of_strain(&self, approach: f64) -> Option<String> {
         let part = approach / self.body.total_height();
         let said = self.surface.units().words(approach, "length");
@@ -335,7 +335,7 @@ impl Prepared {
         (part > STRAINED).then(doubt)
     }
 
-    /// The words about a largest reduced pressure far beyond full contact, which `name` gives.
+    /// Returns a warning if the largest reduced pressure, given by `name`, is far beyond full contact.
     pub fn doubt_of_load(&self, p_star: f64, name: &str) -> Option<String> {
         let units = self.surface.units();
         let said = units.words(self.unit_pressure(), "stress");
@@ -349,10 +349,10 @@ impl Prepared {
         (p_star > HIGHEST).then(doubt)
     }
 
-    /// Checks that a contact can be solved under each of the drives, which `flag` gives.
+    /// Checks that a contact can be solved under each of the drives, given by `flag`.
     ///
     /// # Errors
-    /// The first one that cannot be.
+    /// Returns an error for the first drive without a solution.
     pub fn check_drives(&self, contact: &Posed, drives: &[Drive], flag: &str, tolerance: f64) -> Result<(), Failure> {
         let part = Parts::of(&self.facts).name;
         for (index, drive) in drives.iter().enumerate() {
@@ -361,7 +361,7 @@ impl Prepared {
         Ok(())
     }
 
-    /// The text that identifies the run of a configuration on this input.
+    /// Returns the text that identifies the run of a configuration with this input.
     pub fn identity(&self, config: &str, session: &Session) -> String {
         let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
         let lower = self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
@@ -372,33 +372,32 @@ impl Prepared {
     }
 }
 
-/// The code of warnings of units that are mixed up.
+/// Code of warnings about mixed-up units.
 const UNITS: &str = "units";
 
-/// The least contact modulus of a material, Pa: gels have some 10 kPa.
+/// Least contact modulus of a material, Pa; gels have some 10 kPa.
 const SOFTEST: f64 = 1e4;
 
-/// The least work of adhesion, J/m²: a hundredth of that of the weakest attraction between solids.
+/// Least work of adhesion, J/m²: a hundredth of the weakest attraction between solids.
 const WEAKEST: f64 = 1e-5;
 
-/// The reduced pressure beyond which a load is no load of a rough contact: at 2 nearly all of the surface is in
-/// contact.
+/// Largest reduced pressure of a rough contact; at 2 nearly all of the surface is in contact.
 const HIGHEST: f64 = 10.0;
 
-/// The ratio of the approach to the height of the slab above which strain is not small, as below a punch.
+/// Ratio of the approach to the slab height above which strain is not small, as below a punch.
 const STRAINED: f64 = 0.1;
 
-/// Checks that a contact can be solved under a drive, which `name` gives.
+/// Checks that a contact can be solved under a drive, given by `name`.
 ///
 /// # Errors
-/// A drive under which it cannot be solved.
+/// Returns an error if it cannot be solved under the drive.
 pub fn check_drive(contact: &Posed, drive: Drive, name: &str, tolerance: f64) -> Result<(), Failure> {
     let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, tolerance));
     checked.map_err(|refusal| Failure::input(name, refusal))
 }
 
 impl<'a> Asked<'a> {
-    /// A surface that is pressed on a body, behind a hard wall, by the method that suits it best.
+    /// Returns the parts of a surface pressed on a body, with a hard wall, by the best suited method.
     pub fn new(source: &'a SourceArgs, body: Cow<'a, BodyArgs>, budget: Budget) -> Self {
         Self {
             source,
@@ -419,7 +418,7 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// The base that moves and the hardness, of the rows of this process. Of several processes the first one reads the
+    /// Reads the moved base and the hardness, rows of this process. With several processes, the first one reads the
     /// files.
     fn fields(
         &self,

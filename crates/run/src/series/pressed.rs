@@ -1,4 +1,4 @@
-//! The options of one contact, and the contact that they pose.
+//! Options of one contact, and the contact that they pose.
 
 use std::borrow::Cow;
 
@@ -98,17 +98,17 @@ fn is_usual(tolerance: &f64) -> bool {
     *tolerance == Stiffness::TOLERANCE
 }
 
-/// The ranges of `--range-continuation`, over the one asked for.
+/// Ranges of `--range-continuation`, divided by the requested one.
 const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
-/// The tolerances of the stiffness that can be asked for: rounding errors are some 1e-10.
+/// Allowed tolerances of the stiffness; rounding errors are some 1e-10.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 0.1;
 
 gfmd_problem::defaults_of_flags!(ContactArgs);
 
 impl ContactArgs {
-    /// The facts of the contact, whose surface may be a `line`.
+    /// Returns the facts of the contact; `line` is true for a profile.
     pub fn facts(&self, line: bool) -> Facts {
         Facts {
             law: self.law.law,
@@ -132,10 +132,10 @@ impl ContactArgs {
         }
     }
 
-    /// The parts that the options ask for, of one state at a time.
+    /// Returns the parts that the options request, for one state at a time.
     ///
     /// # Errors
-    /// Two numbers of damping.
+    /// Returns an error for two damping numbers.
     pub fn asked(&self) -> Result<Asked<'_>, Failure> {
         Ok(Asked {
             compliance: Cow::Borrowed(&self.compliance),
@@ -151,10 +151,10 @@ impl ContactArgs {
         })
     }
 
-    /// Checks what needs neither files nor arrays: the range of the law, time step and damping of the dynamics.
+    /// Checks options that need neither files nor arrays: range of the law, time step and damping of the dynamics.
     ///
     /// # Errors
-    /// An option that does not go with the law, the method or the components.
+    /// Returns an error if an option does not fit the law, the method or the components.
     pub fn check(&self) -> Result<(), Failure> {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
@@ -176,18 +176,18 @@ impl ContactArgs {
         Ok(())
     }
 
-    /// The options with every default of the generator filled in, for the record of a run.
+    /// Returns the options with every default of the generator filled in, for the record of a run.
     ///
     /// # Errors
-    /// Numbers that make no grid.
+    /// Returns an error if the numbers do not make a grid.
     pub fn resolved(&self) -> Result<Self, Failure> {
         Ok(Self { source: self.source.resolved()?, ..self.clone() })
     }
 
-    /// Reads and poses the contact, and tells what is doubtful.
+    /// Reads and poses the contact, and warns about doubtful input.
     ///
     /// # Errors
-    /// Options that cannot be used, or do not go together; a surface and a body that cannot be in contact.
+    /// Returns an error if options cannot be used or combined, or if surface and body cannot be in contact.
     pub fn pose(&self, session: &Session) -> Result<(Prepared, Posed), Failure> {
         self.check()?;
         let asked = self.asked()?;
@@ -196,11 +196,11 @@ impl ContactArgs {
         Ok((prepared, posed))
     }
 
-    /// The state under the first drive from those of longer ranges of the law, one after the other; `None` if that is
-    /// not asked for.
+    /// Solves for the state under the first drive with longer ranges of the law, one after the other, as a start;
+    /// `None` if that is not requested.
     ///
     /// # Errors
-    /// A search that was interrupted, or did not converge, at the range that is named.
+    /// Returns an error that names the range if a search was interrupted, or did not converge.
     pub fn after_longer_ranges(
         &self,
         prepared: &Prepared,
@@ -221,7 +221,7 @@ impl ContactArgs {
         Ok(last)
     }
 
-    /// A contact under a drive, by the method that is asked for.
+    /// Returns a solve of the contact under a drive, by the requested method.
     pub fn press<'a>(&self, contact: &'a Posed, drive: Drive) -> Press<'a, Posed> {
         contact.press(drive).solver(self.solver.solver).budget(self.solver.budget())
     }

@@ -1,8 +1,8 @@
-//! Words about slopes that are not small, of the program and of Python.
+//! Warnings about slopes that are not small, for the program and Python.
 
 use gfmd_problem::Facts;
 
-/// The rms gradient above which slopes are not small: contact areas change by more than one or two hundredths
+/// Rms gradient above which slopes are not small: contact areas change by more than one or two hundredths
 /// (docs/contacts.md).
 const SMALL: f64 = 0.2;
 
@@ -15,10 +15,10 @@ pub struct Slopes {
 }
 
 impl Slopes {
-    /// The code of the warning.
+    /// Code of the warning.
     pub const CODE: &str = "large-slope";
 
-    /// Slopes, if they are not small.
+    /// Returns the slopes if they are not small.
     pub fn of(rms_gradient: f64, max_slope: impl FnOnce() -> f64, facts: &Facts) -> Option<Self> {
         let possible = Facts { finite_slope: true, ..*facts }.check().is_ok();
         let hint = match (facts.finite_slope, possible) {
@@ -29,7 +29,7 @@ impl Slopes {
         (rms_gradient > SMALL).then(|| Self { rms_gradient, max_slope: max_slope(), hint })
     }
 
-    /// The warning, with the largest pressure over E*.
+    /// Returns the warning, with the largest pressure divided by E*.
     pub fn message(&self, strain: f64) -> String {
         let Self { rms_gradient, max_slope, hint } = self;
         format!(

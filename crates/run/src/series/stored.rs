@@ -1,4 +1,4 @@
-//! The records in the file of a series.
+//! Records in the file of a series.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use gfmd_record::{Record, columns, reason_of};
 use super::Parts;
 use crate::failure::Failure;
 
-/// The records of all parts of a file. A number that the file does not have is NaN.
+/// Reads the records of all parts of a file. Missing numbers are NaN.
 ///
 /// # Errors
-/// A file that is no result of a problem with these facts.
+/// Returns an error if the file is not a result of a problem with these facts.
 pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
     let Parts { group, plural, .. } = Parts::of(facts);

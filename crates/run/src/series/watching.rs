@@ -1,4 +1,4 @@
-//! Progress, interruptions and checkpoints while a part is solved.
+//! Progress, interruptions and checkpoints during the solve of a part.
 
 use std::ops::ControlFlow;
 
@@ -11,14 +11,14 @@ use crate::resume::UnfinishedRun;
 use crate::session::Session;
 use crate::trace::Tracer;
 
-/// The watcher of one part: progress, history, interruption, and copies of the solve.
+/// Watcher of one part: progress, history, interruption, and copies of the solve.
 pub struct Watching<'a, 'k> {
     place: String,
     progress: &'a dyn Progress,
     session: &'a Session,
-    /// The residuals so far.
+    /// Residuals so far.
     pub history: History,
-    /// The recorder of the search, if it is wanted.
+    /// Recorder of the search, if requested.
     pub tracer: Option<Tracer>,
     kept: Option<&'a mut UnfinishedRun<'k>>,
     /// True after an interruption, which waits for the next copy.
@@ -27,13 +27,13 @@ pub struct Watching<'a, 'k> {
 }
 
 impl<'a, 'k> Watching<'a, 'k> {
-    /// The watcher of a solve at a place such as "load 3", of which nothing is kept.
+    /// Creates the watcher of a solve at a place such as "load 3", which keeps nothing.
     pub fn new(place: String, progress: &'a dyn Progress, session: &'a Session) -> Self {
         let history = History::default();
         Self { place, progress, session, history, tracer: None, kept: None, closing: false, failed: None }
     }
 
-    /// The same with a record of the search, and with copies of it.
+    /// Adds a record of the search, and copies of it.
     #[must_use]
     pub fn with(self, tracer: Option<Tracer>, kept: Option<&'a mut UnfinishedRun<'k>>) -> Self {
         Self { tracer, kept, ..self }

@@ -1,4 +1,4 @@
-//! A measured surface: what its file says, and how it is prepared for a periodic cell.
+//! Measured surface: the data of its file, and its preparation for a periodic cell.
 //!
 //! The order is: read, turn over, remove the trend of the defined points, fill the undefined ones, make periodic.
 
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::memory;
 use gfmd_problem::options::given::ArrayOption;
 
-/// The words of a file about its heights, and the changes made to them.
+/// Data of a file about its heights, and the changes made to them.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Scan {
@@ -30,12 +30,12 @@ pub struct Scan {
     pub n: [usize; 2],
     pub length: [f64; 2],
     pub unit: Option<String>,
-    /// The longest and shortest wavelengths that the scan resolves: its (shorter) side and two (larger) spacings.
+    /// Longest and shortest wavelengths that the scan resolves: its (shorter) side and two (larger) spacings.
     pub resolves: [f64; 2],
     pub undefined: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fill: Option<&'static str>,
-    /// Statistics of the defined points alone, if there are others.
+    /// Statistics of the defined points alone, if some points are undefined.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub defined: Option<Defined>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,7 +44,7 @@ pub struct Scan {
     pub details: Vec<(String, String)>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Doubts about the file, which are warnings of the run.
+    /// Doubts about the file, which become warnings of the run.
     #[serde(skip)]
     pub warnings: Vec<String>,
 }
@@ -57,25 +57,25 @@ pub struct Defined {
     pub rms_height: f64,
     pub lowest: f64,
     pub highest: f64,
-    /// By differences between defined neighbours.
+    /// Gradient by differences between defined neighbours.
     pub rms_gradient: f64,
 }
 
-/// A scan ready for a periodic cell.
+/// Scan ready for a periodic cell.
 pub struct PeriodicScan {
-    /// Heights, [x, y], without holes.
+    /// Heights, `[x, y]`, without holes.
     pub heights: Array2<f64>,
-    /// The grid of the cell.
+    /// Grid of the cell.
     pub grid: Grid,
-    /// The file and its preparation in words.
+    /// File and its preparation in words.
     pub description: String,
-    /// The scan as it is stored.
+    /// Scan as it is stored.
     pub scan: Scan,
-    /// The SHA-256 of the bytes of the file that were read.
+    /// SHA-256 of the bytes of the file that were read.
     pub checksum: String,
 }
 
-/// Writes pairs as a map in their order; a key that occurs again has a number behind it.
+/// Writes pairs as a map in their order; a repeated key gets a number.
 fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(pairs.len()))?;
     for (index, (key, value)) in pairs.iter().enumerate() {
@@ -88,8 +88,8 @@ fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S:
 }
 
 impl SourceArgs {
-    /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives it a size, it
-    /// has that of `cell`.
+    /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives a size, it has
+    /// the size of `cell`.
     pub fn prepare(&self, given: &ArrayOption, cell: Option<[f64; 2]>) -> Result<PeriodicScan, Failure> {
         let topography = match given {
             ArrayOption::File(name) => Topography::read(name, self.channel.as_deref()),
@@ -131,7 +131,7 @@ impl SourceArgs {
                 notes.push("the file has no size; the cell is taken to be 1 long (--length gives it)".into());
                 [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]
             }
-            // A single length is the length along x; the spacing along y is equal to that along x.
+            // A single length is the length along x; both spacings are equal.
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };
@@ -194,7 +194,7 @@ impl SourceArgs {
     }
 }
 
-/// The longest and shortest wavelengths of a grid.
+/// Returns the longest and shortest wavelengths of a grid.
 fn resolved(grid: &Grid) -> [f64; 2] {
     let sides = if grid.is_line() { 1 } else { 2 };
     let (lengths, spacing) = (grid.lengths(), grid.spacing());
@@ -203,7 +203,7 @@ fn resolved(grid: &Grid) -> [f64; 2] {
 }
 
 impl Defined {
-    /// The statistics of the heights that are not NaN, of which there is at least one.
+    /// Computes the statistics of the heights that are not NaN; there is at least one.
     fn of(heights: &Array2<f64>, grid: &Grid) -> Self {
         let defined = || heights.iter().filter(|height| !height.is_nan());
         let count = defined().count() as f64;
@@ -231,7 +231,7 @@ impl Scan {
     /// Writes the record as attributes of a group.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn write(&self, archive: &mut Archive, group: &str) -> Result<(), Failure> {
         let lines = |pairs: &[(String, String)]| -> String {
             pairs.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
@@ -256,10 +256,10 @@ impl Scan {
     }
 }
 
-/// The number of details that a printed report lists.
+/// Number of details in a printed report.
 const LISTED: usize = 8;
 
-/// The longest value of a detail that a printed report shows whole.
+/// Longest value of a detail that a printed report shows whole.
 const WIDEST: usize = 100;
 
 impl fmt::Display for Scan {

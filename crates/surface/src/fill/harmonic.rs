@@ -1,38 +1,38 @@
-//! Laplace's equation on the undefined points by conjugate gradients, preconditioned with a multigrid cycle whose
-//! coarse points are blocks of two by two. Each coarse system is solved by up to two steps of conjugate gradients,
-//! preconditioned by the next level (a K cycle; Notay and Vassilevski 2008), so that corrections have their right size
-//! on every level.
+//! Laplace's equation on the undefined points, solved by conjugate gradients with a multigrid preconditioner. Coarse
+//! points are blocks of two by two points. Each coarse system is solved by up to two steps of conjugate gradients,
+//! preconditioned by the next level (a K cycle; Notay and Vassilevski 2008), so that corrections have the right size on
+//! every level.
 
 use ndarray::Array2;
 use rayon::prelude::*;
 
 use crate::SurfaceError;
 
-/// The residual, relative to that of zero heights, at which the iteration ends.
+/// Residual at which the iteration ends, relative to the residual of zero heights.
 const RESIDUAL: f64 = 1e-12;
 
-/// The largest relative residual of a solution, recomputed at the end: rounding adds to the residual of the iteration.
+/// Largest relative residual of a solution. It is recomputed at the end because rounding adds to the iterated residual.
 const ALLOWED: f64 = 1e-9;
 
-/// The largest number of iterations; usually ten to thirty suffice.
+/// Largest number of iterations; ten to thirty usually suffice.
 const MOST_ITERATIONS: usize = 500;
 
-/// Damping of the smoother, Jacobi's method.
+/// Damping factor of the smoother (Jacobi's method).
 const DAMPING: f64 = 0.7;
 
-/// Sweeps of the smoother before and after each correction.
+/// Number of smoothing sweeps before and after each correction.
 const SWEEPS: usize = 2;
 
-/// The reduction of the residual on a coarse level after which the second step is left out.
+/// Reduction of the residual on a coarse level that makes the second step unnecessary.
 const ENOUGH: f64 = 0.25;
 
-/// The number of values below which a pass takes one thread.
+/// Number of values below which a pass uses one thread.
 const SMALL: usize = 1 << 14;
 
-/// Fills NaN; at least one height is not NaN.
+/// Fills NaN. At least one height must be defined.
 pub(super) fn fill(mut heights: Array2<f64>, spacing: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
     let ny = heights.ncols();
-    // The heights relative to one of them, as at least one is given, so that rounding refers to their differences.
+    // Heights are taken relative to one defined height, so that rounding errors scale with height differences.
     let origin = heights.iter().copied().find(|height| !height.is_nan()).unwrap_or(0.0);
     let (finest, load) = Level::finest(&heights, origin, spacing);
     let levels = hierarchy(finest);
@@ -48,16 +48,16 @@ pub(super) fn fill(mut heights: Array2<f64>, spacing: [f64; 2]) -> Result<Array2
     Ok(heights)
 }
 
-/// A grid of unknowns: (A u)(p) = diagonal(p) u(p) − Σ link u(neighbour). Points without an unknown have zeros.
+/// Grid of unknowns: (A u)(p) = diagonal(p) u(p) − Σ link u(neighbour). Points without an unknown hold zeros.
 struct Level {
     points: [usize; 2],
     diagonal: Vec<f64>,
-    /// The coupling of a point to the next along x and y.
+    /// Coupling of a point to the next one along x and y.
     links: [Vec<f64>; 2],
 }
 
 impl Level {
-    /// The equations of the undefined points, and their right-hand side.
+    /// Returns the equations of the undefined points and their right-hand side.
     fn finest(heights: &Array2<f64>, origin: f64, spacing: [f64; 2]) -> (Self, Vec<f64>) {
         let (nx, ny) = heights.dim();
         let mut level =
@@ -91,7 +91,7 @@ impl Level {
         (level, load)
     }
 
-    /// The equations of blocks of two by two points, whose unknowns move together.
+    /// Returns the equations of blocks of two by two points, in which the unknowns of a block move together.
     fn coarser(&self) -> Self {
         let [nx, ny] = self.points;
         let [cx, cy] = [nx.div_ceil(2), ny.div_ceil(2)];
@@ -114,7 +114,7 @@ impl Level {
         coarse
     }
 
-    /// out(p) = f(p, (A u)(p)).
+    /// Writes out(p) = f(p, (A u)(p)).
     fn apply(&self, u: &[f64], out: &mut [f64], f: impl Fn(usize, f64) -> f64 + Sync) {
         let [nx, ny] = self.points;
         let [along_x, along_y] = &self.links;
@@ -148,13 +148,13 @@ impl Level {
         }
     }
 
-    /// One sweep of the smoother: out = u + ω (b − A u)/diagonal.
+    /// Performs one smoothing sweep: out = u + ω (b − A u)/diagonal.
     fn sweep(&self, load: &[f64], u: &[f64], out: &mut [f64]) {
         self.apply(u, out, |p, product| u[p] + DAMPING * (load[p] - product) / self.diagonal[p]);
     }
 }
 
-/// The levels from the finest to a single point.
+/// Returns the levels from the finest to a single point.
 fn hierarchy(finest: Level) -> Vec<Level> {
     let mut levels = vec![finest];
     while let Some(last) = levels.last().filter(|level| level.points != [1, 1]) {
@@ -164,7 +164,7 @@ fn hierarchy(finest: Level) -> Vec<Level> {
     levels
 }
 
-/// The approximate solution of A u = load on the first of the levels: smoothing, correction from blocks, smoothing.
+/// Returns an approximate solution of A u = load on the first level: smoothing, correction from blocks, smoothing.
 fn cycle(levels: &[Level], load: &[f64]) -> Vec<f64> {
     let level = &levels[0];
     let scaled = |p: usize| if level.diagonal[p] > 0.0 { load[p] / level.diagonal[p] } else { 0.0 };
@@ -187,7 +187,7 @@ fn cycle(levels: &[Level], load: &[f64]) -> Vec<f64> {
     u
 }
 
-/// Up to two steps of conjugate gradients for A u = residual from u = 0, preconditioned with the cycle.
+/// Performs up to two steps of conjugate gradients for A u = residual from u = 0, preconditioned with the cycle.
 fn correct(levels: &[Level], mut residual: Vec<f64>) -> Vec<f64> {
     let level = &levels[0];
     let ny = level.points[1];
@@ -216,7 +216,7 @@ fn correct(levels: &[Level], mut residual: Vec<f64>) -> Vec<f64> {
     u
 }
 
-/// The sums over blocks.
+/// Returns the sums over blocks.
 fn restrict([nx, ny]: [usize; 2], fine: &[f64]) -> Vec<f64> {
     let cy = ny.div_ceil(2);
     let mut coarse = vec![0.0; nx.div_ceil(2) * cy];
@@ -235,7 +235,7 @@ fn restrict([nx, ny]: [usize; 2], fine: &[f64]) -> Vec<f64> {
     coarse
 }
 
-/// Adds the value of each block to its unknowns.
+/// Adds the value of each block to the unknowns in it.
 fn add_blocks(level: &Level, coarse: &[f64], u: &mut [f64]) {
     let ny = level.points[1];
     let cy = ny.div_ceil(2);
@@ -253,8 +253,8 @@ fn add_blocks(level: &Level, coarse: &[f64], u: &mut [f64]) {
     }
 }
 
-/// Conjugate gradients with the cycle as preconditioner, which is not linear: each direction is made orthogonal to the
-/// last. Returns the solution and the residual relative to the load.
+/// Solves by conjugate gradients preconditioned with the cycle. Since the cycle is not linear, each direction is made
+/// orthogonal to the previous one. Returns the solution and the residual relative to the load.
 fn solve(levels: &[Level], load: &[f64]) -> (Vec<f64>, f64) {
     let ny = levels[0].points[1];
     let mut solution = vec![0.0; load.len()];
@@ -274,7 +274,7 @@ fn solve(levels: &[Level], load: &[f64]) -> (Vec<f64>, f64) {
         energy = dot(ny, &direction, &product);
         let step = dot(ny, &direction, &residual) / energy;
         if !step.is_finite() {
-            break; // the residual is zero to rounding
+            break; // The residual is zero to rounding.
         }
         solution.par_iter_mut().zip(&direction).for_each(|(u, d)| *u += step * d);
         residual.par_iter_mut().zip(&product).for_each(|(r, product)| *r -= step * product);
@@ -284,7 +284,7 @@ fn solve(levels: &[Level], load: &[f64]) -> (Vec<f64>, f64) {
     (solution, if whole > 0.0 { left / whole } else { 0.0 })
 }
 
-/// The sum of products, added row by row: it has the same bits for any number of threads.
+/// Returns a scalar product, added row by row so that it is bitwise identical for any number of threads.
 fn dot(ny: usize, a: &[f64], b: &[f64]) -> f64 {
     let row = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| a * b).sum();
     if a.len() < SMALL {

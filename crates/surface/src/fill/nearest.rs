@@ -1,13 +1,13 @@
-//! The nearest defined point of every point, by exact squared distances: first along y, then the lower envelope of the
+//! Nearest defined point of every point by exact squared distances: a pass along y, then the lower envelope of
 //! parabolas along x (Felzenszwalb and Huttenlocher 2012).
 
 use ndarray::Array2;
 use rayon::prelude::*;
 
-/// Fills NaN by the height of the nearest other point, of which there is at least one.
+/// Fills NaN with the height of the nearest defined point. At least one point must be defined.
 pub(super) fn fill(heights: &Array2<f64>, spacing: [f64; 2]) -> Array2<f64> {
     let (nx, ny) = heights.dim();
-    // In spacings along x, so that distances on a square grid are whole numbers and ties exact.
+    // In units of the spacing along x, so that distances on a square grid are whole numbers and ties are exact.
     let ratio = spacing[1] / spacing[0];
     let along_y: Vec<Vec<Option<usize>>> =
         (0..nx).into_par_iter().map(|i| nearest_along(ny, |j| !heights[[i, j]].is_nan())).collect();
@@ -22,7 +22,7 @@ pub(super) fn fill(heights: &Array2<f64>, spacing: [f64; 2]) -> Array2<f64> {
     Array2::from_shape_fn((nx, ny), |(i, j)| if heights[[i, j]].is_nan() { columns[j][i] } else { heights[[i, j]] })
 }
 
-/// The nearest index at which `defined` holds, the lower of two.
+/// Returns the nearest index at which `defined` holds, the lower of two.
 fn nearest_along(count: usize, defined: impl Fn(usize) -> bool) -> Vec<Option<usize>> {
     let mut nearest = vec![None; count];
     let mut last = None;
@@ -41,9 +41,9 @@ fn nearest_along(count: usize, defined: impl Fn(usize) -> bool) -> Vec<Option<us
     nearest
 }
 
-/// For every i the index q with the least (i − q)² + f(q), the lowest of several. At least one f(q) exists.
+/// Returns for every i the index q with the smallest (i − q)² + f(q), the lowest of several. At least one f(q) exists.
 fn lower_envelope(count: usize, f: impl Fn(usize) -> Option<f64>) -> Vec<usize> {
-    // The parabolas of the envelope and where each begins to be the lowest.
+    // Parabolas of the envelope, each with the position from where it is the lowest.
     let mut parabolas: Vec<(usize, f64, f64)> = Vec::with_capacity(count);
     for (q, height) in (0..count).filter_map(|q| Some((q, f(q)?))) {
         let mut start = f64::NEG_INFINITY;

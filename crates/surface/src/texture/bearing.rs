@@ -5,35 +5,34 @@ use ndarray::Array2;
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// The number of intervals of the curve.
+/// Number of intervals of the curve.
 const INTERVALS: usize = 200;
 
-/// The difference of heights, as a fraction of the range, that counts as rounding.
+/// Height difference that counts as rounding, as a fraction of the range.
 const ROUNDING: f64 = 1e-9;
 
-/// The bearing curve of Abbott and Firestone: the fraction of points at or above a height, which is the areal material
-/// ratio of ISO 25178-2.
+/// Bearing curve of Abbott and Firestone: fraction of points at or above a height (areal material ratio, ISO 25178-2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bearing {
     /// Material ratios from 0 to 1, in steps of 0.005.
     pub ratio: Vec<f64>,
-    /// The height above the mean at which the surface has this ratio, from the highest to the lowest; length.
+    /// Height above the mean at each ratio, from the highest to the lowest; length.
     pub height: Vec<f64>,
-    /// The parameters of the curve; `None` for a flat surface.
+    /// Parameters of the curve; `None` for a flat surface.
     pub core: Option<Core>,
 }
 
-/// The parameters of the bearing curve, ISO 25178-2 and 13565-2, without a filter. The core is the straight line of
-/// least squares through the least steep 40 % of the curve, the first of these if several are equally steep.
+/// Parameters of the bearing curve of ISO 25178-2 and 13565-2, without a filter. The core is the least-squares line
+/// through the least steep 40 % of the curve, the first one if several are equally steep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Core {
-    /// The height above the mean of the line of the core at the ratio 0, length.
+    /// Height of the core line above the mean at the ratio 0, length.
     pub top: f64,
     /// Sk: height of the core, between the ends of its line at the ratios 0 and 1, length.
     pub sk: f64,
-    /// Spk: reduced height of the peaks above the core, length: that of a triangle of equal area.
+    /// Spk: reduced height of the peaks above the core, the height of a triangle of equal area; length.
     pub spk: f64,
-    /// Svk: reduced depth of the valleys below it, length.
+    /// Svk: reduced depth of the valleys below the core, length.
     pub svk: f64,
     /// Smr1: material ratio between peaks and core.
     pub smr1: f64,
@@ -42,10 +41,10 @@ pub struct Core {
 }
 
 impl Bearing {
-    /// The curve of heights `[nx, ny]`, or of a profile `[n, 1]`.
+    /// Computes the curve of heights `[nx, ny]`, or of a profile `[n, 1]`.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let mut sorted = checked(heights, grid)?.into_owned();
         let mean = sorted.iter().sum::<f64>() / sorted.len() as f64;
@@ -58,8 +57,8 @@ impl Bearing {
 }
 
 impl Core {
-    /// The parameters from heights in ascending order. The point k from the highest has the ratio (k + 1/2)/n; peaks
-    /// and valleys are the triangles of the area that the points beyond a level fill.
+    /// Computes the parameters from heights in ascending order. Point k from the highest has the ratio (k + 1/2)/n.
+    /// Peaks and valleys are triangles with the area of the points beyond a level.
     fn of(sorted: &[f64]) -> Option<Self> {
         let (Some(lowest), Some(highest)) = (sorted.first(), sorted.last()) else { return None };
         let rounding = ROUNDING * (highest - lowest);
@@ -80,7 +79,7 @@ impl Core {
         let sk = -with(&|k| height(k) - mean) / with(&|k| ratio(k) - middle);
         let top = mean + sk * middle;
         let bottom = top - sk;
-        // The part of the points, and twice their mean excess.
+        // Fraction of the points and twice their mean excess.
         let beyond = |excess: &dyn Fn(f64) -> f64| {
             let found = sorted.iter().map(|height| excess(*height)).filter(|excess| *excess > rounding);
             let (sum, points) = found.fold((0.0, 0.0), |(sum, points), excess| (sum + excess, points + 1.0));
@@ -102,14 +101,14 @@ mod tests {
         let found = Bearing::of(&plane, &grid).unwrap();
         assert!(found.ratio.iter().zip(&found.height).all(|(ratio, height)| (height - (0.5 - ratio)).abs() < 1e-12));
         let core = found.core.unwrap();
-        // Each of the 10,000 points stands for its part of the ratio.
+        // Each of the 10,000 points represents its part of the ratio.
         assert!((core.sk - 10_000.0 / 9999.0).abs() < 1e-9 && core.spk < 1e-3 && core.svk < 1e-3, "{core:?}");
         assert_eq!(Bearing::of(&Array2::zeros((100, 100)), &grid).unwrap().core, None);
     }
 
     #[test]
     fn a_gaussian_has_the_parameters_of_its_integrals() {
-        // Heights at equal steps, as often as the density says.
+        // Heights at equal steps, repeated in proportion to the density.
         let heights: Vec<f64> = (-2500..=2500)
             .flat_map(|k| {
                 let z = f64::from(k) / 500.0;
@@ -120,10 +119,9 @@ mod tests {
         let grid = Grid::line(heights.len(), 1.0).unwrap();
         let field = Array2::from_shape_vec((heights.len(), 1), heights).unwrap();
         let core = Bearing::of(&field, &grid).unwrap().core.unwrap();
-        // The window is centred, from z = 0.524401 to its negative. With x = 1/2 - q the moment of x z is
-        // 2 [(Φ(√2 z) - 1/2)/(2√π) - 0.2 φ(z)] = 0.013726, and Sk = 12 × 0.013726/0.4³; beyond Sk/2 = 1.2868
-        // lie Q = 0.09908 of the points, with the area φ − 1.2868 Q = 0.046810. Its triangle has the
-        // height 2 × 0.04681/Q.
+        // The window is centred, from z = 0.524401 to its negative. With x = 1/2 - q the moment of x z is 2 [(Φ(√2 z) -
+        // 1/2)/(2√π) - 0.2 φ(z)] = 0.013726, and Sk = 12 × 0.013726/0.4³; beyond Sk/2 = 1.2868 lie Q = 0.09908 of the
+        // points, with the area φ − 1.2868 Q = 0.046810. Its triangle has the height 2 × 0.04681/Q.
         let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 0.006, "{found} {wanted}");
         close(core.sk, 2.5737);
         close(core.spk, 0.9449);
@@ -132,7 +130,7 @@ mod tests {
         close(core.smr2, 0.9009);
     }
 
-    /// The parameters from all windows of two fifths of the points, from the highest, by the normal equations.
+    /// Computes the parameters from all windows of two fifths of the points, from the highest, by the normal equations.
     fn fitted(sorted: &[f64]) -> Core {
         let heights: Vec<f64> = sorted.iter().rev().copied().collect();
         let count = heights.len();
@@ -157,7 +155,7 @@ mod tests {
 
     #[test]
     fn any_surface_has_the_parameters_of_the_line_through_its_points() {
-        // Plateaus with deep valleys, sharp peaks, and few points; heights by a generator of equal numbers.
+        // Plateaus with deep valleys, sharp peaks, and few points; heights from a linear congruential generator.
         let mut state = 1_u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -7,7 +7,7 @@ use ndarray::{Array2, s};
 use crate::statistics::checked;
 use crate::{PowerSpectrum, SurfaceError};
 
-/// The autocorrelation of heights, at distances up to half of the cell along x and along y.
+/// Autocorrelation of heights, at distances up to half of the cell along x and along y.
 ///
 /// The height-difference function A(d) = ⟨(h(x+d) − h(x))²⟩/2 is the mean over all points if the heights repeat,
 /// otherwise over the pairs of points inside, as in SurfaceTopography. The autocorrelation f(d) = 1 − A(d)/Sq² is f_ACF
@@ -19,42 +19,42 @@ pub struct Autocorrelation {
     farthest: f64,
     /// True if the largest distance along an axis is half the period, where +d and −d are equivalent.
     is_edge: [bool; 2],
-    /// A at distances of 0 to nx/2 points along x and −ny/2 to ny/2 along y.
+    /// Values of A at distances of 0 to nx/2 points along x and −ny/2 to ny/2 along y.
     difference: Array2<f64>,
     mean_square: f64,
 }
 
-/// The distances at which the autocorrelation falls to 0.2.
+/// Distances at which the autocorrelation falls to 0.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrelationLengths {
     /// Sal of ISO 25178-2, length: the shortest distance over all directions. `None` if the autocorrelation does not
     /// fall to 0.2 within half of the cell, or if the surface is flat.
     pub sal: Option<f64>,
-    /// The longest distance, over all directions, of the first fall to 0.2; `None` if one direction has none, and for a
-    /// profile.
+    /// Longest distance, over all directions, of the first fall to 0.2; `None` for a profile or if a direction has
+    /// none.
     pub longest: Option<f64>,
 }
 
 impl CorrelationLengths {
-    /// Str of ISO 25178-2, the texture aspect ratio: the shortest distance over the longest one, 1 for an isotropic
-    /// surface.
+    /// Returns Str of ISO 25178-2, the texture aspect ratio: the shortest divided by the longest distance, 1 for an
+    /// isotropic surface.
     pub fn aspect(&self) -> Option<f64> {
         Some(self.sal? / self.longest?)
     }
 }
 
-/// The value of the autocorrelation that ends a correlated distance.
+/// Autocorrelation at the correlation length.
 const ENDS: f64 = 0.2;
 
-/// The number of directions of the search, a degree apart.
+/// Number of search directions, one degree apart.
 const DIRECTIONS: usize = 180;
 
 impl Autocorrelation {
-    /// The autocorrelation of heights `[nx, ny]`, or of a profile `[n, 1]`, by fast Fourier transforms; heights that do
-    /// not repeat are transformed in a cell 1.5 times as long.
+    /// Computes the autocorrelation of heights `[nx, ny]`, or of a profile `[n, 1]`, by fast Fourier transforms.
+    /// Heights that do not repeat are transformed in a cell 1.5 times as long.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -62,7 +62,7 @@ impl Autocorrelation {
         let deviations = heights.mapv(|height| height - mean);
         let [nx, ny] = grid.points();
         let half = [nx / 2, ny / 2];
-        // Room for the distances on all sides.
+        // The longer cell has room for the distances on all sides.
         let cell = if repeats { *grid } else { longer(grid, half)? };
         let [px, py] = cell.points();
         let field = if repeats { Cow::Borrowed(&deviations) } else { Cow::Owned(padded(&deviations, [px, py])) };
@@ -88,17 +88,17 @@ impl Autocorrelation {
         })
     }
 
-    /// Sq², length².
+    /// Returns Sq², length².
     pub fn mean_square(&self) -> f64 {
         self.mean_square
     }
 
-    /// f = 1 − A/Sq² for a height-difference function A; NaN for a flat surface.
+    /// Returns f = 1 − A/Sq² for a height-difference function A; NaN for a flat surface.
     pub fn relative(&self, difference: f64) -> f64 {
         if self.mean_square > 0.0 { 1.0 - difference / self.mean_square } else { f64::NAN }
     }
 
-    /// Distances and A along x (axis 0) or y (axis 1), length and length²; the zero distance is the first.
+    /// Returns distances and A along x (axis 0) or y (axis 1), length and length²; the zero distance is the first.
     pub fn along(&self, axis: usize) -> Vec<[f64; 2]> {
         let middle = self.middle();
         let line = match axis {
@@ -108,8 +108,8 @@ impl Autocorrelation {
         line.iter().enumerate().map(|(k, value)| [k as f64 * self.spacing[axis], *value]).collect()
     }
 
-    /// Mean distances and means of A over rings as wide as the (larger) spacing, centred on its multiples, up to half
-    /// of the (shorter) side. For a profile, every distance is a ring.
+    /// Returns mean distances and means of A over rings with the width of the (larger) spacing, centred on its
+    /// multiples, up to half of the (shorter) side. For a profile, every distance is a ring.
     pub fn radial(&self) -> Vec<[f64; 2]> {
         let (columns, middle) = (self.difference.ncols(), self.middle());
         let is_line = columns == 1;
@@ -122,7 +122,7 @@ impl Autocorrelation {
             if ring > last || distance > self.farthest * (1.0 + 1e-12) {
                 continue;
             }
-            // Of ±d one is here along x, both are along y; an edge is both of them at once.
+            // Along x, only one of ±d is stored; along y, both are. A distance at an edge is its own opposite.
             let across = if x == 0 || (self.is_edge[0] && x + 1 == self.difference.nrows()) { 1.0 } else { 2.0 };
             let weight = across * if !is_line && self.is_edge[1] && (y == 0 || y + 1 == columns) { 0.5 } else { 1.0 };
             let ring = &mut rings[ring];
@@ -132,8 +132,7 @@ impl Autocorrelation {
         filled.map(|[weight, distance, value]| [distance / weight, value / weight]).collect()
     }
 
-    /// A at all distances of both signs: from −nx/2 to nx/2 points along x and −ny/2 to ny/2 along y,
-    /// length².
+    /// Returns A at all distances of both signs: from −nx/2 to nx/2 points along x and −ny/2 to ny/2 along y, length².
     pub fn map(&self) -> Array2<f64> {
         let (rows, columns) = self.difference.dim();
         Array2::from_shape_fn((2 * rows - 1, columns), |(x, y)| match (x + 1).checked_sub(rows) {
@@ -142,7 +141,7 @@ impl Autocorrelation {
         })
     }
 
-    /// The distances at which the autocorrelation first falls to 0.2, in directions a degree apart, by linear
+    /// Returns the distances at which the autocorrelation first falls to 0.2, in directions one degree apart, by linear
     /// interpolation.
     pub fn lengths(&self) -> CorrelationLengths {
         let none = CorrelationLengths { sal: None, longest: None };
@@ -156,7 +155,7 @@ impl Autocorrelation {
         let step = 0.5 * self.spacing[0].min(self.spacing[1]);
         let ends = (0..DIRECTIONS).map(|direction| {
             let angle = PI * direction as f64 / DIRECTIONS as f64 - 0.5 * PI;
-            // Exactly along y and along x.
+            // Exact directions along y and along x.
             let direction = if direction == 0 { [0.0, -1.0] } else { [angle.cos(), angle.sin()] };
             let ray = (0..).map(|k| f64::from(k) * step);
             self.end(ray.map_while(|distance| Some([distance, self.at(direction.map(|part| part * distance))?])))
@@ -168,7 +167,7 @@ impl Autocorrelation {
         }
     }
 
-    /// The first distance of a line of distances and values of A at which the autocorrelation is 0.2.
+    /// Returns the first distance at which the autocorrelation is 0.2 on a line of distances and values of A.
     fn end(&self, line: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
         let mut before = [0.0, 1.0];
         for [distance, difference] in line {
@@ -182,7 +181,7 @@ impl Autocorrelation {
         None
     }
 
-    /// A at a distance along x, not below zero, and along y, bilinear between the points; `None` beyond half of the
+    /// Returns A at a distance along x, not below zero, and along y, interpolated bilinearly; `None` beyond half a
     /// cell.
     fn at(&self, distance: [f64; 2]) -> Option<f64> {
         let (rows, columns) = self.difference.dim();
@@ -200,13 +199,13 @@ impl Autocorrelation {
         Some((1.0 - right) * of_row(x) + right * of_row(x + 1))
     }
 
-    /// The index of the zero distance along y.
+    /// Returns the index of the zero distance along y.
     fn middle(&self) -> usize {
         self.difference.ncols() / 2
     }
 }
 
-/// A cell of the same spacing with half as many points more along each axis.
+/// Returns a cell of the same spacing with half as many additional points along each axis.
 fn longer(grid: &Grid, half: [usize; 2]) -> Result<Grid, SurfaceError> {
     let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
     let points = [nx + half[0], ny + half[1]];
@@ -225,12 +224,12 @@ fn padded(heights: &Array2<f64>, [px, py]: [usize; 2]) -> Array2<f64> {
     padded
 }
 
-/// The number of pairs of points at a distance.
+/// Returns the number of pairs of points at a distance.
 fn pairs([nx, ny]: [usize; 2], x: usize, y: i64) -> f64 {
     ((nx - x) * (ny - y.unsigned_abs() as usize)) as f64
 }
 
-/// Sums of squares over the points before each, along x and y.
+/// Cumulative sums of squares along x and y, over all points before each one.
 struct Squares(Array2<f64>);
 
 impl Squares {
@@ -247,7 +246,7 @@ impl Squares {
         Self(sums)
     }
 
-    /// Half of the mean of h(x)² + h(x+d)² over the pairs of points at a distance d.
+    /// Returns half the mean of h(x)² + h(x+d)² over the pairs of points at a distance d.
     fn over_pairs(&self, x: usize, y: i64) -> f64 {
         let (nx, ny) = (self.0.nrows() - 1, self.0.ncols() - 1);
         let across = y.unsigned_abs() as usize;
@@ -266,14 +265,14 @@ mod tests {
 
     use super::*;
 
-    /// Heights without symmetry, of any size.
+    /// Returns heights without symmetry, of any size.
     fn rough(nx: usize, ny: usize) -> Array2<f64> {
         Array2::from_shape_fn((nx, ny), |(i, j)| {
             ((i * 7 + j * 13) % 11) as f64 + (i as f64 * 0.7 + j as f64).sin() + 5.0
         })
     }
 
-    /// A by its definition.
+    /// Returns A by its definition.
     fn by_pairs(heights: &Array2<f64>, x: usize, y: i64, repeats: bool) -> f64 {
         let (nx, ny) = heights.dim();
         let (mut sum, mut count) = (0.0, 0);
@@ -315,8 +314,7 @@ mod tests {
 
     #[test]
     fn rings_count_every_distance_once() {
-        // In whole rings of a surface that repeats every distance has one weight: the sum over a square lattice is
-        // known.
+        // Whole rings of a surface that repeats weight all distances equally: the sum over a square lattice is known.
         let grid = Grid::new([8, 8], [8.0, 8.0]).unwrap();
         let found = Autocorrelation::of(&rough(8, 8), &grid, true).unwrap();
         let rings = found.radial();
@@ -346,7 +344,7 @@ mod tests {
         let line = Grid::line(1024, 4.0).unwrap();
         let lengths = Autocorrelation::of(&wave(1024, 1), &line, true).unwrap().lengths();
         assert!((lengths.sal.unwrap() - end).abs() < 1e-5 && lengths.longest.is_none(), "{lengths:?}");
-        // Grooves never end along y.
+        // Grooves have no end along y.
         let grid = Grid::new([256, 32], [4.0, 4.0]).unwrap();
         let lengths = Autocorrelation::of(&wave(256, 32), &grid, true).unwrap().lengths();
         assert!((lengths.sal.unwrap() - end).abs() < 1e-3 && lengths.longest.is_none() && lengths.aspect().is_none());
@@ -360,7 +358,7 @@ mod tests {
 
     #[test]
     fn a_stretched_gaussian_has_its_aspect() {
-        // The autocorrelation of white noise under a Gaussian filter is a Gaussian, here exactly: one filter, no noise.
+        // White noise under a Gaussian filter has a Gaussian autocorrelation. A single filter bump makes it exact.
         let grid = Grid::new([256, 512], [1.0, 1.0]).unwrap();
         let bump = |i: usize, n: usize, width: f64| {
             let x = (i as f64 / n as f64 - 0.5) / width;

@@ -5,20 +5,20 @@ use super::scales::steps;
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// The number of bins of a distribution.
+/// Number of bins of a distribution.
 const BINS: usize = 100;
 
-/// The largest extent of the bins on either side of the mean, in standard deviations.
+/// Largest extent of the bins on either side of the mean, in standard deviations.
 const WIDE: f64 = 6.0;
 
-/// The distribution of values in bins of equal width.
+/// Distribution of values in bins of equal width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
-    /// Middles of the bins.
+    /// Centres of the bins.
     pub middles: Vec<f64>,
-    /// Number of values in a bin over the number of all values and over the width.
+    /// Number of values in a bin divided by the number of all values and by the bin width.
     pub densities: Vec<f64>,
-    /// The fraction of values outside the bins, farther than 6 standard deviations from the mean.
+    /// Fraction of values outside the bins, farther than 6 standard deviations from the mean.
     pub outside: f64,
     /// Mean of all values.
     pub mean: f64,
@@ -27,8 +27,8 @@ pub struct Density {
 }
 
 impl Density {
-    /// The distribution of values over 100 bins between the lowest and the highest one, at most 6 standard deviations
-    /// on either side of the mean; `None` if all values are equal.
+    /// Computes the distribution of values over 100 bins between the lowest and the highest one, at most 6 standard
+    /// deviations on either side of the mean. Returns `None` if all values are equal.
     pub fn of(values: &[f64]) -> Option<Self> {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -37,7 +37,7 @@ impl Density {
             values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &value| [a.min(value), b.max(value)]);
         let (low, high) = (lowest.max(mean - WIDE * deviation), highest.min(mean + WIDE * deviation));
         let width = (high - low) / BINS as f64;
-        // Equal values differ by rounding of their mean alone.
+        // Equal values may differ from their mean by rounding.
         if !(lowest < highest && width > 0.0 && low + width > low && high - width < high) {
             return None;
         }
@@ -55,7 +55,7 @@ impl Density {
         })
     }
 
-    /// The density of the Gaussian of the same mean and standard deviation at the middles.
+    /// Returns the density of a Gaussian of the same mean and standard deviation at the bin centres.
     pub fn gaussian(&self) -> Vec<f64> {
         let density = |value: &f64| {
             let x = (value - self.mean) / self.deviation;
@@ -65,7 +65,7 @@ impl Density {
     }
 }
 
-/// The distributions of a surface; `None` without values, or if all values are equal.
+/// Distributions of a surface; `None` without values, or if all values are equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distributions {
     /// Heights above their mean, length.
@@ -74,16 +74,16 @@ pub struct Distributions {
     pub slope_x: Option<Density>,
     /// Slopes along y by forward differences; `None` for a profile.
     pub slope_y: Option<Density>,
-    /// Curvatures by central second differences, 1/length: the mean of those along x and y; h'' for a profile.
+    /// Curvatures by central second differences, 1/length: mean of the curvatures along x and y; h'' for a profile.
     pub curvature: Option<Density>,
 }
 
 impl Distributions {
-    /// The distributions of heights `[nx, ny]`, or of a profile `[n, 1]`; differences cross the edges of the cell if it
-    /// `repeats`.
+    /// Computes the distributions of heights `[nx, ny]`, or of a profile `[n, 1]`. Differences cross the edges of the
+    /// cell if it `repeats`.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
@@ -152,7 +152,7 @@ mod tests {
             1.5 * (i as f64 * dx).powi(2) + 0.5 * (j as f64 * dy).powi(2) + 0.3 * (i * j) as f64
         });
         let found = Distributions::of(&heights, &grid, false).unwrap();
-        // (3 + 1)/2 everywhere inside, up to rounding, which is no distribution.
+        // (3 + 1)/2 everywhere inside, equal up to rounding, so that there may be no distribution.
         assert!(
             found.curvature.is_none_or(|curvature| (curvature.mean - 2.0).abs() < 1e-12 && curvature.deviation < 1e-12)
         );

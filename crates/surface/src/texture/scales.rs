@@ -5,16 +5,15 @@ use rayon::prelude::*;
 use crate::SurfaceError;
 use crate::statistics::checked;
 
-/// The number of distances in a decade.
+/// Number of distances per decade.
 const PER_DECADE: f64 = 10.0;
 
-/// The roughness of a surface against the distance over which it is measured, along x and along y: pairs of distance
-/// and value.
+/// Roughness of a surface against the distance of its measurement, along x and along y, as pairs of distance and value.
 ///
 /// The slope at a distance r is √⟨(h(x+r) − h(x))²⟩/r; the curvature at a distance r, the length of its three points,
 /// is √⟨(h(x+r/2) − 2h(x) + h(x−r/2))²⟩/(r/2)² (A. Sanner et al., Appl. Surf. Sci. Adv. 7, 100190 (2022)). Distances
-/// are whole numbers of grid steps up to half of the side, about ten a decade. Means are over all points if the heights
-/// repeat, otherwise over the differences inside.
+/// are whole numbers of grid steps up to half of the side, about ten per decade. Means are over all points if the
+/// heights repeat, otherwise over the differences inside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
     /// Root-mean-square slopes along x and along y; empty along y for a profile.
@@ -24,10 +23,10 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// The roughness of heights `[nx, ny]`, or of a profile `[n, 1]`.
+    /// Computes the roughness of heights `[nx, ny]`, or of a profile `[n, 1]`.
     ///
     /// # Errors
-    /// Heights of another shape than the grid, or not finite.
+    /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let (points, spacing) = (grid.points(), grid.spacing());
@@ -51,7 +50,7 @@ impl Scales {
     }
 }
 
-/// Whole numbers from 1 to `most`, about ten a decade.
+/// Returns whole numbers from 1 to `most`, about ten per decade.
 fn distances(most: usize) -> Vec<usize> {
     let rounded = (0..).map(|k| 10_f64.powf(f64::from(k) / PER_DECADE).round() as usize);
     let mut found: Vec<usize> = rounded.take_while(|by| *by <= most).collect();

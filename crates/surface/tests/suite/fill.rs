@@ -1,10 +1,10 @@
-//! Undefined points: trends without them, and heights for them.
+//! Undefined points: trends without them and heights for them.
 
 use gfmd_surface::{Fill, SurfaceError, Trend, fill, remove, remove_from_defined};
 use ndarray::Array2;
 use proptest::prelude::*;
 
-/// A number in [0, 1) that looks random, the same for the same arguments.
+/// Returns a pseudo-random number in [0, 1) that depends only on the arguments.
 fn noise(i: usize, j: usize, seed: u64) -> f64 {
     let mut bits =
         (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (j as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9) ^ seed;
@@ -27,7 +27,7 @@ fn worst(a: &Array2<f64>, b: &Array2<f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |worst, d| if d > worst || d.is_nan() { d } else { worst })
 }
 
-/// The harmonic fill by elimination of the full matrix.
+/// Computes the harmonic fill by elimination of the full matrix.
 fn dense(heights: &Array2<f64>, spacing: [f64; 2]) -> Array2<f64> {
     let (nx, ny) = heights.dim();
     let unknown: Vec<[usize; 2]> =
@@ -90,7 +90,7 @@ proptest! {
             let defined = holes.indexed_iter().filter(|(_, h)| !h.is_nan());
             let (least, expected) = defined.map(|((a, b), h)| (distance(a, b), *h))
                 .fold((f64::INFINITY, f64::NAN), |best, next| if next.0 < best.0 { next } else { best });
-            // Distances on a square lattice are whole numbers; others may tie but for rounding.
+            // Distances on a square lattice are whole numbers; others may tie up to rounding.
             let near = |a, b| distance(a, b) < least * (1.0 + 1e-12);
             let tied = !square && holes.indexed_iter().any(|((a, b), h)| h == found && near(a, b));
             prop_assert!(*found == expected || tied, "[{i}, {j}]: {found}, {expected}");
@@ -123,7 +123,7 @@ proptest! {
 
 #[test]
 fn a_harmonic_function_comes_back_from_its_values_around_a_hole() {
-    // x² − y² has no Laplacian, and none of differences either, whatever the spacings.
+    // x² − y² has no Laplacian, nor a finite-difference one, for any spacings.
     let spacing = [0.3, 0.7];
     let whole = Array2::from_shape_fn((120, 90), |(i, j)| {
         let (x, y) = (i as f64 * spacing[0], j as f64 * spacing[1]);
@@ -153,7 +153,7 @@ fn half_of_a_large_scan_is_filled_in_few_iterations_with_the_same_bits_for_any_n
             };
             let filled = on(1);
             assert_eq!(filled, on(3), "{how}");
-            // No fill lies beyond the heights around it.
+            // The fill never exceeds the range of the heights around it.
             assert!(filled.iter().all(|h| (0.0..1.0).contains(h)), "{how}");
         }
     }

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-surface` as one program: those of one file by `cargo test -p gfmd-surface --test suite FILE::`.
+//! The tests of `gfmd-surface` as one program. To run one file: `cargo test -p gfmd-surface --test suite FILE::`.
 
 mod fill;
 mod pair;

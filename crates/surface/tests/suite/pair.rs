@@ -31,7 +31,7 @@ fn whole_steps_move_the_heights_from_point_to_point() {
         let expected = Array2::from_shape_fn((16, 24), |(k, l)| first[[k, l]] + second[[at(k, i, 16), at(l, j, 24)]]);
         assert_eq!(found, expected);
     }
-    // Decimal lengths are whole steps but for rounding.
+    // Decimal lengths are whole steps up to rounding.
     let tenths = Grid::line(10, 1.0).unwrap();
     let ramp = Array2::from_shape_fn((10, 1), |(i, _)| i as f64);
     let found = composite(&Array2::zeros((10, 1)), &ramp, &tenths, [0.1 + 0.2, 0.0]).unwrap();
@@ -50,7 +50,7 @@ fn other_shifts_move_the_waves() {
         let found = composite(&zero, &sampled(0.0, 0.0), &grid, shift).unwrap();
         assert!(largest(&found, &sampled(shift[0], shift[1])) < 1e-14, "{shift:?}");
     }
-    // Any heights come back by the opposite shift but for their Nyquist waves, and stay real.
+    // The opposite shift restores any heights except their Nyquist waves, and they stay real.
     let odd = Grid::new([9, 15], [1.0, 1.0]).unwrap();
     let heights = Array2::from_shape_fn((9, 15), |(i, j)| ((7 * i + 11 * j * j) % 13) as f64);
     let zero = Array2::zeros((9, 15));

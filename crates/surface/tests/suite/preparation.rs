@@ -17,7 +17,7 @@ fn self_affine(hurst: f64, longest: f64, shortest: f64, rms_gradient: f64) -> Se
     }
 }
 
-/// A rough scan that is not periodic: part of a larger surface.
+/// Returns a rough scan that is not periodic: part of a larger surface.
 fn scan(points: [usize; 2]) -> (Array2<f64>, Grid) {
     let whole = Grid::new([64, 96], [2.0, 3.0]).unwrap();
     let heights = self_affine(0.7, 3.0, 0.1, 0.2).heights(&whole, 5).unwrap();

@@ -1,4 +1,4 @@
-//! Surfaces and statistics over ranks, which threads play, have the bits of one process.
+//! Surfaces and statistics over ranks, run as threads, are bitwise identical to one process.
 
 use gfmd_field::{Grid, Share};
 use gfmd_surface::{Amplitudes, Moments, Normalisation, Scaling, SelfAffine, Statistics, SurfaceError};
@@ -18,7 +18,7 @@ fn spectrum(grid: &Grid) -> SelfAffine {
     }
 }
 
-/// The heights and their statistics, by one process and by this many.
+/// Compares the heights and their statistics between one process and `size` ranks.
 fn compare(grid: &Grid, spectrum: &SelfAffine, seed: u64, size: usize) {
     let heights = spectrum.heights(grid, seed).unwrap();
     let statistics = Statistics::of(&heights, grid).unwrap();
@@ -36,7 +36,7 @@ fn compare(grid: &Grid, spectrum: &SelfAffine, seed: u64, size: usize) {
 
 #[test]
 fn surfaces_and_statistics_over_ranks_have_the_bits_of_one_process() {
-    // Tasks of modes that end inside of the lanes of a rank, that span several ranks, and ranks without lanes.
+    // Tasks of modes that end inside the lanes of a rank, that span several ranks, and ranks without lanes.
     for points in [[256, 256], [1000, 512], [96, 2048], [2048, 64], [33, 4096], [4096, 4], [300, 6]] {
         let grid = Grid::new(points, [1.0, 1.3]).unwrap();
         let rough = spectrum(&grid);

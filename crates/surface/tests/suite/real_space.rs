@@ -8,8 +8,8 @@ fn generator(hurst: f64, subdivisions: u32, displaced: Displaced) -> RealSpace {
     RealSpace { hurst, subdivisions, rms_increment: SIGMA, displaced }
 }
 
-/// The mean square increment over `lag` points from every multiple of `lag` plus `offset`, over many seeds, in units of
-/// that of fractional Brownian motion, and its standard error.
+/// Returns the mean square increment over `lag` points from every multiple of `lag` plus `offset`, over many seeds, in
+/// units of the increment of fractional Brownian motion, and its standard error.
 fn increments(generator: RealSpace, lag: usize, offset: usize) -> [f64; 2] {
     let (seeds, side) = (3000, 1_usize << generator.subdivisions);
     let expected = (SIGMA * (lag as f64 / side as f64).powf(generator.hurst)).powi(2);
@@ -36,8 +36,8 @@ fn midpoint_increments_on_the_lattice_have_the_right_variance() {
     }
 }
 
-/// The variance of increments shifted by half their length, for 2^level of them on the side, in units of the right one,
-/// by going up the lattice: v' = v 2^{2H−2} + 2^{1−2H} − 1/2, v = 1 for a parent on the lattice.
+/// Returns the variance of increments shifted by half their length, for 2^level of them on the side, in units of the
+/// exact one, by going up the lattice: v' = v 2^{2H−2} + 2^{1−2H} − 1/2, v = 1 for a parent on the lattice.
 fn misaligned(hurst: f64, level: i32) -> f64 {
     let aligned_parents = f64::powi(2.0, level - 1);
     let parents = match level {
@@ -47,7 +47,7 @@ fn misaligned(hurst: f64, level: i32) -> f64 {
     parents * 2.0_f64.powf(2.0 * hurst - 2.0) + 2.0_f64.powf(1.0 - 2.0 * hurst) - 0.5
 }
 
-/// The artefact of random midpoint displacement, which theory.md, section 9, quotes as +23 %, 0 %, −12 %.
+/// Checks the artefact of random midpoint displacement that theory.md, section 9, quotes as +23 %, 0 %, −12 %.
 #[test]
 fn midpoint_increments_off_the_lattice_are_wrong_by_the_known_artefact() {
     for (hurst, quoted) in [(0.3, 0.23), (0.5, 0.0), (0.8, -0.12)] {
@@ -61,7 +61,7 @@ fn midpoint_increments_off_the_lattice_are_wrong_by_the_known_artefact() {
     }
 }
 
-/// The effect of later additions on the points of the lattice: 1 + (1 − 2^{2H−2}) Σ_{k=1}^{later} 2^{−2Hk}.
+/// Returns the effect of later additions on the points of the lattice: 1 + (1 − 2^{2H−2}) Σ_{k=1}^{later} 2^{−2Hk}.
 fn excess(hurst: f64, later: u32) -> f64 {
     let sum: f64 = (1..=later).map(|k| 2.0_f64.powf(-2.0 * hurst * f64::from(k))).sum();
     1.0 + (1.0 - 2.0_f64.powf(2.0 * hurst - 2.0)) * sum
@@ -114,8 +114,8 @@ fn surface_increments_grow_with_the_hurst_exponent() {
     }
 }
 
-/// One subdivision of a square: a centre is the mean of four corners, an edge that of two corners and the centre; each
-/// half-step divides the variance of the displacement by 2^H and, with random addition, moves the older points too.
+/// One subdivision of a square: a centre is the mean of four corners, an edge the mean of two corners and the centre.
+/// Each half-step divides the variance of the displacement by 2^H; random addition also moves the older points.
 #[test]
 fn one_subdivision_of_a_square_has_the_variances_of_its_steps() {
     let (hurst, seeds) = (0.4, 40_000);

@@ -1,4 +1,4 @@
-//! Measured numbers against closed forms: single waves, the discretisation table, moments, slopes, cuts.
+//! Measured statistics against closed forms: single waves, the discretisation table, moments, slopes, cuts.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use gfmd_surface::{
 };
 use ndarray::{Array2, ShapeBuilder};
 
-/// The ring of a cell of side 1 with `longest` and `shortest` given by their wave numbers, without noise.
+/// Returns the ring of a cell of side 1 with `longest` and `shortest` as wave numbers, without noise.
 fn self_affine(hurst: f64, longest: f64, shortest: f64, rms_gradient: f64) -> SelfAffine {
     SelfAffine {
         hurst,
@@ -70,8 +70,8 @@ fn a_profile_has_the_moments_of_its_own_derivatives() {
     assert_relative_eq!(moments.nayak().unwrap(), 1.0, max_relative = 1e-11);
 }
 
-/// The table of theory.md, section 9: rms finite-difference gradient over the spectral one, at 1/ε_c = 2, 4, 8, 16;
-/// for H = 0.8 it depends on λ_l/λ_s, which is 64 here.
+/// The table of theory.md, section 9: rms finite-difference gradient divided by the spectral one, at 1/ε_c = 2, 4, 8,
+/// 16; for H = 0.8 it depends on λ_l/λ_s, which is 64 here.
 #[test]
 fn finite_differences_lose_what_the_table_says() {
     let table = [
@@ -169,8 +169,8 @@ fn moments_tend_to_the_integrals_over_the_continuous_spectrum() {
     }
 }
 
-/// C1D(q) of straight cuts is the integral of C2D over the other component (theory.md, section 9); of H = 0, 1/2, 1
-/// in elementary functions, H = 0 with the finite ring: (2 C0/q) arctan(√(q_s² − q²)/q).
+/// C1D(q) of straight cuts is the integral of C2D over the other component (theory.md, section 9). For H = 0, 1/2, 1 it
+/// is elementary, for H = 0 with the finite ring: (2 C0/q) arctan(√(q_s² − q²)/q).
 #[test]
 fn a_cut_of_a_surface_has_the_spectrum_of_a_profile() {
     let (points, waves) = (768, 384.0);
@@ -250,8 +250,7 @@ fn a_smooth_roll_off_bends_the_spectrum_as_its_formula() {
     }
 }
 
-/// Sides of 1 and 0.75: the waves (2, 0) and (6, 0) are half-way between two rings, and belong to the upper one in
-/// every unit.
+/// Sides of 1 and 0.75: the waves (2, 0) and (6, 0) are half-way between two rings, in the upper one for every unit.
 #[test]
 fn a_wave_half_way_between_two_rings_is_in_the_upper_one() {
     for unit in [1.0, 0.1, 3.7, 1e-6, 0.986_041] {
@@ -259,7 +258,7 @@ fn a_wave_half_way_between_two_rings_is_in_the_upper_one() {
         let heights =
             Array2::from_shape_fn((32, 24), |(i, j)| ((7 * i + 5 * j) % 11) as f64 + ((3 * i * j) % 7) as f64);
         let bins = PowerSpectrum::of(&heights, &grid).unwrap().radial();
-        // The wave number over that of the side 0.75 is the root of (3 m)² + (4 n)², over 4.
+        // The wave number divided by the wave number of the side 0.75 is √((3 m)² + (4 n)²)/4.
         let expected = (1..=12).map(|ring| {
             let waves = (-15..=16).flat_map(|m| (-11..=12).map(move |n| 9 * m * m + 16 * n * n));
             waves.filter(|square| (4 * ring - 2_i32).pow(2) <= *square && *square < (4 * ring + 2_i32).pow(2)).count()
@@ -280,7 +279,7 @@ fn the_radial_spectrum_is_isotropic_and_keeps_the_variance() {
     for (k, bin) in bins.iter().enumerate() {
         assert!((bin.wavenumber / TAU - (k + 1) as f64).abs() < 0.25, "ring {k}: {bin:?}");
     }
-    // One function of |q| for all directions.
+    // All directions have the same function of |q|.
     for (mode, power) in grid.modes().zip(spectrum.power()) {
         let k = mode.wavenumber() / TAU;
         if (2.5..39.5).contains(&k) {
@@ -338,7 +337,7 @@ fn a_seam_shows_where_opposite_edges_do_not_meet() {
 
 #[test]
 fn a_cap_that_does_not_repeat_has_the_curvature_of_its_points_inside() {
-    // z = -x²/2a - y²/2b: h_xx = -1/a, h_yy = -1/b at every point, whatever the seam.
+    // z = -x²/2a - y²/2b: h_xx = -1/a, h_yy = -1/b at every point, regardless of the seam.
     let radii = [2.0, 5.0];
     for (points, lengths) in
         [([16, 16], [1.0, 1.0]), ([64, 40], [1.0, 3.0]), ([3, 3], [0.2, 0.1]), ([50, 1], [2.0, 1.0])]
@@ -356,7 +355,7 @@ fn a_cap_that_does_not_repeat_has_the_curvature_of_its_points_inside() {
         let [m0, m2, m4] = inside.profile();
         assert_eq!(m0, found.moments.mean_square_height);
         assert_relative_eq!(inside.nayak().unwrap(), m0 * m4 / m2.powi(2), max_relative = 1e-14);
-        // The seam counts in the spectral number.
+        // The seam enters the spectral Laplacian.
         assert!(points[0] == 3 || found.moments.rms_laplacian() > 1.5 * laplacian);
     }
     for points in [[2, 8], [8, 2]] {
@@ -364,7 +363,7 @@ fn a_cap_that_does_not_repeat_has_the_curvature_of_its_points_inside() {
         let few = Statistics::of(&Array2::from_shape_fn(points, |(i, j)| (i * j) as f64), &grid).unwrap();
         assert_eq!(few.mean_square_laplacian_inside, None);
     }
-    // A wave: the second difference is the exact one times (2 sin(qa/2)/(qa))², up to the points left out at the seam.
+    // A wave: the second difference is the exact one times (2 sin(qa/2)/(qa))², up to the points excluded at the seam.
     let (grid, q) = (Grid::line(4000, 1.0).unwrap(), TAU * 20.0);
     let wave = Array2::from_shape_fn((4000, 1), |(i, _)| (q * i as f64 / 4000.0).sin());
     let found = Statistics::of(&wave, &grid).unwrap();

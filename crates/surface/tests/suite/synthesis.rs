@@ -32,7 +32,7 @@ fn spectrum_of(heights: &Array2<f64>, grid: &Grid) -> Vec<Complex64> {
     spectrum
 }
 
-/// The moment Σ |h̃|² q^power over the full spectrum of the heights.
+/// Returns the moment Σ |h̃|² q^power over the full spectrum of the heights.
 fn moment(heights: &Array2<f64>, grid: &Grid, power: i32) -> f64 {
     let spectrum = spectrum_of(heights, grid);
     grid.modes().zip(&spectrum).map(|(mode, h)| mode.weight * mode.wavenumber().powi(power) * h.norm_sqr()).sum()
@@ -68,8 +68,7 @@ fn nothing_lies_outside_the_ring_and_its_edges_lie_inside() {
     }
 }
 
-/// Lengths given as decimals, as quotients and as products: the same waves are in the band, whatever the rounding of
-/// the lengths.
+/// Lengths given as decimals, quotients and products: the same waves are in the band for any rounding of the lengths.
 #[test]
 fn waves_of_exactly_the_length_of_a_cut_off_are_in_the_band() {
     for length in [1.0, 0.1, 0.25, 3.7, 1e-7] {
@@ -100,7 +99,7 @@ fn waves_of_exactly_the_length_of_a_cut_off_are_in_the_band() {
                 }
             }
         }
-        // Waves that are longer or shorter by a billionth are out.
+        // Waves that are longer or shorter by a billionth are excluded.
         let (wide, narrow) = (1.0 + 1e-9, 1.0 - 1e-9);
         assert_eq!(of(length / 4.0 * narrow, length / 10.0 * wide, None), [5, 6, 7, 8, 9]);
         assert_eq!(of(length / 4.0 * wide, length / 10.0 * narrow, None), [4, 5, 6, 7, 8, 9, 10]);
@@ -190,7 +189,7 @@ fn seeds_make_different_surfaces_and_threads_make_the_same() {
     assert!(correlation.abs() < 0.4, "seeds 1 and 2 are correlated: {correlation}");
 }
 
-/// The mean square over many seeds is the given one, that of a single realisation is not, and the amplitudes are
+/// The mean square over many seeds is the given one, the mean square of one realisation is not, and the amplitudes are
 /// Gaussian: ⟨|h̃|⁴⟩ = 2⟨|h̃|²⟩² for a complex mode, 3⟨h̃²⟩² for a self-conjugate one.
 #[test]
 fn the_ensemble_has_the_size_asked_for_and_normal_amplitudes() {

@@ -1,4 +1,4 @@
-//! The elastic body of a configuration, built like that of a contact.
+//! Elastic body of a configuration, built like the body of a contact.
 
 use gfmd_green::{Body, Height};
 use gfmd_problem::Unusable;
@@ -7,7 +7,7 @@ use gfmd_problem::options::{BodyArgs, Layer, OtherArgs};
 use super::BodyConfig;
 use crate::SweepError;
 
-/// The options of the body of a contact, and the corresponding fields of a configuration. A name that is a prefix of
+/// Options for the body of a contact, and the corresponding fields of a configuration. A name that is a prefix of
 /// another one follows it.
 const FIELDS: [(&str, &str); 8] = [
     ("--base-young", "body.base_young"),
@@ -21,7 +21,7 @@ const FIELDS: [(&str, &str); 8] = [
 ];
 
 impl BodyConfig {
-    /// The elastic body under a cell of length 1.
+    /// Builds the elastic body under a cell of length 1.
     pub(super) fn build(&self) -> Result<Body, SweepError> {
         let Self { young, poisson, height, base, base_young, base_poisson, layers, second_body } = self.clone();
         let second = Layer::of(&second_body);
@@ -39,7 +39,7 @@ impl BodyConfig {
         body.map_err(|unusable| SweepError::Body(in_fields(&unusable)))
     }
 
-    /// True if every body is a half-space, or its top layer is at least as high as the cell.
+    /// Returns true if every body is a half-space, or has a top layer at least as high as the cell.
     pub(super) fn is_high(&self) -> bool {
         let second = self.second_body.get(2).map_or(Height::Infinite, |height| Height::Finite(*height));
         [self.height, second].iter().all(|height| match height {
@@ -49,7 +49,7 @@ impl BodyConfig {
     }
 }
 
-/// The error message of the options, with the names of the fields.
+/// Returns the error message of the options with the names of the fields.
 fn in_fields(unusable: &Unusable) -> String {
     FIELDS.iter().fold(unusable.to_string(), |text, (option, field)| text.replace(option, field))
 }

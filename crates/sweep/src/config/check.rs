@@ -8,10 +8,10 @@ use gfmd_contact::{Budget, Contact, Solver};
 use super::{Alpha, Config, Control, Estimator, Method, SurfaceConfig};
 use crate::SweepError;
 
-/// The gradients whose squares, times those of a modulus, are numbers.
+/// Gradients with squares that, multiplied by a squared modulus, neither overflow nor vanish.
 const GRADIENTS: RangeInclusive<f64> = 1e-100..=1e100;
 
-/// The error of a field whose value is `found`.
+/// Returns the error of a field with the value `found`.
 pub(crate) fn refusal(field: &'static str, found: &impl Debug, allowed: impl Into<String>) -> SweepError {
     SweepError::Field { field, found: format!("{found:?}"), allowed: allowed.into() }
 }
@@ -20,7 +20,7 @@ impl Config {
     /// Checks that every value can be used.
     ///
     /// # Errors
-    /// The first field that cannot, its value, and the values allowed.
+    /// Returns the first field that cannot be used, its value, and the allowed values.
     pub fn check(&self) -> Result<(), SweepError> {
         let check = |good: bool, field, found: &dyn Debug, allowed: &str| match good {
             true => Ok(()),
@@ -120,7 +120,7 @@ impl Config {
         Ok(())
     }
 
-    /// Checks slopes, the control of the approach, and reference cells.
+    /// Checks slopes, approach control, and reference cells.
     fn check_protocol(&self) -> Result<(), SweepError> {
         let Self { loads, statistics, fit, .. } = self;
         let count = loads.p_star.len();

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-sweep` as one program: those of one file by `cargo test -p gfmd-sweep --test suite FILE::`.
+//! Tests of `gfmd-sweep` as one program; for one file: `cargo test -p gfmd-sweep --test suite FILE::`.
 
 mod protocol;
 mod study;

@@ -1,4 +1,4 @@
-//! The control of the approach, slopes, and what a protocol refuses.
+//! Approach control, slopes, and refused protocols.
 
 use gfmd_sweep::{
     Alpha, Analysis, Config, Control, Design, Estimator, FitConfig, LoadsConfig, Plan, PointsConfig, StatisticsConfig,
@@ -49,7 +49,7 @@ fn prescribed_approaches_sample_the_curve_of_prescribed_loads() {
             approx::assert_relative_eq!(load.approach, b[0].approach + k as f64 * step, max_relative = 1e-9);
         }
         assert!(b.windows(2).all(|pair| pair[0].summary.p_star < pair[1].summary.p_star));
-        // The same loads, prescribed, make the same contact.
+        // The same loads, prescribed, give the same contact.
         let measured: Vec<f64> = b.iter().map(|load| load.summary.p_star).collect();
         let fit = FitConfig { p_star: measured[3], ..config().fit };
         let again = Config { loads: LoadsConfig { p_star: measured, control: Control::Load }, fit, ..config() };

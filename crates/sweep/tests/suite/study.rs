@@ -1,4 +1,4 @@
-//! A study in pieces: kept, continued, interrupted, one run at a time; configurations that are refused.
+//! Study in pieces: kept, continued, interrupted, one run at a time; refused configurations.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -28,7 +28,7 @@ fn plan() -> Plan {
     Plan::new(config).unwrap()
 }
 
-/// A store that keeps `room` runs and then fails.
+/// Store that keeps `room` runs and then fails.
 #[derive(Default)]
 struct Shelf {
     kept: Mutex<BTreeMap<(usize, u64), Vec<Pressed>>>,
@@ -53,7 +53,7 @@ impl Keep for Shelf {
     }
 }
 
-/// A store that asks the sweep to stop at once.
+/// Store that asks the sweep to stop at once.
 struct Stopped;
 
 impl Keep for Stopped {
@@ -117,12 +117,12 @@ fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
     refused("solver.tol = 1e-20", &["solver.tol is 1e-20", "between 1e-15 and 0.1"]);
     refused("solver.method = \"newton\"", &["solver.method is \"newton\"", "auto, cg"]);
     refused("solver.method = \"magic\"", &["magic", "auto, cg"]);
-    // Smaller cells have more realisations, here so many that their seeds would overlap with those of the next group.
+    // Smaller cells have more realisations; here their seeds would overlap with the seeds of the next group.
     refused("statistics.realisations = 600000", &["statistics.realisations is 600000", "1000000"]);
     refused("statistics.seed = 9223372036854775807", &["statistics.seed is 9223372036854775807", "at most"]);
 }
 
-/// Persson's area is that of surfaces with any number of long waves: composed and extrapolated it stays.
+/// Checks that Persson's area, which holds for any number of long waves, stays when composed and extrapolated.
 #[test]
 fn the_area_of_persson_is_its_own_limit() {
     let fit = FitConfig { alpha_c: Alpha::Without, ..FitConfig::default() };
@@ -142,7 +142,7 @@ fn the_area_of_persson_is_its_own_limit() {
     }
 }
 
-/// The long waves lower kappa; loads that end too early leave it as it is, with a warning.
+/// Checks that long waves lower kappa, and that loads that end too early leave it as it is, with a warning.
 #[test]
 fn long_waves_are_composed_if_the_loads_allow_it() {
     let composed = Study::new(plan(), &()).unwrap();
@@ -162,7 +162,7 @@ fn long_waves_are_composed_if_the_loads_allow_it() {
 
 #[test]
 fn surfaces_are_added_until_the_target_is_met_and_the_numbers_are_those_of_a_plan_that_has_them() {
-    // Where the model holds: with fewer waves its misfit, which no number of surfaces lowers, widens the interval.
+    // Here the model holds. With fewer waves its misfit, which no number of surfaces lowers, widens the interval.
     let points = PointsConfig { eps_f_inv: vec![8.0, 16.0], centre: [2.0, 8.0, 4.0], ..plan().config.points };
     let config = |target: f64, surfaces: Vec<u64>| {
         let statistics = StatisticsConfig { realisations: 4, target, surfaces, ..StatisticsConfig::default() };
@@ -179,7 +179,7 @@ fn surfaces_are_added_until_the_target_is_met_and_the_numbers_are_those_of_a_pla
     let study = Study::new(Plan::new(config(target, Vec::new())).unwrap(), &shelf).unwrap();
     assert!(half_width(&study) <= target, "{} {target}", half_width(&study));
     assert!(study.runs.len() > first.runs.len());
-    // Each surface was computed once, and those of the first round are among them.
+    // Each surface was computed once, including the surfaces of the first round.
     assert_eq!(shelf.kept.lock().unwrap().len(), study.runs.len());
     for (point, counts) in study.plan.config.statistics.surfaces.iter().enumerate() {
         assert!(*counts >= first.plan.runs_of(point).len() as u64);

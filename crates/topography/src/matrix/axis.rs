@@ -1,18 +1,18 @@
 //! Lattices of coordinates, which may be rounded to the digits written.
 
-/// The largest distance of a coordinate from its lattice point, in spacings, that counts as rounding.
+/// Largest distance of a coordinate from its lattice point that counts as rounding, in spacings.
 const OFF: f64 = 0.05;
 
-/// The largest distance from even spacing, in spacings, that counts as an error of arithmetic.
+/// Largest deviation from even spacing that counts as arithmetic error, in spacings.
 const EVEN: f64 = 1e-6;
 
-/// The shares of steps of two digits, among those of one, that a rounded coordinate has and gaps hardly have.
+/// Range of the share of steps longer than one unit of the last digit that indicates rounding; gaps hardly give it.
 const MIXED: [f64; 2] = [0.2, 0.8];
 
-/// The smallest number of coordinates by which rounding is told from gaps.
+/// Smallest number of coordinates for which rounding can be distinguished from gaps.
 const TOLD: usize = 8;
 
-/// The largest ratio of lattice points to coordinates written as whole numbers.
+/// Largest ratio of lattice points to coordinates written as whole numbers.
 const GAPS: f64 = 1.3;
 
 /// Evenly spaced coordinates.
@@ -21,13 +21,13 @@ pub(super) struct Axis {
     first: f64,
     pub(super) step: f64,
     pub(super) count: usize,
-    /// The coordinates as they are written and half the range of spacings that they allow, if they are rounded.
+    /// Coordinates as written and half the range of spacings that they allow, if they are rounded.
     rounded: Option<(Vec<f64>, f64)>,
 }
 
 impl Axis {
-    /// The lattice of coordinates, each of which occurs any number of times; the digits are the smallest and the
-    /// largest unit of the last digit written. `None` if there is none.
+    /// Finds the lattice of coordinates, each with any number of occurrences. `digits` are the smallest and largest
+    /// unit of the last digit written. Returns `None` if there is no lattice.
     ///
     /// # Errors
     /// Coordinates that may be rounded, or may have gaps.
@@ -62,7 +62,7 @@ impl Axis {
         if is_coarse { Err(unclear()) } else { Ok(Some(axis)) }
     }
 
-    /// The lattice of coordinates of which each is the next point, rising; `None` if there is none.
+    /// Finds the lattice of rising coordinates without gaps; `None` if there is none.
     pub(super) fn rising(coordinates: &[f64], digits: [f64; 2]) -> Option<Self> {
         if !coordinates.windows(2).all(|pair| pair[1] > pair[0]) {
             return None;
@@ -86,7 +86,7 @@ impl Axis {
         even(coordinates) || even(&coordinates.iter().rev().copied().collect::<Vec<_>>())
     }
 
-    /// The axis of coordinates that rise at even distances but for errors of arithmetic.
+    /// Returns the axis of rising coordinates that are evenly spaced up to arithmetic errors.
     fn even(places: &[f64]) -> Option<Self> {
         let (first, last) = (*places.first()?, *places.last()?);
         if !(last - first).is_finite() || last <= first {
@@ -99,19 +99,19 @@ impl Axis {
         places.iter().enumerate().all(is_even).then_some(axis)
     }
 
-    /// The axis of the rising coordinates as they are rounded to the smallest or else the largest unit, and this unit.
+    /// Returns the axis of rising coordinates rounded to the smallest or else the largest unit, and this unit.
     fn fitted(places: &[f64], digits: [f64; 2]) -> Option<(Self, f64)> {
         digits.into_iter().find_map(|digit| Self::fitted_to(places, digit).map(|axis| (axis, digit)))
     }
 
-    /// The axis in the middle of those whose points, rounded to the last digit, are the rising coordinates.
+    /// Returns the middle of all axes that give the rising coordinates when rounded to the last digit.
     fn fitted_to(places: &[f64], digit: f64) -> Option<Self> {
         let (first, last) = (*places.first()?, *places.last()?);
         let steps = places.len().checked_sub(1).filter(|steps| *steps > 0)? as f64;
         if !(last - first).is_finite() || last <= first || !(digit > 0.0 && digit.is_finite()) {
             return None;
         }
-        // The lowest and the highest of the first points that the coordinates have for a spacing.
+        // Range of the first points that the coordinates imply for a spacing.
         let range = |step: f64| {
             places.iter().enumerate().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (index, place)| {
                 let found = place - index as f64 * step;
@@ -162,7 +162,7 @@ impl Axis {
         })
     }
 
-    /// The lattice of coordinates, some of whose points may be missing, and which may be off by a part of the spacing.
+    /// Finds the lattice of coordinates with gaps, where coordinates may be off by a fraction of the spacing.
     fn with_gaps(coordinates: &[f64]) -> Option<Self> {
         let mut sorted = coordinates.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -202,12 +202,12 @@ impl Axis {
         }
     }
 
-    /// The length, as many spacings as points.
+    /// Returns the length: the spacing times the number of points.
     pub(super) fn length(&self) -> f64 {
         self.step * self.count as f64
     }
 
-    /// A remark on a spacing that follows from rounded coordinates.
+    /// Returns a note on a spacing that follows from rounded coordinates.
     pub(super) fn note(&self, name: &str) -> Option<String> {
         let (_, half) = self.rounded.as_ref()?;
         Some(format!(
@@ -218,10 +218,10 @@ impl Axis {
     }
 }
 
-/// The number of steps of a search by halves or thirds.
+/// Number of steps of a search by halves or thirds.
 const SEARCHES: usize = 60;
 
-/// The different coordinates, rising.
+/// Returns the distinct coordinates, rising.
 fn distinct(coordinates: &[f64]) -> Vec<f64> {
     let mut sorted = coordinates.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -229,7 +229,7 @@ fn distinct(coordinates: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// The number of different coordinates.
+/// Returns the number of distinct coordinates.
 pub(super) fn count(coordinates: &[f64]) -> usize {
     distinct(coordinates).len()
 }
@@ -254,18 +254,18 @@ mod tests {
             let found = Axis::rising(&rounded(step, 0..count, 0.1), [0.1; 2]).unwrap();
             assert_eq!(found.index(found.rounded.as_ref().unwrap().0[3]), 3);
         }
-        // Not rounded: the spacing is that between the ends, to the bit.
+        // Not rounded: the spacing follows from the ends, to the bit.
         let exact = Axis::of(&[0.0, 0.5, 1.5, 1.0, 0.5], [0.1; 2]).unwrap().unwrap();
         assert_eq!((exact.step, exact.count, exact.rounded), (0.5, 4, None));
     }
 
     #[test]
     fn gaps_are_no_rounding() {
-        // A column is missing, of a lattice of several digits and of whole numbers.
+        // A column is missing, in a lattice with several digits and in one with whole numbers.
         let gap = |step: f64, digit| Axis::of(&rounded(step, (0..12).filter(|k| *k != 5), digit), [digit; 2]);
         assert_eq!(gap(0.5, 0.1).unwrap().unwrap().count, 12);
         assert_eq!(gap(1.0, 1.0).unwrap().unwrap().count, 12);
-        // Of one digit, and rounded: either is possible.
+        // With one digit, and rounded: either is possible.
         assert!(gap(0.1, 0.1).unwrap_err().starts_with("they are written to 1e-1 only"));
         let twice = |k: u32| [k, k];
         assert!(Axis::of(&rounded(0.15625, (0..12).filter(|k| *k != 5).flat_map(twice), 0.1), [0.1; 2]).is_err());

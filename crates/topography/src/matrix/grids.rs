@@ -1,4 +1,4 @@
-//! Grids of other programs in text, each of which is known by its first line: Esri, Surfer, Wyko, Zygo.
+//! Text grids of other programs, recognised by their first line or keys: Esri, Surfer, Wyko, Zygo.
 
 use ndarray::{Array2, Axis};
 
@@ -7,16 +7,16 @@ use crate::MOST_POINTS;
 use crate::bytes::{clip, lines, positive};
 use crate::format::{Channel, Map};
 
-/// The smallest number that Surfer does not mean as a height.
+/// Smallest number that Surfer uses for a blank point.
 const BLANK: f64 = 1.701_41e38;
 
-/// The largest number of lines in which the head of a grid of Esri begins.
+/// Largest number of lines searched for the keys of an Esri grid.
 const LONGEST_HEAD: usize = 64;
 
-/// The blocks of Wyko that hold heights.
+/// Blocks of Wyko that hold heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "Raw", "OPD", "SAMPLE_DATA"];
 
-/// The height maps of a grid of another program; `None` for any other text.
+/// Returns the height maps of a grid of another program, or `None` for any other text.
 ///
 /// # Errors
 /// A grid that is incomplete.
@@ -39,12 +39,12 @@ pub(super) fn channels(text: &str) -> Result<Option<Vec<Channel<'static>>>, Stri
     })
 }
 
-/// The first word of a line, in small letters and without a colon.
+/// Returns the first word of a line, in lower case and without a colon or equals sign at its end.
 fn key(line: &str) -> String {
     line.split_whitespace().next().unwrap_or_default().trim_end_matches([':', '=']).to_ascii_lowercase()
 }
 
-/// The number of points of a grid of which the text may hold all.
+/// Checks the number of points of a grid, which must not exceed the numbers that the text can hold.
 fn points([nx, ny]: [f64; 2], text: &str) -> Result<[usize; 2], String> {
     let most = MOST_POINTS.min(text.len() / 2 + 1) as f64;
     if nx >= 1.0 && ny >= 1.0 && nx.fract() == 0.0 && ny.fract() == 0.0 && nx * ny <= most {
@@ -58,7 +58,7 @@ fn points([nx, ny]: [f64; 2], text: &str) -> Result<[usize; 2], String> {
     Err(format!("the grid is {nx} x {ny} points; it must have as many as the file has numbers"))
 }
 
-/// The grid of values, lines of constant y from the first word on.
+/// Reads a grid of values, lines of constant y, starting at the first word.
 fn grid<'a>(words: impl Iterator<Item = &'a str>, [nx, ny]: [usize; 2]) -> Result<Array2<f64>, String> {
     let mut values = Vec::with_capacity(nx * ny);
     for word in words {
@@ -73,7 +73,7 @@ fn grid<'a>(words: impl Iterator<Item = &'a str>, [nx, ny]: [usize; 2]) -> Resul
     lines.map(Array2::reversed_axes).map_err(|_| format!("there are {found} heights; the head says {nx} x {ny}"))
 }
 
-/// The grid of Esri: keys in any order, then heights from the top line on.
+/// Reads an Esri grid: keys in any order, then heights starting at the top line.
 fn esri(text: &str) -> Result<Map, String> {
     let (mut n, mut cell, mut missing) = ([None; 2], [None; 2], -9999.0);
     let mut rest = text;
@@ -114,13 +114,13 @@ fn esri(text: &str) -> Result<Map, String> {
     Ok(Map { heights, lengths, ..Map::default() })
 }
 
-/// The text behind a line at its start.
+/// Returns the text after its first line.
 fn after<'a>(text: &'a str, line: &str) -> &'a str {
     let rest = &text[line.len()..];
     rest.strip_prefix("\r\n").or_else(|| rest.get(1..)).unwrap_or_default()
 }
 
-/// The grid of Surfer: the positions of the first and last points, then heights from the bottom line on.
+/// Reads a Surfer grid: the positions of the first and last points, then heights starting at the bottom line.
 fn surfer(text: &str) -> Result<Map, String> {
     let mut words = text.split_whitespace().skip(1);
     let mut head = [0.0; 8];
@@ -143,7 +143,7 @@ fn surfer(text: &str) -> Result<Map, String> {
     Ok(Map { heights, lengths, ..Map::default() })
 }
 
-/// The blocks of heights of a text of Wyko, whose lines run along y.
+/// Reads the blocks of heights of a Wyko text, with lines along y.
 fn wyko(text: &str) -> Result<Vec<Channel<'static>>, String> {
     let mut lines = lines(text).filter(|line| !line.trim().is_empty());
     let first = lines.next().unwrap_or_default();
@@ -162,7 +162,7 @@ fn wyko(text: &str) -> Result<Vec<Channel<'static>>, String> {
                 let [nx, ny] = points(size, text)?;
                 let words = lines.by_ref().take(nx).flat_map(|line| line.split('\t')).map(str::trim);
                 if HEIGHTS.contains(&name) {
-                    // Its x runs from line to line.
+                    // Lines run along y.
                     data.push((name, grid(words.filter(|word| !word.is_empty()), [ny, nx])?.reversed_axes()));
                 } else {
                     words.for_each(drop);
@@ -194,7 +194,7 @@ fn wyko(text: &str) -> Result<Vec<Channel<'static>>, String> {
         .map(|(name, mut heights)| {
             heights.mapv_inplace(|height| height * unit);
             let points: [usize; 2] = heights.dim().into();
-            // A pixel has its size in millimetres.
+            // The pixel size is in millimetres.
             let lengths = pixel.map(|pixel| [pixel * 1e3 * points[0] as f64, pixel * 1e3 * aspect * points[1] as f64]);
             let [height_unit, length_unit] = ["nm", "µm"].map(|unit| Some(unit.to_owned()));
             let map = Map { heights, lengths, length_unit, height_unit: height_unit.clone(), ..Map::default() };
@@ -207,7 +207,7 @@ fn wyko(text: &str) -> Result<Vec<Channel<'static>>, String> {
     }
 }
 
-/// The points of Zygo: pixels of the camera from the top left, heights in micrometres.
+/// Reads the points of a Zygo text: camera pixels from the top left, heights in micrometres.
 fn zygo(text: &str) -> Result<Map, String> {
     let mut lines = lines(text);
     let head: Vec<&str> = lines.by_ref().take_while(|line| line.trim() != "#").collect();
@@ -245,7 +245,7 @@ fn zygo(text: &str) -> Result<Map, String> {
         };
     }
     let resolution = entry(7, 6)?;
-    // Metres per pixel; 0 if it is unknown.
+    // Metres per pixel; 0 if unknown.
     let lengths = (resolution > 0.0).then_some([resolution * 1e6 * nx as f64, resolution * 1e6 * ny as f64]);
     let unit = Some("µm".to_owned());
     Ok(Map { heights, lengths, length_unit: unit.clone(), height_unit: unit, ..Map::default() })

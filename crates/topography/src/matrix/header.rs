@@ -1,4 +1,4 @@
-//! The header of a text file: the lines above the numbers.
+//! Header of a text file: the lines above the numbers.
 
 use ndarray::Axis;
 
@@ -8,42 +8,42 @@ use crate::unit::{Conversion, is_length};
 
 use super::{Rows, words};
 
-/// The entries of the header, in the spellings of several programs and in German.
+/// Entries of the header, in the spellings of several programs and in German.
 #[derive(Debug, Default)]
 pub(super) struct Header {
     pub(super) channel: Option<String>,
-    /// The factor of the heights.
+    /// Factor of the heights.
     pub(super) factor: Option<f64>,
-    /// The last line above the numbers, which may name the columns.
+    /// Last line above the numbers, which may name the columns.
     pub(super) columns: String,
-    /// The last comment above the numbers that is no entry.
+    /// Last comment above the numbers that is not an entry.
     comment: String,
-    /// True if the third of three columns says whether a point of a profile is valid.
+    /// True if the third of three columns marks valid points of a profile.
     pub(super) has_validity: bool,
-    /// The points along x and y.
+    /// Number of points along x and y.
     pub(super) points: [Option<f64>; 2],
     /// True if the first line is the top of the picture.
     pub(super) is_top_first: bool,
-    /// The number that stands for a point without a height.
+    /// Number for a point without a height.
     pub(super) missing: Option<f64>,
-    /// The lines that seem to tell of size, unit or scale, and are not understood.
+    /// Lines that seem to give size, unit or scale, but are not understood.
     unknown: Vec<String>,
     width: Option<Length>,
     height: Option<Length>,
     pixel: Option<Length>,
-    /// Sides of the scan of a Nanoscope.
+    /// Sides of a Nanoscope scan.
     scan: Option<Scan>,
     value_unit: Option<String>,
 }
 
-/// The sides of a scan, of which the second may be left out, and their unit.
+/// Sides of a scan and their unit; the second side may be missing.
 #[derive(Clone, Debug)]
 struct Scan {
     sides: Vec<f64>,
     unit: Option<String>,
 }
 
-/// The meaning of a column by its title.
+/// Meaning of a column according to its title.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     X,
@@ -52,12 +52,12 @@ pub(super) enum Role {
     Other,
 }
 
-/// The title of a column.
+/// Title of a column.
 #[derive(Clone, Debug)]
 pub(super) struct Title {
     pub(super) name: String,
     pub(super) role: Role,
-    /// Its unit of length.
+    /// Unit of length.
     pub(super) unit: Option<String>,
 }
 
@@ -79,7 +79,7 @@ impl Title {
     }
 }
 
-/// The last unit of length among the words of a text. The word "in" is no inch here.
+/// Returns the last unit of length among the words of a text. The word "in" is not an inch here.
 fn unit_in(text: &str) -> Option<String> {
     let mut words = text.rsplit(|character: char| !character.is_alphabetic() && character != '~');
     let known = |word: &str| {
@@ -90,14 +90,14 @@ fn unit_in(text: &str) -> Option<String> {
     words.find_map(known)
 }
 
-/// A length with its unit, if any.
+/// Length with its unit, if any.
 #[derive(Clone, Debug)]
 struct Length {
     value: f64,
     unit: Option<String>,
 }
 
-/// The unit of heights and lengths, the lengths, and their conversions.
+/// Unit of heights and lengths, the lengths, and notes on conversions.
 struct Sizes {
     unit: Option<String>,
     lengths: Option<[f64; 2]>,
@@ -121,7 +121,7 @@ impl Header {
         Ok(())
     }
 
-    /// Parses `key,value,unit`, the form of the tables of Keyence. Returns false for another line.
+    /// Parses `key,value,unit`, the form of Keyence tables. Returns false for another line.
     fn read_fields(&mut self, line: usize, content: &str) -> Result<bool, String> {
         let separator = [';', '\t', ','].into_iter().find(|&separator| content.contains(separator)).unwrap_or(',');
         let fields: Vec<&str> = content.split(separator).map(|field| field.trim().trim_matches('"')).collect();
@@ -141,7 +141,7 @@ impl Header {
                 }
             }
             "minimum value" | "maximum value" | "minimum" | "maximum" => {}
-            // The unit of the heights in another language.
+            // Unit of the heights in another language.
             _ if self.is_top_first && self.value_unit.is_none() && rest.is_empty() && is_length(value) => {
                 self.value_unit = Some((*value).into());
             }
@@ -187,7 +187,7 @@ impl Header {
         Ok(true)
     }
 
-    /// Counts the lines of a scan whose head gives only the points of one, by the lines for each pixel.
+    /// Completes the number of scan lines from the number of pixels, if the header gives only the points per line.
     pub(super) fn complete(&mut self, rows: &Rows) {
         if let [Some(nx), None] = self.points
             && nx >= 1.0
@@ -202,13 +202,13 @@ impl Header {
         self.width.is_some() || self.height.is_some() || self.pixel.is_some()
     }
 
-    /// True if the comment above the numbers, and no other line, names the columns.
+    /// Returns true if only the comment above the numbers can name the columns.
     pub(super) fn titles_are_comment(&self) -> bool {
         self.columns.is_empty()
     }
 
-    /// The titles of the columns, from the line above the numbers, such as `x in µm, y in µm`, or from a comment that
-    /// names x. Without as many titles there are none.
+    /// Returns the titles of the columns, from the line above the numbers, such as `x in µm, y in µm`, or from a
+    /// comment that names x. A comment, or a line separated by blanks, must have a title for each column.
     pub(super) fn titles(&self, columns: usize) -> Vec<Title> {
         let above = titles(&self.columns, columns);
         if !self.columns.is_empty() {
@@ -219,7 +219,7 @@ impl Header {
         if names_x { found } else { Vec::new() }
     }
 
-    /// A warning that names the lines that seem to tell of size, unit or scale, and are not understood.
+    /// Returns a warning with the lines that seem to give size, unit or scale, but are not understood.
     pub(super) fn warning(&self, titles_are_used: bool) -> Option<String> {
         let used = [&self.columns, &self.comment].map(|line| clip(line.trim().trim_matches('"')));
         let unknown = self.unknown.iter().filter(|line| !(titles_are_used && used.contains(line)));
@@ -232,17 +232,17 @@ impl Header {
         })
     }
 
-    /// The unit and the sides of a scan of a Nanoscope with `points`; the pixels are square without a second side.
+    /// Returns the sides and unit of a Nanoscope scan with `points`; without a second side the pixels are square.
     pub(super) fn scan(&self, [nx, ny]: [usize; 2]) -> Option<([f64; 2], Option<String>)> {
         let Scan { sides, unit } = self.scan.as_ref()?;
         let x = *sides.first()?;
         Some(([x, sides.get(1).copied().unwrap_or(x * ny as f64 / nx as f64)], unit.clone()))
     }
 
-    /// The matrix with its size and unit, if it has none of its own.
+    /// Returns the map with the size of the header, or its own if the header has none, and the unit of the header.
     ///
     /// # Errors
-    /// Sizes and units of which some are missing; another number of points.
+    /// Only part of the sizes or units; another number of points.
     pub(super) fn sized(&self, mut map: Map) -> Result<Map, String> {
         let points: [usize; 2] = map.heights.dim().into();
         for (said, found) in self.points.iter().zip(points) {
@@ -271,7 +271,7 @@ impl Header {
         Ok(map)
     }
 
-    /// The unit of the heights, and the sizes in this unit.
+    /// Returns the unit of the heights, and the sizes in this unit.
     fn sizes(&self, [nx, ny]: [usize; 2]) -> Result<Sizes, String> {
         let unit = self.value_unit.clone();
         let mut notes = Vec::new();
@@ -298,7 +298,7 @@ impl Header {
             (Some(width), Some(height), _) if nx > 1 && ny > 1 => {
                 Some([along("Width", width)?, along("Height", height)?])
             }
-            // The length of a profile is the longer of the two; the shorter is one pixel or zero.
+            // The length of a profile is the larger of the two; the smaller is one pixel or zero.
             (Some(one), Some(other), _) => Some([along("Width", one)?.max(along("Height", other)?), 1.0]),
             (Some(one), None, _) | (None, Some(one), _) if ny == 1 => Some([along("the length", one)?, 1.0]),
             (None, None, Some(pixel)) => {
@@ -312,7 +312,7 @@ impl Header {
     }
 }
 
-/// The titles in a line, if blanks separate them only if there are as many as columns.
+/// Splits a line into titles. Titles separated by blanks must match the number of columns.
 fn titles(line: &str, columns: usize) -> Vec<Title> {
     let line = line.trim();
     let separator = [';', '\t', ','].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
@@ -332,11 +332,11 @@ fn titles(line: &str, columns: usize) -> Vec<Title> {
     if names.len() == columns { names.iter().map(|name| Title::of(name)).collect() } else { Vec::new() }
 }
 
-/// The largest number of lines of a head that a warning names.
+/// Largest number of header lines listed in a warning.
 const MOST_UNKNOWN: usize = 8;
 
-/// True for a line that seems to tell of size, unit, scale or missing points: one of their words and a number or a unit
-/// of length.
+/// Returns true for a line that seems to give size, unit, scale or missing points: one of their words with a number or
+/// a unit of length, or an entry with a number.
 fn tells(line: &str) -> bool {
     const WORDS: [&str; 26] = [
         "size",
@@ -372,7 +372,7 @@ fn tells(line: &str) -> bool {
     let short = |word: &str| matches!(word, "dx" | "dy" | "dz" | "x" | "y" | "z");
     let named = WORDS.iter().any(|word| lower.contains(word))
         || lower.split(|c: char| !c.is_alphanumeric()).any(short) && line.contains([':', '=']);
-    // An entry whose value is a number.
+    // Entry with a number as its value.
     let entry = line.split_once([':', '=']).and_then(|(_, value)| value.split_whitespace().next());
     named && (has_number || has_unit) || entry.is_some_and(|value| value.parse::<f64>().is_ok())
 }

@@ -7,23 +7,23 @@ use super::points::{AS_MATRIX, MANY, MOST_COLUMNS, is_monotonic};
 use super::{Rows, separator, words};
 use crate::format::Map;
 
-/// The smallest number of labels without a word that are told from heights.
+/// Smallest number of labels without a word that can be distinguished from heights.
 const FEWEST: usize = 3;
 
-/// The smallest number of heights that may be numbers of lines, and one more that may be coordinates.
+/// Smallest number of values that may be line numbers; coordinates need one more.
 const DOUBTFUL: usize = 4;
 
-/// The largest number of columns of lines that are taken as points, not as a matrix, if there are many of them.
+/// Largest number of columns in many lines that may be points instead of a matrix.
 const MOST_LIST: usize = 6;
 
-/// The largest number of lines in which two columns are no lattice.
+/// Largest number of lines in which two columns are not checked for a lattice.
 const LATTICE: usize = 5;
 
-/// The smallest number of lines whose column may be a coordinate at uneven distances, and the most columns.
+/// Smallest number of lines, and largest number of columns, for a column of unevenly spaced coordinates.
 const LONG: usize = 8;
 
-/// The matrix in rows with labels of columns above it and of rows before it; `None` if there are none. Labels 0, 1, 2,
-/// ... or 1, 2, 3, ... of both are numbers of rows and columns; others are coordinates, which give the size.
+/// Reads a matrix with labels of the columns above and of the rows before it; `None` if there are none. If both are 0,
+/// 1, 2, ... or 1, 2, 3, ..., they are numbers of rows and columns; others are coordinates, which give the size.
 ///
 /// # Errors
 /// Labels at uneven distances.
@@ -31,7 +31,7 @@ pub(super) fn labelled(rows: &Rows, header: &Header) -> Result<Option<Map>, Stri
     let Some((above, digit, first)) = above(rows, header).filter(|_| rows.columns > 2) else { return Ok(None) };
     let left: Vec<f64> = rows.column(0).skip(first).collect();
     let are_numbers = are_numbers(&above) && are_numbers(&left);
-    // Two heights are always even.
+    // Two heights are always evenly spaced.
     if left.is_empty() || first == 1 && above.len().min(left.len()) < FEWEST && !are_numbers {
         return Ok(None);
     }
@@ -71,17 +71,17 @@ pub(super) fn labelled(rows: &Rows, header: &Header) -> Result<Option<Map>, Stri
     Ok(Some(map))
 }
 
-/// True if all lines but the first are even.
+/// Returns true if all lines except the first rise or fall evenly.
 fn is_plane(rows: &Rows, digit: [f64; 2]) -> bool {
     rows.values.chunks(rows.columns).skip(1).all(|line| Axis::is_progression(line, digit))
 }
 
-/// True for 0, 1, 2, ... and for 1, 2, 3, ...
+/// Returns true for 0, 1, 2, ... and for 1, 2, 3, ...
 fn are_numbers(labels: &[f64]) -> bool {
     [0.0, 1.0].iter().any(|start| labels.iter().enumerate().all(|(index, label)| *label == start + index as f64))
 }
 
-/// The labels above the columns, the units of their last digits, and the first row of heights.
+/// Returns the labels above the columns, the units of their last digits, and the first row of heights.
 fn above(rows: &Rows, header: &Header) -> Option<(Vec<f64>, [f64; 2], usize)> {
     let digit = rows.all_digits();
     if let Some(labels) = &rows.above {
@@ -105,10 +105,10 @@ fn above(rows: &Rows, header: &Header) -> Option<(Vec<f64>, [f64; 2], usize)> {
     numbers.map(|numbers| (numbers, digit, 0))
 }
 
-/// Checks that a matrix without a size is no list, profile or table with labels.
+/// Checks that a matrix without a size is not a list, profile or table with labels.
 ///
 /// # Errors
-/// One that may be.
+/// A matrix that may be one of these.
 pub(super) fn check(rows: &Rows) -> Result<(), String> {
     let (columns, lines) = (rows.columns, rows.rows);
     let column = |column: usize| rows.column(column).collect::<Vec<_>>();
@@ -127,7 +127,7 @@ pub(super) fn check(rows: &Rows) -> Result<(), String> {
              both left out; {AS_MATRIX}"
         ));
     }
-    // A plane, and what is made of lines, is even in all its columns or lines.
+    // A plane, or a matrix made of lines, is even in all its columns or lines.
     if columns > 1 && first_column() && !(1..columns).all(|k| Axis::is_progression(&column(k), digit)) {
         return Err(format!(
             "the first column rises or falls evenly, as x or labels of rows do; it must be left out, or the points \

@@ -1,8 +1,8 @@
-//! The numbers of a text file, in the spellings of programs, of Fortran and of typography.
+//! Numbers of a text file, in the notation of programs, Fortran and typography.
 
 use crate::bytes::clip;
 
-/// Words that denote a point without a height, in small letters.
+/// Words for a point without a height, in lower case.
 const MISSING: [&str; 41] = [
     "nan",
     "na",
@@ -47,7 +47,7 @@ const MISSING: [&str; 41] = [
     "#n/a n/a",
 ];
 
-/// The longest number that is rewritten before it is read, in bytes.
+/// Longest number, in bytes, that is rewritten before parsing.
 const LONGEST: usize = 64;
 
 /// Parses a number; NaN for a point without a height.
@@ -62,8 +62,8 @@ pub(super) fn number(word: &str, line: usize, column: usize) -> Result<f64, Stri
     rewritten.ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))
 }
 
-/// True for a word that denotes a point without a height, or the empty one between two separators: one of several
-/// programs, dashes, stars or question marks, or what C writes on Windows (`1.#QNAN`, `-1.#IND`, `1.#INF`).
+/// Returns true for a word that denotes a point without a height, or an empty word between two separators: a word of
+/// several programs, dashes, stars, question marks, or the output of C on Windows (`1.#QNAN`, `-1.#IND`, `1.#INF`).
 pub(super) fn is_missing(word: &str) -> bool {
     let drawn = |mark: char| word.chars().all(|c| c == mark);
     let dashes = |c: char| matches!(c, '-' | '.' | '\u{2014}') || is_minus(c);
@@ -76,7 +76,7 @@ pub(super) fn is_missing(word: &str) -> bool {
         || word.len() <= LONGEST && MISSING.contains(&word.trim_start_matches('-').to_ascii_lowercase().as_str())
 }
 
-/// True for a group of digits whose comma may be a decimal comma or may stand between thousands: `1,234`.
+/// Returns true for digits with a comma that may be decimal or group thousands: `1,234`.
 pub(super) fn is_ambiguous(word: &str) -> bool {
     let mut groups = word.trim_start_matches(['-', '+']).split(',');
     let digits = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
@@ -85,7 +85,7 @@ pub(super) fn is_ambiguous(word: &str) -> bool {
         && groups.all(|group| group.len() == 3 && digits(group))
 }
 
-/// The unit of the last digit of a number as it is written: 0.01 for `1.50`, 0.1 for `2.50e1`.
+/// Returns the unit of the last digit of a number as written: 0.01 for `1.50`, 0.1 for `2.50e1`.
 pub(super) fn last_digit(word: &str) -> f64 {
     let word = word.as_bytes();
     let at = |bytes: &[u8], found: fn(u8) -> bool| bytes.iter().position(|&byte| found(byte));
@@ -97,8 +97,8 @@ pub(super) fn last_digit(word: &str) -> f64 {
     10_f64.powi(exponent.saturating_sub(decimals))
 }
 
-/// A number as Rust and C write it: with a decimal point for a decimal comma, the sign `-` for the minus of typography,
-/// and the exponent `e` for that of double precision in Fortran, which also leaves the letter out before three digits.
+/// Rewrites a number in the notation of Rust and C: a decimal point for a decimal comma, the sign `-` for a typographic
+/// minus, and the exponent `e` for `d` in Fortran double precision, which omits the letter before three digits.
 fn plain(word: &str) -> String {
     let mut text: String = word.chars().map(|c| if is_minus(c) { '-' } else { c }).collect();
     if !text.contains('.') {
@@ -108,7 +108,7 @@ fn plain(word: &str) -> String {
     if let Some((mantissa, exponent)) = text.split_once(['d', 'D']) {
         return format!("{mantissa}e{exponent}");
     }
-    // The sign of an exponent of three digits behind a mantissa with a point: 1.0-105.
+    // Sign of a three-digit exponent after a mantissa with a point: 1.0-105.
     let sign = text.char_indices().skip(1).find(|(_, c)| matches!(c, '+' | '-')).map(|(at, _)| at);
     if let Some((mantissa, exponent)) = sign.map(|at| text.split_at(at))
         && mantissa.contains('.')
@@ -126,9 +126,8 @@ fn is_minus(c: char) -> bool {
     matches!(c, '\u{2212}' | '\u{2010}' | '\u{2011}' | '\u{2013}' | '\u{ff0d}')
 }
 
-/// True if a word is a number, denotes a missing one, or resembles a number in a spelling that is not supported: digits
-/// of any script with signs, one decimal separator or groups of three, and an exponent. Dates and times are not
-/// numbers.
+/// Returns true if a word is a number, denotes a missing one, or resembles a number in unsupported notation: digits of
+/// any script with signs, one decimal separator or groups of three, and an exponent. Dates and times are not numbers.
 pub(super) fn looks_like(word: &str) -> bool {
     if word.parse::<f64>().is_ok() || is_missing(word) {
         return true;
@@ -142,7 +141,7 @@ pub(super) fn looks_like(word: &str) -> bool {
     let is_separator = |c: char| matches!(c, '.' | ',' | '_' | '\'' | '\u{2019}' | '\u{66b}' | '\u{66c}');
     let digits = |text: &str| text.chars().all(char::is_numeric);
     let groups: Vec<&str> = mantissa.split(is_separator).collect();
-    // Between the first and the last group of digits there are groups of three.
+    // Groups between the first and the last have three digits.
     let between = if groups.len() > 2 { &groups[1..groups.len() - 1] } else { &[] };
     mantissa.chars().any(char::is_numeric)
         && groups.iter().all(|group| digits(group))

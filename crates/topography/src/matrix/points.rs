@@ -1,5 +1,5 @@
-//! Lists of points: `x y z` on a lattice in any order, with or without all its points, and `x z` at even distances,
-//! among other columns or alone.
+//! Lists of points: `x y z` on a lattice in any order, with or without gaps, and `x z` at even distances, among other
+//! columns or alone.
 
 use ndarray::Array2;
 
@@ -9,34 +9,34 @@ use super::header::{Header, Role, Title};
 use crate::format::Map;
 use crate::unit::Sides;
 
-/// The smallest number of lines that may be a list of points without titles.
+/// Smallest number of lines that may be a list of points without titles.
 const FEWEST: usize = 4;
 
-/// The number of lines of three numbers above which they are not silently taken as a matrix.
+/// Smallest number of lines of three numbers that are not silently taken as a matrix.
 pub(super) const MANY: usize = 16;
 
-/// The largest ratio of the points of a lattice to those in the list.
+/// Largest ratio of lattice points to points in the list.
 const SPARSEST: usize = 4;
 
-/// The largest number of columns of a list.
+/// Largest number of columns of a list.
 pub(super) const MOST_COLUMNS: usize = 16;
 
-/// The way to write a matrix that might be a list.
+/// Advice on how to write a matrix that might be a list.
 pub(super) const AS_MATRIX: &str = "a matrix must have a header with Width and Height";
 
-/// The columns of a list of points.
+/// Columns of a list of points.
 #[derive(Clone, Copy, Debug)]
 struct Columns {
     x: usize,
-    /// `None` of a profile.
+    /// `None` for a profile.
     y: Option<usize>,
     z: usize,
 }
 
-/// The height map in a list of points; `None` if the rows are a matrix.
+/// Reads the height map in a list of points; `None` if the rows are a matrix.
 ///
 /// # Errors
-/// Points that are not on a lattice, where the rows can hardly be a matrix; titles that name several coordinates.
+/// Points off a lattice where the rows can hardly be a matrix; titles that name several coordinates.
 pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> {
     let titles = header.titles(rows.columns);
     if let Some(columns) = Columns::named(&titles, rows.columns)? {
@@ -46,7 +46,7 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
     if rows.columns > 2 && !header.titles_are_comment() && called(Role::X) && !called(Role::Z) {
         return Err("a column is called x, but none z or height; one must be".into());
     }
-    // Separators at the ends of the lines make empty columns.
+    // Separators at the ends of lines make empty columns.
     let width =
         (0..rows.columns).rev().find(|column| !rows.column(*column).all(f64::is_nan)).map_or(0, |last| last + 1);
     let profile = |x: usize, z: usize| Columns { x, y: None, z }.map(rows, &titles, header).map(Some);
@@ -70,7 +70,7 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
                 return columns.with_units(map, rows.columns, &titles, header).map(Some);
             }
             let is_number = |start: f64| rows.column(0).enumerate().all(|(row, found)| found == start + row as f64);
-            // A number of the point in the first column.
+            // Number of the point in the first column.
             if rows.column(0).next().is_some_and(is_number) && is_monotonic(rows.column(1)) {
                 return profile(1, 2);
             }
@@ -92,13 +92,13 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
     }
 }
 
-/// True if each number is larger than the one before, or each is smaller.
+/// Returns true if the numbers rise or fall strictly.
 pub(super) fn is_monotonic(column: impl Iterator<Item = f64> + Clone) -> bool {
     let pairs = || column.clone().zip(column.clone().skip(1));
     pairs().all(|(here, next)| next > here) || pairs().all(|(here, next)| next < here)
 }
 
-/// True if the points with these coordinates are those of a lattice, of which few are missing.
+/// Returns true if the points with these coordinates form a lattice with few missing points.
 pub(super) fn is_lattice(x: &[f64], y: &[f64]) -> bool {
     let [count_x, count_y] = [x, y].map(axis::count);
     let is_full = |full: usize| (x.len()..=x.len() + x.len() / 4).contains(&full);
@@ -110,7 +110,7 @@ pub(super) fn is_lattice(x: &[f64], y: &[f64]) -> bool {
     points.windows(2).all(|pair| pair[0] != pair[1])
 }
 
-/// The first pair of columns, of those wanted, that forms a lattice.
+/// Returns the first pair of wanted columns that forms a lattice.
 pub(super) fn lattice(rows: &Rows, is_wanted: impl Fn(&[usize; 2]) -> bool) -> Option<[usize; 2]> {
     let columns: Vec<Vec<f64>> = (0..rows.columns).map(|column| rows.column(column).collect()).collect();
     let mut pairs = (0..columns.len()).flat_map(|x| (x + 1..columns.len()).map(move |y| [x, y]));
@@ -118,7 +118,7 @@ pub(super) fn lattice(rows: &Rows, is_wanted: impl Fn(&[usize; 2]) -> bool) -> O
 }
 
 impl Columns {
-    /// The columns by their titles; `None` if these name no coordinates.
+    /// Finds the columns by their titles; `None` if the titles name no coordinates.
     ///
     /// # Errors
     /// Several columns with the title of one coordinate.
@@ -160,7 +160,7 @@ impl Columns {
         }
     }
 
-    /// The pair of neighbouring columns that forms a full lattice, and the column behind it.
+    /// Finds the pair of neighbouring columns that forms a full lattice, and the column after it.
     ///
     /// # Errors
     /// The errors of an axis.
@@ -190,7 +190,7 @@ impl Columns {
         Ok(None)
     }
 
-    /// The map with the units of the columns.
+    /// Returns the map with the units of the columns.
     fn map(self, rows: &Rows, titles: &[Title], header: &Header) -> Result<Map, String> {
         let map = match self.y {
             None => self.profile(rows)?,
@@ -212,7 +212,7 @@ impl Columns {
         let used = [Some(self.x), self.y, Some(self.z)];
         let with =
             used.iter().flatten().filter(|column| titles.get(**column).is_some_and(|title| title.unit.is_some()));
-        // A comment that gives some of the units is a remark; a line of titles must give all.
+        // A comment with only some of the units is a remark; a line of titles must give all.
         let is_remark = header.titles_are_comment() && with.count() < used.iter().flatten().count();
         let unit = |column: usize| titles.get(column).filter(|_| !is_remark).and_then(|title| title.unit.clone());
         let [along_x, along_y] = map.lengths.unwrap_or([1.0; 2]);
@@ -237,7 +237,7 @@ impl Columns {
         Ok(map)
     }
 
-    /// The profile of heights at even distances, from the smallest x.
+    /// Reads the profile of heights at even distances, starting at the smallest x.
     fn profile(self, rows: &Rows) -> Result<Map, String> {
         let mut x: Vec<f64> = rows.column(self.x).collect();
         let mut heights: Vec<f64> = rows.column(self.z).collect();
@@ -265,10 +265,10 @@ impl Columns {
         Ok(Map { heights, lengths: Some([axis.length(), 1.0]), notes, ..Map::default() })
     }
 
-    /// The surface through points x y z on a lattice; lattice points missing from the list are undefined.
+    /// Reads the surface through points x y z on a lattice; lattice points missing from the list are undefined.
     ///
     /// # Errors
-    /// Coordinates that may be rounded or have gaps, of what is a list otherwise.
+    /// Coordinates that may be rounded or have gaps, in rows that are otherwise a list.
     fn surface(self, rows: &Rows) -> Result<Option<Map>, String> {
         let Some(y) = self.y else { return Ok(None) };
         let coordinates = [self.x, y].map(|column| rows.column(column).collect::<Vec<_>>());

@@ -3,15 +3,14 @@
 use hdf5_reader::error::{ByteOrder, Error};
 use hdf5_reader::{Datatype, H5Type, dtype_element_size};
 
-/// A number that can be read from a file: `f64` from every integer and float, `u64` and `i64` from integers within
-/// their range.
+/// Number read from a file: `f64` from every integer and float, `u64` and `i64` from integers within their range.
 pub trait Number: Decode {}
 
 impl Number for f64 {}
 impl Number for u64 {}
 impl Number for i64 {}
 
-/// The part of [`Number`] that other crates cannot implement.
+/// Part of [`Number`] that other crates cannot implement.
 pub trait Decode: Copy + Send {
     #[doc(hidden)]
     fn decode(bytes: &[u8], kind: &Datatype) -> Result<Self, Error>;
@@ -52,7 +51,7 @@ impl Decode for i64 {
     }
 }
 
-/// A number as a type of the file library.
+/// Number as a type of the HDF5 reader library.
 #[derive(Clone)]
 pub(super) struct Stored<T>(pub(super) T);
 
@@ -66,7 +65,7 @@ impl<T: Number> H5Type for Stored<T> {
     }
 
     fn element_size(kind: &Datatype) -> usize {
-        // A type without a size cannot be decoded either, which is the error.
+        // A type without a size cannot be decoded either, which gives the error.
         dtype_element_size(kind).unwrap_or(0)
     }
 
@@ -75,7 +74,7 @@ impl<T: Number> H5Type for Stored<T> {
     }
 }
 
-/// The value of an integer of any width.
+/// Decodes an integer of any width.
 fn integer(bytes: &[u8], kind: &Datatype) -> Result<i128, Error> {
     match kind {
         Datatype::FixedPoint { size: 1, signed: true, .. } => i8::from_bytes(bytes, kind).map(i128::from),
@@ -94,7 +93,7 @@ fn mismatch(expected: &str, found: &Datatype) -> Error {
     Error::TypeMismatch { expected: expected.into(), actual: format!("{found:?}") }
 }
 
-/// The value of a float of 16 bits (IEEE 754).
+/// Decodes a 16-bit float (IEEE 754).
 fn half(bytes: &[u8], order: ByteOrder) -> Result<f64, Error> {
     let kind = Datatype::FixedPoint { size: 2, signed: false, byte_order: order };
     let bits = u16::from_bytes(bytes, &kind)?;

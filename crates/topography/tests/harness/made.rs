@@ -1,6 +1,6 @@
-//! Small files of every format, laid out here by the published descriptions and not by the readers or their inverse.
+//! Small files of every format, built here from the published descriptions, not with the readers or their inverse.
 //!
-//! The heights of every map are those of [`height`], in the unit that the file names, unless it says otherwise.
+//! The heights of every map are given by [`height`], in the unit named by the file, unless stated otherwise.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -14,20 +14,20 @@ use zip::{CompressionMethod, ZipWriter};
 /// Number of points along x and y.
 pub(crate) const POINTS: [usize; 2] = [5, 4];
 
-/// The point without a height, in files that can have one.
+/// Point without a height, in files that can have one.
 pub(crate) const UNDEFINED: [usize; 2] = [2, 1];
 
-/// The integer of a point: different at each, of either sign.
+/// Returns the integer of a point: different at each point, with either sign.
 pub(crate) fn height(x: usize, y: usize) -> i16 {
     (100 * x + 7 * y) as i16 - 150
 }
 
-/// The integers line by line: x runs fastest.
+/// Returns the integers line by line: x runs fastest.
 fn lines() -> impl Iterator<Item = i16> {
     (0..POINTS[1]).flat_map(|y| (0..POINTS[0]).map(move |x| height(x, y)))
 }
 
-/// The integers line by line from the last line to the first.
+/// Returns the integers line by line from the last line to the first.
 fn lines_upwards() -> impl Iterator<Item = i16> {
     (0..POINTS[1]).rev().flat_map(|y| (0..POINTS[0]).map(move |x| height(x, y)))
 }
@@ -40,7 +40,7 @@ fn joined<const N: usize>(values: impl Iterator<Item = [u8; N]>) -> Vec<u8> {
     values.flatten().collect()
 }
 
-/// A text in a field of `size` bytes, padded with zeros.
+/// Returns a text in a field of `size` bytes, padded with zeros.
 fn fixed(text: &str, size: usize) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize(size, 0);
@@ -75,7 +75,7 @@ impl Bytes {
     }
 }
 
-/// A zip archive of entries.
+/// Creates a zip archive of entries.
 pub(crate) fn zipped(entries: &[(&str, Vec<u8>)], method: CompressionMethod) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(vec![]));
     for (name, bytes) in entries {
@@ -85,7 +85,7 @@ pub(crate) fn zipped(entries: &[(&str, Vec<u8>)], method: CompressionMethod) -> 
     zip.finish().unwrap().into_inner()
 }
 
-/// The bytes, compressed with the header of zlib.
+/// Compresses bytes with a zlib header.
 pub(crate) fn deflated(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(vec![], Compression::default());
     encoder.write_all(bytes).unwrap();
@@ -188,7 +188,7 @@ pub(crate) fn opd(bytes: usize) -> Vec<u8> {
     file.add(blocks.map(|(_, _, body)| body).concat()).0
 }
 
-/// Dektak: 3 mm by 4 mm between the first and the last points, heights of 1.5 µm per unit.
+/// Dektak: 3 mm by 4 mm between the first and last points, heights of 1.5 µm per unit.
 pub(crate) fn opdx(is_map: bool) -> Vec<u8> {
     fn name(text: &str) -> Vec<u8> {
         Bytes::default().ints(&[text.len() as i32]).add(text).0
@@ -243,7 +243,7 @@ pub(crate) fn opdx(is_map: bool) -> Vec<u8> {
         .0
 }
 
-/// Alicona: pixels of 0.5 by 0.25 m, heights in m; lines of an odd number of points are padded.
+/// Alicona: pixels of 0.5 by 0.25 m, heights in m; lines with an odd number of points are padded.
 pub(crate) fn al3d() -> Vec<u8> {
     let [nx, ny] = POINTS;
     let tags = [
@@ -291,7 +291,7 @@ pub(crate) fn metropro(version: u32, intensities: u16) -> Vec<u8> {
     head
 }
 
-/// An Igor wave of version 5 with two channels, one of them a height: pixels of 0.5 by 0.25 m, heights in m.
+/// Igor wave of version 5 with two channels, one of them a height: pixels of 0.5 by 0.25 m, heights in m.
 pub(crate) fn ibw(is_big: bool) -> Vec<u8> {
     let short = |value: i16| if is_big { value.to_be_bytes() } else { value.to_le_bytes() };
     let int = |value: i32| if is_big { value.to_be_bytes() } else { value.to_le_bytes() };
@@ -319,7 +319,7 @@ pub(crate) fn ibw(is_big: bool) -> Vec<u8> {
     [head, data, note.as_bytes().to_vec(), labels].concat()
 }
 
-/// An Igor wave of version 2: a profile with a spacing of 0.5 m, heights in m.
+/// Igor wave of version 2: a profile with a spacing of 0.5 m, heights in m.
 pub(crate) fn ibw_profile() -> Vec<u8> {
     let data = joined((0..POINTS[0]).map(|x| f64::from(height(x, 0)).to_be_bytes()));
     let mut head = vec![0; 16 + 110];
@@ -333,7 +333,7 @@ pub(crate) fn ibw_profile() -> Vec<u8> {
     [head, data, vec![0; 16]].concat()
 }
 
-/// The entries of a file of Sensofar: pixels of 0.5 by 0.25 µm, heights in µm.
+/// Entries of a Sensofar file: pixels of 0.5 by 0.25 µm, heights in µm.
 pub(crate) fn plux() -> Vec<(&'static str, Vec<u8>)> {
     let [nx, ny] = POINTS;
     let index = format!(
@@ -369,7 +369,7 @@ pub(crate) fn plu() -> Vec<u8> {
         .0
 }
 
-/// Molecular Imaging: 10 by 5 µm, heights of 2^-10 µm per unit; the first of two channels is no height.
+/// Molecular Imaging: 10 by 5 µm, heights of 2^-10 µm per unit; the first of two channels is not a height.
 pub(crate) fn mi(bits: usize) -> Vec<u8> {
     let data: Vec<u8> = match bits {
         16 => joined(lines_upwards().chain(lines_upwards()).map(i16::to_le_bytes)),
@@ -385,7 +385,7 @@ pub(crate) fn mi(bits: usize) -> Vec<u8> {
     [header.into_bytes(), data].concat()
 }
 
-/// Nanosurf: 10 by 5 µm, heights of 2^-20 m per unit, the range from -1/32 m; the first of two channels is no height.
+/// Nanosurf: 10 by 5 µm, heights of 2^-20 m per unit, a range from -1/32 m; the first of two channels is not a height.
 pub(crate) fn nanosurf() -> Vec<u8> {
     let section = |number: usize, name: &str, unit: &str| {
         format!(
@@ -405,7 +405,7 @@ pub(crate) fn nanosurf() -> Vec<u8> {
     [header.into_bytes(), joined(lines_upwards().chain(lines_upwards()).map(i16::to_le_bytes))].concat()
 }
 
-/// A link of Zygo's meta data.
+/// Link in Zygo metadata.
 #[derive(Clone, hdf5::H5Type)]
 #[repr(C)]
 struct Link {
@@ -414,7 +414,7 @@ struct Link {
     destination: VarLenAscii,
 }
 
-/// A converter of Zygo.
+/// Converter of Zygo.
 #[derive(Clone, hdf5::H5Type)]
 #[repr(C)]
 struct Converter {
@@ -423,7 +423,7 @@ struct Converter {
     parameters: VarLenArray<f64>,
 }
 
-/// A file of Zygo Mx: pixels of 0.5 by 0.25 m, heights in nm.
+/// Zygo Mx: pixels of 0.5 by 0.25 m, heights in nm.
 pub(crate) fn datx(path: &Path) {
     let text = |text: &str| VarLenAscii::from_ascii(text).unwrap();
     let file = hdf5::File::create(path).unwrap();

@@ -1,4 +1,4 @@
-//! Count of the memory that Rust allocates. Memory of C libraries is not counted.
+//! Count of the memory allocated by Rust. Memory of C libraries is not counted.
 
 #![allow(unsafe_code, reason = "an allocator is unsafe by its trait")]
 
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 static NOW: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-/// The allocator of the system, which counts.
+/// System allocator that counts bytes.
 struct Counting;
 
 #[global_allocator]
@@ -19,7 +19,7 @@ fn add(bytes: usize) {
     PEAK.fetch_max(now, Ordering::Relaxed);
 }
 
-// SAFETY: all calls go to the allocator of the system.
+// SAFETY: all calls go to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         add(layout.size());
@@ -55,7 +55,7 @@ pub(crate) fn start() -> usize {
     now
 }
 
-/// The largest number of bytes allocated since `start`, beyond those that were then.
+/// Returns the largest number of bytes allocated since `start`, beyond the bytes allocated then.
 pub(crate) fn peak(start: usize) -> usize {
     PEAK.load(Ordering::Relaxed).saturating_sub(start)
 }

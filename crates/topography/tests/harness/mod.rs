@@ -1,5 +1,4 @@
-//! Hostile files: damaged copies of valid ones, in each of which a reader must find heights or an error, in bounded
-//! time and memory.
+//! Hostile files: damaged copies of valid ones. Readers must find heights or an error in bounded time and memory.
 
 pub(crate) mod made;
 mod memory;
@@ -23,24 +22,24 @@ pub(crate) const ENDLESS: i32 = 3;
 /// 1 MiB and 20000 nodes, whatever its compressed size.
 const CONSTANT: usize = 4 << 20;
 
-/// That of HDF5: a header of an object declares up to 65535 messages, and the reader makes room for all, 10 MB.
+/// The same for HDF5: an object header declares up to 65535 messages, and the reader allocates room for all, 10 MB.
 const CONSTANT_HDF5: usize = 14 << 20;
 
-/// Bytes for each point of the grid: a height and a mark.
+/// Bytes per grid point: a height and a mark.
 const POINT: usize = 9;
 
-/// The findings of a run.
+/// Findings of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Count {
     pub(crate) inputs: u64,
     /// Files that were read.
     pub(crate) read: u64,
-    /// Largest memory beyond the file and the grid, in multiples of the file, and time of one file.
+    /// Largest memory of a file beyond its grid, in multiples of the file size, and largest time.
     pub(crate) memory: f64,
     pub(crate) time: Duration,
 }
 
-/// The input that is being read, for the guard against reading without end.
+/// Input being read, for the guard against endless reading.
 static READING: Mutex<Option<(Instant, String, Vec<u8>)>> = Mutex::new(None);
 
 /// Starts a guard that ends the process if a file takes longer than `limit`.
@@ -63,11 +62,11 @@ pub(crate) fn guard(limit: Duration) {
     });
 }
 
-/// Reads `inputs` damaged files of a format, the same for the same `first` number.
+/// Reads `inputs` damaged files of a format; equal numbers from `first` on give equal files.
 ///
 /// # Errors
-/// The number of the first input that panics, takes too much memory or gives a height map that is not sound, and why.
-/// The input is written to `folder`.
+/// The number of the first input that panics, takes too much memory or gives an invalid height map, and the reason. The
+/// input is written to `folder`.
 pub(crate) fn attack(format: &str, seeds: &[Seed], first: u64, inputs: u64, folder: &Path) -> Result<Count, String> {
     let mut count = Count::default();
     for number in first..first + inputs {
@@ -83,7 +82,7 @@ pub(crate) fn attack(format: &str, seeds: &[Seed], first: u64, inputs: u64, fold
     Ok(count)
 }
 
-/// Reads a file that may be damaged.
+/// Reads a file that may be damaged. Returns true if it has a valid height map.
 pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool, String> {
     *READING.lock().map_err(|error| error.to_string())? = Some((Instant::now(), name.to_owned(), bytes.to_vec()));
     let started = Instant::now();
@@ -94,7 +93,7 @@ pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool,
     let (peak, time) = (memory::peak(before) + bytes.len(), started.elapsed());
     let grid = match &map {
         Ok(map) => map.heights.len(),
-        // The header counts, even if the heights then are not there.
+        // The header counts, even if the heights are missing.
         Err(_) => caught(|| declared(bytes))?,
     };
     *READING.lock().map_err(|error| error.to_string())? = None;
@@ -124,7 +123,7 @@ pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool,
     Ok(true)
 }
 
-/// Calls `read`; a panic is an error.
+/// Calls `read` and converts a panic to an error.
 fn caught<T>(read: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(read)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().cloned();
@@ -132,7 +131,7 @@ fn caught<T>(read: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// The largest number of points that a file declares for a height map.
+/// Returns the largest number of points that a file declares for a height map.
 fn declared(bytes: &[u8]) -> usize {
     let listing = Listing::from_bytes("file", bytes.to_vec());
     let points = listing.iter().flat_map(|listing| &listing.channels).map(|channel| channel.points);

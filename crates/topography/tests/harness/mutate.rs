@@ -1,13 +1,13 @@
-//! Damage to files: the same for the same number.
+//! Reproducible damage to files: equal numbers give equal damage.
 
 use super::made;
 use zip::CompressionMethod;
 
-/// A valid file to start from.
+/// Valid file to start from.
 #[derive(Clone)]
 pub(crate) enum Seed {
     Bytes(Vec<u8>),
-    /// The entries of a zip archive, which are damaged before they are packed, since a checksum guards them afterwards.
+    /// Entries of a zip archive, which are damaged before they are packed, since a checksum guards them afterwards.
     Zip(Vec<(String, Vec<u8>)>),
 }
 
@@ -37,7 +37,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number below `end`; 0 for an end of 0.
+    /// Returns a number below `end`, or 0 if `end` is 0.
     pub(crate) fn below(&mut self, end: usize) -> usize {
         if end == 0 { 0 } else { (self.next() % end as u64) as usize }
     }
@@ -47,7 +47,7 @@ impl Random {
     }
 }
 
-/// Numbers at which programs fail.
+/// Numbers that often make programs fail.
 const WORDS: [u64; 22] = [
     0,
     1,
@@ -69,11 +69,11 @@ const WORDS: [u64; 22] = [
     u64::MAX,
     0x7ff0_0000_0000_0000, // infinity
     0x7ff8_0000_0000_0000, // NaN
-    0x7fc0_0000,           // NaN of 32 bits
+    0x7fc0_0000,           // 32-bit NaN
     0x0000_0001_0000_0001,
 ];
 
-/// The same in texts.
+/// Numbers in text that often make programs fail.
 const TEXTS: [&str; 18] = [
     "",
     "0",
@@ -95,11 +95,11 @@ const TEXTS: [&str; 18] = [
     "3.5",
 ];
 
-/// A damaged copy of one of some valid files of a format.
+/// Returns a damaged copy of one of several valid files of a format.
 pub(crate) fn damaged(seeds: &[Seed], random: &mut Random) -> Vec<u8> {
     let chosen = random.below(seeds.len());
     let mut bytes = match &seeds[chosen] {
-        // Most damage inside of an archive would only spoil the checksum of an entry.
+        // Most damage inside an archive would only invalidate the checksum of an entry.
         Seed::Zip(entries) if random.below(4) > 0 => {
             let mut entries = entries.clone();
             for _ in 0..=random.below(3) {
@@ -124,7 +124,7 @@ pub(crate) fn damaged(seeds: &[Seed], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// Changes some bytes in one of many ways; `other` is a file from which parts are taken.
+/// Changes some bytes in one of many ways; parts are taken from the file `other`.
 fn change(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     let length = bytes.len();
     if length == 0 {
@@ -179,7 +179,7 @@ fn change(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     }
 }
 
-/// Replaces the number in text that follows `at`, if there is one.
+/// Replaces the number in text that follows `at`, if any.
 fn digits(bytes: &mut Vec<u8>, at: usize, random: &mut Random) {
     let is_part = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-');
     let Some(start) = bytes[at..].iter().position(|&byte| byte.is_ascii_digit()).map(|offset| at + offset) else {

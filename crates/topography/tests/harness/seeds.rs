@@ -1,4 +1,4 @@
-//! The valid files from which the hostile ones are made.
+//! Valid files that are damaged to make hostile ones.
 
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -9,7 +9,7 @@ use zip::ZipArchive;
 use super::Seed;
 use super::made;
 
-/// The formats with their valid files. `folder` takes files that a library must write to the disk.
+/// Returns the formats with their valid files. `folder` takes files that a library must write to the disk.
 pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
     let bytes = |files: Vec<Vec<u8>>| files.into_iter().map(Seed::Bytes).collect::<Vec<Seed>>();
     let zip = |entries: Vec<(&str, Vec<u8>)>| {
@@ -35,10 +35,10 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
     ];
     let data = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")).unwrap();
     let mut written: Vec<Vec<u8>> = data.filter_map(|entry| std::fs::read(entry.unwrap().path()).ok()).collect();
-    // The order of the files in a folder is not fixed.
+    // The order of files in a folder is not fixed.
     written.sort();
     for bytes in written.into_iter().chain(texts()) {
-        // The folder has a program and a text, too.
+        // The folder also has a program and a text.
         let Ok(listing) = Listing::from_bytes("file", bytes.clone()) else { continue };
         let seed = entries(&bytes).map_or(Seed::Bytes(bytes), Seed::Zip);
         match seeds.iter_mut().find(|(format, _)| *format == listing.format) {
@@ -49,7 +49,7 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
     seeds
 }
 
-/// The entries of a zip archive, decompressed.
+/// Decompresses the entries of a zip archive.
 fn entries(bytes: &[u8]) -> Option<Vec<(String, Vec<u8>)>> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).ok()?;
     let count = archive.len();
@@ -62,7 +62,7 @@ fn entries(bytes: &[u8]) -> Option<Vec<(String, Vec<u8>)>> {
     (0..count).map(entry).collect()
 }
 
-/// Files of text, and those with a header of text.
+/// Returns text files, and files with a text header.
 fn texts() -> Vec<Vec<u8>> {
     let mut npy = b"\x93NUMPY\x01\0\x46\0{'descr': '>i2', 'fortran_order': False, 'shape': (2, 3), }".to_vec();
     npy.resize(79, b' ');

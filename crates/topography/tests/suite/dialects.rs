@@ -1,6 +1,6 @@
 //! Random grids written in every dialect of HDF5 and NetCDF that is read, and read back: types, scales, missing values,
-//! limits, units, order of dimensions, direction and type of coordinates, chunks, compression. The values expected are
-//! computed from what was written.
+//! limits, units, order of dimensions, direction and type of coordinates, chunks, compression. The expected values are
+//! computed from the values written.
 
 use std::str::FromStr;
 
@@ -29,7 +29,7 @@ impl Random {
     }
 }
 
-/// The type of stored numbers.
+/// Type of stored numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     I8,
@@ -56,7 +56,7 @@ impl Kind {
         !matches!(self, Self::U8 | Self::U16 | Self::U32 | Self::U64)
     }
 
-    /// The type's number in NetCDF.
+    /// Returns the number of the type in NetCDF.
     fn code(self) -> u32 {
         [1, 7, 3, 8, 4, 9, 10, 11, 5, 6][KINDS.iter().position(|kind| *kind == self).unwrap()]
     }
@@ -77,7 +77,7 @@ impl Kind {
     }
 }
 
-/// The attributes that mark points without a value.
+/// Attributes that mark points without a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Missing {
     None,
@@ -90,10 +90,10 @@ enum Missing {
     RangeOfValues,
 }
 
-/// The stored numbers that these attributes mark.
+/// Stored numbers marked by these attributes.
 const HOLES: [f64; 2] = [120.0, 3.0];
 
-/// The order of the dimensions y, x, and how the file tells it.
+/// Order of the dimensions, and the way in which the file gives the order y, x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Order {
     XThenY,
@@ -114,7 +114,7 @@ struct Case {
     steps: [f64; 2],
     single_coordinates: bool,
     order: Order,
-    /// Stored numbers at `[x, y]`, x and y in the direction of the file.
+    /// Stored numbers at `[x, y]`, with x and y in the direction of the file.
     numbers: Vec<f64>,
 }
 
@@ -165,7 +165,7 @@ impl Case {
             }
         }
         let units = ["m", "µm", "nm", "Å"];
-        // One of the two is enough to say the scale.
+        // One of the two is enough to give the scale.
         let has_factor = is_packed && (random.coin() || random.coin());
         Self {
             points,
@@ -189,7 +189,7 @@ impl Case {
         number * self.factor.unwrap_or(1.0) + self.offset.unwrap_or(0.0)
     }
 
-    /// The attributes of the heights: name, numbers, and true if they are of the stored type.
+    /// Returns the attributes of the heights: name, numbers, and true if they are of the stored type.
     fn attributes(&self) -> Vec<(&'static str, Vec<f64>, bool)> {
         let mut found = Vec::new();
         found.extend(self.factor.map(|factor| ("scale_factor", vec![factor], false)));
@@ -216,7 +216,7 @@ impl Case {
         self.order != Order::XThenY
     }
 
-    /// The numbers in the order of the file, and its numbers of rows and columns.
+    /// Returns the numbers in file order, and the numbers of rows and columns.
     fn rows(&self) -> (Vec<f64>, [usize; 2]) {
         let [nx, ny] = self.points;
         if !self.is_transposed() {
@@ -307,7 +307,7 @@ fn write<T: H5Type + Copy>(group: &Group, name: &str, case: &Case, storage: usiz
     dataset
 }
 
-/// Writes the case as HDF5, with a dataset beside it that is no height.
+/// Writes the case as HDF5, with another dataset that is not a height.
 fn hdf5(case: &Case, path: &std::path::Path, random: &mut Random) {
     let file = hdf5::File::create(path).unwrap();
     let (group, name) = match random.coin() {
@@ -347,7 +347,7 @@ fn hdf5(case: &Case, path: &std::path::Path, random: &mut Random) {
     unit(&phase, "deg");
 }
 
-/// The case in the classic format of NetCDF, whose dimensions are y and x if the order is not x, y.
+/// Returns the case in the classic NetCDF format, with the dimensions y and x if the order is not x, y.
 fn netcdf(case: &Case, version: u8) -> Vec<u8> {
     let count = |value: usize| match version {
         5 => (value as u64).to_be_bytes().to_vec(),
@@ -413,7 +413,7 @@ fn netcdf(case: &Case, version: u8) -> Vec<u8> {
     [header(begins), data.concat()].concat()
 }
 
-/// The number of random cases, and that of the whole list.
+/// Returns the number of random cases, which is larger if `GFMD_LONG` is set.
 fn cases() -> u64 {
     if std::env::var_os("GFMD_LONG").is_some() { 5000 } else { 250 }
 }
@@ -445,7 +445,7 @@ fn random_grids_come_back_from_every_dialect_of_netcdf() {
     }
 }
 
-/// Writes a file by `fill` and reads a channel of it.
+/// Writes a file with `fill` and reads one of its channels.
 fn made(fill: impl FnOnce(&hdf5::File), channel: Option<&str>) -> Result<Topography, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("h.h5");
@@ -453,7 +453,7 @@ fn made(fill: impl FnOnce(&hdf5::File), channel: Option<&str>) -> Result<Topogra
     Topography::read(path.to_str().unwrap(), channel).map_err(|error| error.reason)
 }
 
-/// A dataset of 2 x 3 integers in a unit.
+/// Creates a dataset of 2 x 3 integers in a unit.
 fn counts(group: &Group, name: &str, in_unit: &str) -> Dataset {
     let dataset = create(group, name, &[2, 3], &[1_i32, 2, 3, 4, 5, 6]);
     unit(&dataset, in_unit);
@@ -495,7 +495,7 @@ fn integers_in_a_unit_of_length_need_a_scale() {
     assert_eq!(made(floats, None).unwrap().notes, ["the heights are taken as stored, not changed by gain"]);
 }
 
-/// Channels of JPK: the points of a grid of 3 x 2 in rows, with two frames.
+/// Writes JPK channels: the points of a 3 x 2 grid in rows, with two frames.
 fn jpk(file: &hdf5::File, multiplier: &str, unit_of_encoder: &str) {
     let measurement = file.create_group("Measurement_000").unwrap();
     for (name, value) in [("ilength", 3.0), ("jlength", 2.0), ("ulength", 3e-6), ("vlength", 4e-6)] {
@@ -534,7 +534,7 @@ fn channels_of_jpk_have_the_scale_and_the_grid_of_their_groups() {
 #[test]
 fn places_of_points_make_a_grid() {
     let write = |file: &hdf5::File, last: f64, in_unit: &str| {
-        // The lines of the picture in an order of their own, 3 points along x, 2 along y.
+        // The lines of the picture in their own order, 3 points along x, 2 along y.
         let places = [[2.0, 0.5], [3.0, 0.5], [4.0, 0.5], [4.0, 0.0], [3.0, 0.0], [last, 0.0]];
         let values = create(file, "Position_Values", &[6, 2], places.as_flattened());
         unit(&values, in_unit);

@@ -1,4 +1,4 @@
-//! Files of other programs: every height, size and unit is that of `data/make.py`.
+//! Files of other programs: every height, size and unit is compared with `data/make.py`.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use ndarray::Array2;
 
 const HOLES: [[usize; 2]; 2] = [[1, 2], [4, 0]];
 
-/// The heights of `make.py`.
+/// Returns the heights of `make.py`.
 fn heights() -> Array2<f64> {
     Array2::from_shape_fn((5, 4), |(i, j)| ((7 * i + 3 * j) % 16) as f64 - (i * j) as f64 / 8.0 + 0.25)
 }
@@ -26,7 +26,7 @@ fn read(name: &str, channel: Option<&str>) -> Topography {
     Topography::read(&path(name), channel).unwrap()
 }
 
-/// True if two maps have the same bits, and NaN at the same points.
+/// Returns true if two maps have the same bits, and NaN at the same points.
 fn same(found: &Array2<f64>, expected: &Array2<f64>) -> bool {
     found.dim() == expected.dim()
         && found.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
@@ -38,7 +38,7 @@ fn names(name: &str) -> Vec<String> {
 
 #[test]
 fn x3p_has_floats_and_scaled_integers_with_valid_points() {
-    // The size is n times the increment that the file states, 2.5 µm / 5.
+    // The size is n times the increment stated in the file, 2.5 µm / 5.
     let lengths = Some([5.0 * (2.5e-6 / 5.0), 4.0 * (1e-6 / 4.0)]);
     let int16 = |h: f64| (h * 8.0 - 40.0) * 2_f64.powi(-23) + 2_f64.powi(-18);
     let cases = [
@@ -144,7 +144,7 @@ fn every_truncation_of_every_file_is_refused_or_read_without_a_panic() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let bytes = std::fs::read(&path).unwrap();
-        // HDF5 is the work of its library.
+        // HDF5 files are left to the tests of their library.
         if bytes.starts_with(b"\x89HDF") || path.extension().is_some_and(|ending| ending == "py" || ending == "md") {
             continue;
         }
@@ -176,7 +176,7 @@ fn x3p_comes_back_as_it_was_written() {
     ] {
         let (note, found) = write(&heights, lengths, Some("m"));
         assert!(note.is_none() && same(&found.heights, &heights));
-        // No spacing may give back a size that is rounded itself.
+        // Possibly no spacing reproduces a size that is itself rounded.
         let sizes = found.lengths.unwrap().into_iter().zip(lengths);
         assert!(sizes.into_iter().all(|(found, length)| (found / length - 1.0).abs() <= f64::EPSILON));
         assert_eq!(found.unit.as_deref(), Some("m"));

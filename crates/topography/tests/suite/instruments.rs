@@ -1,4 +1,4 @@
-//! Files of instruments, laid out by hand from the published descriptions, and what the readers find in them.
+//! Files of instruments, built by hand from the published descriptions, and the results of the readers.
 
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable};
 use gfmd_topography::Topography;
@@ -6,7 +6,7 @@ use zip::CompressionMethod;
 
 use crate::made::{self, POINTS, UNDEFINED, height};
 
-/// The content of a file besides the heights of [`height`] times a scale.
+/// Content of a file besides the heights of [`height`] times a scale.
 struct Expected {
     format: &'static str,
     channel: &'static str,
@@ -24,8 +24,8 @@ fn refusal(bytes: Vec<u8>) -> String {
     Topography::from_bytes("scan", bytes, None).unwrap_err().reason
 }
 
-/// Checks a map of all points: `at` gives the point whose height lies at a place of the picture, its lines counted from
-/// the top. In the map, y points up.
+/// Checks a map at all points. `at` returns the point for a place in the picture, with lines counted from the top. In
+/// the map, y points up.
 fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [usize; 2]) {
     let &Expected { format, channel, lengths, unit, scale, undefined } = expected;
     assert_eq!((map.format, map.channel.as_deref().unwrap_or("")), (format, channel));
@@ -101,12 +101,12 @@ fn digital_surf_says_what_is_wrong() {
     assert_eq!(changed(116, &[21]), "the number of points is 21; it must be 5 times 4");
     let unit = changed(212, b"a.u.");
     assert!(unit.starts_with("object 0 is \"Z\" in \"a.u."), "{unit}");
-    // The numbers of the header agree with each other, not with the file.
+    // The numbers of the header agree with each other, but not with the file.
     let mut lying = made::sur(32, 0, 0);
     lying[108..120].copy_from_slice(&[0, 0, 1, 0, 0, 64, 0, 0, 0, 0, 0, 64]);
     let lie = refusal(lying);
     assert!(lie.starts_with("a block of 4294967296 bytes starts at byte 527"), "{lie}");
-    // So do they in a compressed file, whose streams tell the size, too.
+    // So do the numbers in a compressed file, where the stream sizes agree as well.
     let mut bomb = made::sur(32, 1, 0);
     bomb[108..120].copy_from_slice(&[0, 0, 1, 0, 0, 16, 0, 0, 0, 0, 0, 16]);
     bomb[531..535].copy_from_slice(&[0, 0, 0, 64]);
@@ -121,7 +121,7 @@ fn a_compressed_surface_must_have_as_many_heights_as_it_says() {
     let mut short = whole.clone();
     short.truncate(start);
     assert!(refusal(short).contains("it must lie within the"), "a stream that ends early");
-    // A stream of more bytes than the header says.
+    // A stream of more bytes than stated in the header.
     let mut long = whole[..527].to_vec();
     let stream = made::deflated(&[0; 4 * 20 + 1]);
     long.extend([1_u32, 80, stream.len() as u32].iter().flat_map(|value| value.to_le_bytes()));
@@ -146,7 +146,7 @@ fn nanoscope_multiplies_by_the_sensitivity_and_turns_the_image() {
     }
 }
 
-/// The file with a text replaced by one of the same length.
+/// Returns the file with a text replaced by one of the same length.
 fn edited(bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
@@ -288,7 +288,7 @@ fn sensofar_layers_are_entries_of_a_zip_archive() {
         let map = check(made::zipped(&made::plux(), method), &expected);
         assert_eq!(map.details, [("date".into(), "2022-03-04".into()), ("device".to_owned(), "Test".to_owned())]);
     }
-    // A bomb: 100 MB of zeros for 20 heights.
+    // Decompression bomb: 100 MB of zeros for 20 heights.
     let [index, _] = &made::plux()[..] else { unreachable!() };
     let bomb = made::zipped(&[index.clone(), ("LAYER_0.raw", vec![0; 100_000_000])], CompressionMethod::Deflated);
     assert_eq!(refusal(bomb), "the compressed heights have more than 80 bytes; they must have 80");
@@ -302,7 +302,7 @@ fn entries_of_a_zip_archive_cannot_be_larger_than_the_archive() {
             String::from_utf8(entries[0].1.clone()).unwrap().replace(size, &format!("{}16384", &size[..14])).into();
     }
     let mut bytes = made::zipped(&entries, CompressionMethod::Deflated);
-    // The compressed size in the last entry of the directory.
+    // Compressed size in the last entry of the directory.
     let entry = bytes.windows(4).rposition(|window| window == b"PK\x01\x02").unwrap();
     bytes[entry + 20..entry + 24].copy_from_slice(&[0xff; 4]);
     let lie = refusal(bytes);
@@ -379,7 +379,7 @@ fn nanosurf_covers_the_range_of_the_channel() {
     };
     let map = check(made::nanosurf(), &expected);
     assert_eq!(map.channels, ["Scan forward (Z-Axis)"], "deflection is no height");
-    // A range that is not about zero.
+    // A range that is not centred at zero.
     let shifted = read(edited(
         made::nanosurf(),
         "Dim2Min=-0.03125\r\nSaveMode=Binary\r\nSaveBits=16\r\nSaveSign=Signed\r\nSaveOrder=Intel\r\n#!",
@@ -388,7 +388,7 @@ fn nanosurf_covers_the_range_of_the_channel() {
     assert_eq!(shifted.heights, map.heights.mapv(|height| height + 0.0625));
 }
 
-/// Writes heights 0, 1, ... in HDF5 with coordinates of 3 x 4 points in units; an empty unit stands for none.
+/// Writes heights 0, 1, ... in HDF5 with coordinates of 3 x 4 points in units; an empty unit means no unit.
 fn hdf5(units: [&str; 3]) -> Result<Topography, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("h.h5");
@@ -434,7 +434,7 @@ fn heights_and_both_coordinates_of_hdf5_have_units_of_their_own() {
     }
 }
 
-/// A file whose bytes at some places are others.
+/// Returns a file with the bytes at some places replaced.
 fn patched(mut bytes: Vec<u8>, patches: &[(usize, &[u8])]) -> Vec<u8> {
     patches.iter().for_each(|(at, patch)| bytes[*at..at + patch.len()].copy_from_slice(patch));
     bytes
@@ -476,7 +476,7 @@ fn axes_of_netcdf_and_igor_have_units_of_their_own() {
     let said = [DATA, DATA + 4].map(|at| profile(&[(at, b"\0")]).unwrap_err());
     assert!(said[0].starts_with("the unit of the lengths is m but the heights have no unit"), "{}", said[0]);
     assert!(said[1].starts_with("the unit of the heights is m but the lengths have no unit"), "{}", said[1]);
-    // A spacing of 1 without a unit is what Igor writes where none was set.
+    // Igor writes a spacing of 1 without a unit if none was set.
     let unset = profile(&[(DATA + 4, b"\0"), (16 + 48, &1_f64.to_be_bytes())]).unwrap();
     assert_eq!((unset.lengths, unset.unit.as_deref()), (None, Some("m")));
 }
@@ -538,7 +538,7 @@ fn sizes_and_scales_that_are_not_there_are_not_made_up() {
     }
     assert!(x3p("double.x3p", &|xml| xml).is_ok(), "floats are heights without an increment");
 
-    // Both channels are listed, of which the first is no height.
+    // Both channels are listed; the first is not a height.
     let missing = (0..2).fold(made::nanosurf(), |bytes, _| edited(bytes, "Dim1Unit=m", "Dim1Unix=m"));
     assert!(refusal(missing).ends_with("has no Dim1Unit; it must have it"));
     let gsf = |sizes: &str| {
@@ -621,13 +621,13 @@ fn names_and_messages_do_not_steer_a_terminal() {
     }
     let message = Topography::from_bytes("scan", bytes.clone(), Some("x\u{202e}\ny")).unwrap_err().to_string();
     assert!(!message.contains(|c: char| c.is_control() || c == '\u{202e}'), "{message:?}");
-    // No channel is a height: the message names all.
+    // No channel is a height: the message names all channels.
     let others = edited(edited(bytes, "HeightT", "NothinT"), "PhaseTrace", "P\nh\na\ns\ne\x1b");
     let message = Topography::from_bytes("scan", others, None).unwrap_err().to_string();
     assert!(message.contains("one must be a height") && !message.contains(char::is_control), "{message:?}");
 }
 
-/// The description of an X3P of 3 x 2 points with steps of 2 and 3 m, with heights as `kind` and this data in Record3.
+/// Describes an X3P of 3 x 2 points with steps of 2 and 3 m, heights as `kind`, and `data` in Record3.
 fn main_xml(kind: &str, scale: &str, data: &str) -> Vec<u8> {
     let axis = |name: &str, step: f64| format!("<{name}><AxisType>I</AxisType><Increment>{step}</Increment></{name}>");
     let (x, y) = (axis("CX", 2.0), axis("CY", 3.0));
@@ -659,7 +659,7 @@ fn entries_of_x3p_are_found_whatever_their_folder_case_and_slashes() {
         ("scan/main.xml", "bindata/data.bin", "bindata/valid.bin", "bindata/data.bin", "bindata/valid.bin"),
     ] {
         let xml = main_xml("D", "", &link(linked, linked_valid));
-        // An archive of another system has entries of its own.
+        // An archive made on another system has additional entries.
         let others = ("__MACOSX/._main.xml", vec![0]);
         let entries = [others, (main, xml), (data, heights.clone()), (valid, vec![0b0011_1111])];
         let map = read(made::zipped(&entries, CompressionMethod::Deflated));
@@ -699,7 +699,7 @@ fn x3p_may_list_its_heights_in_the_description() {
     }
     let neither = refusal(zip(main_xml("D", "", "")));
     assert!(neither.starts_with("main.xml must have either Record3/DataLink/PointDataLink"), "{neither}");
-    // A long list is no long description.
+    // A long list does not count as a long description.
     let [nx, ny] = [300_usize, 200];
     let many: String = (0..nx * ny).map(|k| format!("<Datum>{k}.0000000000</Datum>")).collect();
     let xml = String::from_utf8(main_xml("D", "", &format!("<DataList>{many}</DataList>"))).unwrap();
@@ -708,7 +708,7 @@ fn x3p_may_list_its_heights_in_the_description() {
     assert!(long.heights.indexed_iter().all(|((i, j), z)| *z == (j * nx + i) as f64) && long.heights.dim() == (nx, ny));
 }
 
-/// Two images of Nanoscope: the file of [`made::nanoscope`] with another image section before its own.
+/// Returns two Nanoscope images: the file of [`made::nanoscope`] with another image section before its own.
 fn nanoscope_with(section: &str, names: &str) -> Vec<u8> {
     let whole = made::nanoscope(2);
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();

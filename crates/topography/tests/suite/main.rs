@@ -1,6 +1,5 @@
-//! The tests of `gfmd-topography` as one program: those of one file by
-//! `cargo test -p gfmd-topography --test suite FILE::`. Hostile files are read by a program of their own, whose memory
-//! is counted.
+//! Tests of `gfmd-topography` as one program. `cargo test -p gfmd-topography --test suite FILE::` runs the tests of one
+//! file. Hostile files are read by a separate program, which counts its memory.
 
 mod dialects;
 mod formats;

@@ -1,5 +1,5 @@
 //! Text tables and grids, written at random in every dialect and read back, and single tables of programs. A table is
-//! read as it is meant, or refused with what to write.
+//! read as intended, or refused with advice on what to write.
 
 use std::fmt::Write;
 
@@ -21,7 +21,7 @@ fn refusal(text: &str) -> String {
     }
 }
 
-/// The root-mean-square of the defined heights about their mean.
+/// Computes the root mean square of the defined heights about their mean.
 fn rms(map: &Topography) -> f64 {
     let defined: Vec<f64> = map.heights.iter().copied().filter(|height| height.is_finite()).collect();
     let mean = defined.iter().sum::<f64>() / defined.len() as f64;
@@ -40,7 +40,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A whole number of the range.
+    /// Returns a whole number in the range.
     fn of(&mut self, range: std::ops::Range<usize>) -> usize {
         range.start + (self.next() % (range.end - range.start) as u64) as usize
     }
@@ -60,7 +60,7 @@ impl Random {
     }
 }
 
-/// The number of random tables of a kind; `GFMD_LONG` asks for many.
+/// Returns the number of random tables of a kind, which is larger if `GFMD_LONG` is set.
 fn count() -> usize {
     if std::env::var_os("GFMD_LONG").is_some() { 20_000 } else { 400 }
 }
@@ -69,7 +69,7 @@ fn count() -> usize {
 const MISSING: [&str; 14] =
     ["nan", "NaN", "***", "---", "N/A", "#N/A", "1.#QNAN", "-1.#IND", "null", "None", "?", "OVER", "BAD", "NODATA"];
 
-/// How numbers are written.
+/// Notation of numbers.
 #[derive(Clone, Copy, Debug)]
 struct Style {
     separator: &'static str,
@@ -98,7 +98,7 @@ impl Style {
     }
 }
 
-/// Heights with three decimals, some of which may be undefined.
+/// Returns heights with three decimals, some of them undefined if `holes`.
 fn heights(random: &mut Random, [nx, ny]: [usize; 2], holes: bool) -> Array2<f64> {
     let hole = if holes { random.of(5..20) } else { usize::MAX };
     Array2::from_shape_simple_fn((nx, ny), || {
@@ -126,7 +126,7 @@ fn check(found: &Topography, expected: &Array2<f64>, factor: f64, lengths: Optio
     }
 }
 
-/// A reason that says what to write.
+/// Returns true if a reason gives advice.
 fn advises(reason: &str) -> bool {
     !reason.contains('\n') && reason.contains("must")
 }
@@ -144,7 +144,7 @@ fn lists_of_points_are_read_back_in_every_dialect() {
         let at = |axis: usize, k: usize| (start[axis] - 20.0 + k as f64 * step[axis]) * unit;
         let holes = random.of(0..3) == 0;
         let mut map = heights(&mut random, n, holes);
-        // A line or column without a point is not in a list.
+        // A line or column without a point does not appear in a list.
         map.iter_mut().take(1).for_each(|height| *height = 0.125);
         let [index, extra] = [random.of(0..4) == 0, random.of(0..4) == 0];
         let dropped = holes && random.yes() && !index && !extra;
@@ -167,7 +167,7 @@ fn lists_of_points_are_read_back_in_every_dialect() {
             points.iter_mut().for_each(|point| point[1] = n[1] - 1 - point[1]);
         }
         if dropped {
-            // At least a point of each line and column stays.
+            // At least one point of each line and column remains.
             points.retain(|&[i, j]| i == 0 || j == 0 || !map[[i, j]].is_nan());
         }
         let head = random.of(0..4);
@@ -215,7 +215,7 @@ fn lists_of_points_are_read_back_in_every_dialect() {
             }
         }
     }
-    // Lists with gaps whose spacing is the last digit written may be rounded.
+    // Lists with gaps and a spacing of one unit of the last digit may be rounded.
     assert!(read > 9 * refused.len(), "{read} {refused:?}");
 }
 
@@ -255,7 +255,7 @@ fn rounded_coordinates_give_the_spacing_within_their_digits_or_are_refused() {
     let mut found = 0;
     for _ in 0..count() / 4 {
         let n = [random.of(8..20), random.of(8..20)];
-        // Between one and a half and ten units of the last digit.
+        // Between 1.5 and 10 units of the last digit.
         let step = [(); 2].map(|()| random.of(1500..10_000) as f64 / 1e4);
         let map = heights(&mut random, n, false);
         let mut text = String::new();
@@ -294,7 +294,7 @@ fn matrices_are_read_back_in_every_dialect() {
         let word = |text: String| if quoted { format!("\"{text}\"") } else { text };
         let coordinate = |axis: usize, k: usize| format!("{:.1}", 0.5 * (axis + 1) as f64 * k as f64);
         let label = random.of(0..4);
-        // Labels need a separator that leaves a corner empty, or a word in it.
+        // Labels need a separator that leaves a corner empty, or a word in the corner.
         let label = if label == 1 && style.separator.starts_with(' ') { 2 } else { label };
         let plain = Style { comma: false, ..style };
         let mut text = String::new();
@@ -306,7 +306,7 @@ fn matrices_are_read_back_in_every_dialect() {
                 None
             }
             0 => None,
-            // Numbers of rows and columns, as pandas writes them.
+            // Numbers of rows and columns, as written by pandas.
             1 => Some((String::new(), None)),
             _ => {
                 lengths = Some([0.5 * n[0] as f64, n[1] as f64]);
@@ -338,7 +338,7 @@ fn matrices_are_read_back_in_every_dialect() {
             wide.extend(text.encode_utf16().flat_map(u16::to_le_bytes));
             let found = Topography::from_bytes("scan", wide, None).unwrap();
             check(&found, &map, 1.0, None, &text);
-            // A column of numbers of the rows, of which nothing tells.
+            // A column of row numbers without any label.
             if n[1] > 4 {
                 let numbered: String = text
                     .split(style.end)
@@ -378,7 +378,7 @@ fn grids_of_programs_are_read_back() {
         if missing != "-9999" || random.yes() {
             keys.push(format!("NODATA_value {missing}"));
         }
-        // The first word tells the format.
+        // The first word identifies the format.
         random.shuffle(&mut keys[1..]);
         let text = keys.join(end) + end + &rows(true, missing, " ");
         check(&read(&text), &map, 1.0, Some(lengths), &text);
@@ -393,7 +393,7 @@ fn grids_of_programs_are_read_back() {
             rows(false, "1.70141e+38", " ")
         );
         check(&read(&text), &map, 1.0, Some(lengths), &text);
-        // Wyko, whose lines run along y.
+        // Wyko, with lines along y.
         let [waves, aspect] = [random.yes(), true];
         let columns: String =
             (0..nx).map(|i| (0..ny).map(|j| value(i, j, "Bad")).collect::<Vec<_>>().join("\t") + end).collect();
@@ -443,7 +443,7 @@ fn grids_of_programs_are_read_back() {
     }
 }
 
-/// A surface of 6 x 5 points, spacing 0.5, as rows of words of its points.
+/// Returns a surface of 6 x 5 points, spacing 0.5, as rows of words of its points.
 fn nodes(line: impl Fn(usize, f64, f64, f64) -> String) -> String {
     (0..30)
         .map(|k| (k, 0.5 * (k % 6) as f64, 0.5 * (k / 6) as f64))
@@ -471,7 +471,7 @@ fn lists_among_other_columns_are_lists() {
     let found = read(&with_units);
     check(&found, &expected, 1e-3, Some([3.0, 2.5]), &with_units);
     assert_eq!(found.unit.as_deref(), Some("mm"));
-    // Columns that form a lattice, and no column behind them that must be the height.
+    // Columns that form a lattice, without a column after them that must be the height.
     for text in [
         nodes(|k, x, y, z| format!("{z} {} {x} {y}\n", k % 7)),
         nodes(|k, x, y, z| format!("{x} {z} {y} {}\n", k % 7)),
@@ -484,7 +484,7 @@ fn lists_among_other_columns_are_lists() {
     let text = nodes(|k, x, y, z| format!("{} {} {x} {y} {z}\n", k % 6, k / 6));
     assert!(refusal(&text).contains("are both those of a lattice; a line above must name x, y and z"));
     check(&read(&format!("i j x y z\n{text}")), &expected, 1.0, Some([3.0, 2.5]), &text);
-    // Points that are on no lattice.
+    // Points off any lattice.
     let scattered = nodes(|k, _, y, z| format!("{:.3} {y} {z} 1\n", (1.3 * k as f64).sin()));
     assert!(refusal(&scattered).contains("may be points or a matrix"));
     // Several profiles side by side, with and without names.
@@ -496,7 +496,7 @@ fn lists_among_other_columns_are_lists() {
     }
     let reason = refusal(&format!("x (mm),raw (um),waviness (um)\n{}", nodes(|_, x, y, z| format!("{x},{y},{z}\n"))));
     assert_eq!(reason, "a column is called x, but none z or height; one must be");
-    // A narrow map whose column rises unevenly.
+    // A narrow map with a column that rises unevenly.
     let narrow: String = (0..20)
         .map(|k| f64::from(k * k) * 0.1)
         .fold(String::new(), |all, x| all + &format!("{x:.2} {:.4} {:.4}\n", x.sin(), x.cos()));
@@ -534,7 +534,7 @@ fn labels_of_rows_and_columns_are_no_heights() {
         assert!(reason.contains("the corner must be left empty") && advises(&reason), "{reason}");
         assert_eq!(read(&text.replacen(corner, "nan", 1)).lengths, Some([2.5, 2.0]));
     }
-    // Without the labels of the rows, as programs write columns of numbers.
+    // Without row labels, as programs write column numbers.
     let reason = refusal("0,1,2,3,4\n1.7,0.4,0.9,2.2,1.8\n-0.9,0.9,-0.1,-0.1,0.4\n0.1,1.4,0.7,0.1,0.4\n");
     assert!(reason.contains("labels of columns") && advises(&reason), "{reason}");
     // A short matrix of whole numbers, a plane, a wave along y have no labels.
@@ -553,13 +553,13 @@ fn heads_that_are_known_are_read_and_others_are_named() {
     assert!(!found.warnings[0].contains("Operator"), "{:?}", found.warnings);
     let found = read("north: 2.5\nsouth: 0\nrows: 2\nnull: -9999\n1.0 2.0 3.5\n2.0 1.5 0.5\n");
     assert!(found.warnings[0].contains("north: 2.5") && found.warnings[0].contains("null: -9999"));
-    // The keys of Esri in any order, behind a comment.
+    // Esri keys in any order, after a comment.
     let grid = read("# made\ncellsize: 0.5\nnrows: 2\nncols: 3\n1 2 3\n4 -9999 6\n");
     assert_eq!((grid.lengths, grid.heights[[0, 0]], grid.undefined), (Some([1.5, 1.0]), 4.0, 1));
-    // Keyence in other languages: the line of the pixel has three fields, that of the unit two.
+    // Keyence in other languages: the pixel line has three fields, the unit line two.
     let grid = read("\"Etalonnage XY\",\"500\",\"nm\"\n\"Unite\",\"um\"\n\n\"Hauteur\"\n\"1\",\"2\"\n\"4\",\"3\"\n");
     assert_eq!((grid.lengths, grid.unit.as_deref()), (Some([1.0, 1.0]), Some("µm")));
-    // A Nanoscope writes a line for each pixel, with a column for each channel.
+    // Nanoscope writes a line for each pixel, with a column for each channel.
     let pixels: String = (0..12).map(|k| format!("{}.5\t{}\t{}\n", k, 2 * k, 7 - k)).collect();
     let head = "\"\\*File list\"\n\"\\Samps/line: 4\"\n\"\\Lines: 3\"\n\"\\Scan Size: 2 um\"\n\
                 Height_Sensor(nm)\tPhase(Deg)\tHeight(nm)\n";
@@ -568,7 +568,7 @@ fn heads_that_are_known_are_read_and_others_are_named() {
     assert_eq!((found.heights.dim(), found.unit.as_deref()), ((4, 3), Some("µm")));
     assert!((found.heights[[1, 2]] - 1.5e-3).abs() < 1e-17 && (found.heights[[0, 0]] - 8.5e-3).abs() < 1e-17);
     assert_eq!(found.lengths, Some([2.0, 1.5]));
-    // The lines follow from the number of pixels.
+    // The number of lines follows from the number of pixels.
     let short = format!("{head}{pixels}").replace("\"\\Lines: 3\"\n", "");
     assert_eq!(read(&short).heights, found.heights);
     let reason = refusal(&format!("{head}{pixels}").replace("Lines: 3", "Lines: 5"));
@@ -645,7 +645,7 @@ fn heads_of_instruments_give_size_and_unit() {
     let found = read(&rounded);
     assert!((found.lengths.unwrap()[0] - 31.25).abs() < 1e-3, "{:?}", found.lengths);
     assert!(rms(&found) > 0.5);
-    // Numbers with three digits, as %.3g and %.2e write them.
+    // Numbers with three digits, as written by %.3g and %.2e.
     for text in [
         (0..144).map(|k| format!("{} {} {}.5\n", three(k % 12), three(k / 12), k * k % 31)).collect::<String>(),
         (0..144)
@@ -660,7 +660,7 @@ fn heads_of_instruments_give_size_and_unit() {
     }
 }
 
-/// A multiple of 0.15625 with three digits and without zeros at its end.
+/// Formats a multiple of 0.15625 with three digits and without trailing zeros.
 fn three(k: i32) -> String {
     let value = 0.15625 * f64::from(k);
     let decimals = if value < 1.0 { 3 } else { 2 };

@@ -6,11 +6,11 @@ use super::Share;
 use crate::{Messages, Serialise, Word};
 
 impl Share {
-    /// Sends a field to the first rank. Each rank passes its `own` rows, of `columns` values each; on the first rank
-    /// `take` gets blocks of `height` rows in order, with the numbers of the rows. The other ranks only send.
+    /// Sends a field to the first rank. Each rank passes its `own` rows, of `columns` values each. On the first rank,
+    /// `take` gets blocks of `height` rows in order, with their row numbers. The other ranks only send.
     ///
     /// # Panics
-    /// If `own` does not have the rows of this rank, or the height is zero.
+    /// If `own` does not have the rows of this rank, or if `height` is zero.
     pub fn to_first(&self, own: &[f64], columns: usize, height: usize, mut take: impl FnMut(Range<usize>, &[f64])) {
         let rows = self.rows();
         assert_eq!(own.len(), rows.len() * columns, "a field has the own rows");
@@ -38,11 +38,11 @@ impl Share {
         }
     }
 
-    /// Distributes a field of the first rank: returns the rows of this rank, of `columns` values each. Rows are sent in
-    /// blocks of `height`. Only the first rank's `whole` is used.
+    /// Distributes a field of the first rank and returns the rows of this rank, of `columns` values each. Rows are sent
+    /// in blocks of `height`. Only the first rank's `whole` is used.
     ///
     /// # Panics
-    /// If the first rank's field does not have all rows, or the height is zero.
+    /// If the first rank's field does not have all rows, or if `height` is zero.
     pub fn from_first(&self, whole: &[f64], columns: usize, height: usize) -> Vec<f64> {
         let (rows, is_first) = (self.rows(), self.ranks.rank() == 0);
         let all = self.rows.last().map_or(0, |rows| rows.end);
@@ -69,7 +69,7 @@ impl Share {
         own
     }
 
-    /// The first value in the order of the ranks; all ranks get it.
+    /// Returns the first value in rank order, on all ranks.
     pub fn first<P: Serialise>(&self, own: Option<P>) -> Option<P> {
         let mut words = vec![0; P::WORDS + 1];
         if let Some(value) = &own {
@@ -85,7 +85,7 @@ impl Share {
         (0..self.rows.len()).map(words).collect()
     }
 
-    /// All rows in blocks.
+    /// Divides all rows into blocks.
     fn blocks(&self, height: usize) -> impl Iterator<Item = Range<usize>> + use<> {
         assert!(height > 0, "a block has rows");
         let all = self.rows.last().map_or(0, |rows| rows.end);
@@ -93,7 +93,7 @@ impl Share {
     }
 }
 
-/// The rows that are in both ranges, an empty range inside of the second one if there are none.
+/// Returns the rows in both ranges; an empty range inside `rows` if there are none.
 fn overlap(block: &Range<usize>, rows: &Range<usize>) -> Range<usize> {
     let start = block.start.clamp(rows.start, rows.end);
     start..block.end.clamp(start, rows.end)

@@ -1,3 +1,3 @@
-//! The tests of `gfmd-vector` as one program: those of one file by `cargo test -p gfmd-vector --test suite FILE::`.
+//! Tests of `gfmd-vector` as one program; run one file with `cargo test -p gfmd-vector --test suite FILE::`.
 
 mod share;

@@ -1,14 +1,14 @@
-//! Sums over ranks, which threads play, have the bits of one process.
+//! Sums over ranks, played by threads, have the same bits as with one process.
 
 use gfmd_vector::{LEAF, Share, ThreadRanks, TooManyRanks, add, pass, reduce};
 use proptest::prelude::*;
 
-/// Scattered numbers, whose sum depends on the order.
+/// Scattered numbers with a sum that depends on the order.
 fn noise(n: usize) -> Vec<f64> {
     (0..n).map(|i| ((i as f64 + 1.0) * 0.618_033_988_7).fract() - 0.5).collect()
 }
 
-/// Passes, reductions and gathered fields of this many ranks against those of one.
+/// Compares passes, reductions and gathered fields of several ranks with the results of one.
 fn assert_bits_of_one(points: [usize; 2], size: usize, levels: u32) {
     let [rows, columns] = points;
     let field = noise(rows * columns);
@@ -39,7 +39,7 @@ fn assert_bits_of_one(points: [usize; 2], size: usize, levels: u32) {
         assert_eq!(share.gather(&own, columns), changed);
         let single: Vec<f32> = own.iter().map(|x| *x as f32).collect();
         assert!(share.gather(&single, columns).iter().zip(&changed).all(|(a, b)| *a == *b as f32));
-        // The rows beside the own ones, around the cell.
+        // The neighbouring rows of other ranks, around the cell.
         let row = |i: usize| changed[i % rows * columns..][..columns].to_vec();
         let (first, last) = (&own[..columns], &own[own.len() - columns..]);
         let [before, after] = share.beside(first, last);
@@ -47,7 +47,7 @@ fn assert_bits_of_one(points: [usize; 2], size: usize, levels: u32) {
         assert_eq!(after, row(share.rows().end));
         assert!(share.any(share.rows().start == 0));
         assert!(!share.any(false));
-        // All rows at the first rank, and back from there, in blocks that are not those of the ranks.
+        // All rows to the first rank and back, in blocks that do not match the partition.
         for height in [1, 7, rows] {
             let mut whole = Vec::new();
             share.to_first(&own, columns, height, |block, values| {
@@ -79,7 +79,7 @@ proptest! {
     fn sums_over_ranks_have_the_bits_of_one_process_whatever_the_shape(
         rows in 1_usize..400, columns in 1_usize..700, exponent in 0_u32..9, size in 1_usize..=7, levels in 0_u32..4,
     ) {
-        // Odd numbers of columns allow one rank or two; even ones more.
+        // An odd number of columns allows one or two ranks, an even number more.
         let columns = (columns >> exponent).max(1) << exponent;
         assert_bits_of_one([rows, columns], size.min(Share::most([rows, columns], levels)), levels);
     }

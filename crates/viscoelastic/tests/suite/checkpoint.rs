@@ -1,4 +1,4 @@
-//! States that are kept and restored go on bit for bit.
+//! States that are saved and restored continue bit for bit.
 
 use gfmd_contact::{Drive, Equilibrium as _, Load, MemoryCheckpoint, Resumable as _};
 use gfmd_field::Grid;

@@ -1,4 +1,4 @@
-//! Exact solutions: relaxation, creep, loading and unloading from statics, and the sphere.
+//! Exact solutions: relaxation, creep, loading and unloading from static solutions, and the sphere.
 
 use approx::assert_relative_eq;
 use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load};
@@ -28,7 +28,7 @@ fn relaxation_under_a_held_approach_is_exact_in_steps_of_any_length() {
 
 #[test]
 fn creep_passes_through_the_statics_with_the_modulus_of_its_time() {
-    // Lee and Radok: while the contact grows, it is the elastic one with the modulus 1/J(t); the steps converge with
+    // Lee and Radok: while the contact grows, it is an elastic contact with the modulus 1/J(t). The steps converge with
     // order 2.
     let grid = Grid::square(16, 1.0).unwrap();
     let heights = rough(&grid, 2);
@@ -51,8 +51,8 @@ fn creep_passes_through_the_statics_with_the_modulus_of_its_time() {
     }
 }
 
-/// The time t₁ of a loading to `turn` in unit time at which the area was that at the end of an unloading to `end` in
-/// some `duration` (Ting 1966).
+/// Finds the time t₁, during loading to `turn` in unit time, at which the area equals the area at the end of unloading
+/// to `end` within `duration` (Ting 1966).
 fn equal_area(prony: &Prony, turn: f64, end: f64, duration: f64) -> f64 {
     let t = 1.0 + duration;
     // ∫_{t₁}^t ψ(t − t') δ̇ dt' = 0, with ∫ψ in closed form.
@@ -72,8 +72,8 @@ fn equal_area(prony: &Prony, turn: f64, end: f64, duration: f64) -> f64 {
     low
 }
 
-/// Ting's solution at the end of this unloading: the approach of the loading at which the area was that of now, and the
-/// mean pressure ∫₀^{t₁} ψ(t − t') dp_el(δ(t')), from static solutions.
+/// Computes Ting's solution at the end of the unloading: the approach at which the loading had the present area, and
+/// the mean pressure ∫₀^{t₁} ψ(t − t') dp_el(δ(t')), from static solutions.
 fn ting(prony: &Prony, fixed: &Contact, turn: f64, end: f64, duration: f64) -> (f64, f64) {
     let (t, low) = (1.0 + duration, equal_area(prony, turn, end, duration));
     let steps = 400;
@@ -114,7 +114,7 @@ fn unloading_follows_ting_with_order_two() {
     assert_eq!(states[3].summary().contact_nodes, same.summary().contact_nodes);
     let errors: Vec<f64> =
         states.iter().map(|state| (state.solution.mean_pressure - expected).abs() / expected).collect();
-    // The reference has an error of its own, of 400 steps.
+    // The reference has its own error, from 400 steps.
     assert!(errors[3] < 2e-4, "{errors:?}");
     let apart = |k: usize| (states[k].solution.mean_pressure - states[k + 1].solution.mean_pressure).abs();
     let order = (apart(0) / apart(2)).log2() / 2.0;
@@ -123,7 +123,7 @@ fn unloading_follows_ting_with_order_two() {
 
 #[test]
 fn a_sphere_creeps_as_lee_and_radok_found() {
-    // a³ = (3R/4) P J(t)/E*, δ = a²/R on a free half-space; errors are those of the grid.
+    // a³ = (3R/4) P J(t)/E*, δ = a²/R on a free half-space; the remaining errors are grid errors.
     let radius = 1.0;
     let prony = Prony::from_fractions(&[(1.0, 0.7)]).unwrap();
     let worst = |n: usize| {
@@ -153,12 +153,12 @@ fn a_sphere_creeps_as_lee_and_radok_found() {
 
 #[test]
 fn a_sphere_is_loaded_and_unloaded_as_ting_found() {
-    // While the approach grows, a² = R δ and P = (4/3) E* √R ∫ ψ(t − t') d(δ^{3/2}); when it falls, a is that of the
-    // time t₁, at which the integral ends.
+    // While the approach grows, a² = R δ and P = (4/3) E* √R ∫ ψ(t − t') d(δ^{3/2}); when it falls, a is the radius at
+    // time t₁, where the integral ends.
     let (radius, side, turn, duration) = (1.0_f64, 0.4_f64, 0.012_f64, 0.6);
     let prony = Prony::from_fractions(&[(0.4, 0.6)]).unwrap();
     let force = |first: f64, t: f64| {
-        // The integral in s = √t', by Simpson's rule: d(δ^{3/2}) = 3 turn^{3/2} s² ds.
+        // Integral in s = √t' by Simpson's rule: d(δ^{3/2}) = 3 turn^{3/2} s² ds.
         let n = 400;
         let end = first.sqrt();
         let of = |k: u32| {
@@ -191,7 +191,7 @@ fn a_sphere_is_loaded_and_unloaded_as_ting_found() {
             let load = (state.solution.mean_pressure / expected - 1.0).abs();
             let which = usize::from(state.time > 1.0);
             worst[which] = worst[which].max(load);
-            // The radius of the contact, in grid spacings.
+            // Contact radius in grid spacings.
             let radius = |area: f64| (area / std::f64::consts::PI).sqrt() * n as f64;
             worst[2] = worst[2].max((radius(state.summary().area_fraction) - radius(area)).abs());
         }

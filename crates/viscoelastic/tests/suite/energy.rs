@@ -1,4 +1,4 @@
-//! The balance of energy, and bounds that hold for steps of any length.
+//! Energy balance, and bounds that hold for steps of any duration.
 
 use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Load};
 use gfmd_field::Grid;
@@ -7,7 +7,7 @@ use gfmd_viscoelastic::{Prony, Relaxes, ViscoelasticContact, ViscoelasticState};
 
 use crate::{material, rough};
 
-/// A generator of numbers between 0 and 1.
+/// Generator of random numbers between 0 and 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -17,7 +17,7 @@ impl Numbers {
     }
 }
 
-/// A random body, surface and material.
+/// Returns a random contact with its mean clearance and body.
 fn random(case: u64, numbers: &mut Numbers) -> (ViscoelasticContact, f64, Body) {
     let grid = match case % 4 {
         0 => Grid::line(16 + (case % 3) as usize, 1.0).unwrap(),
@@ -75,11 +75,11 @@ fn energy_is_never_gained_in_random_steps_and_the_work_of_the_pressure_is_accoun
             });
             let scale =
                 state.elastic_energy.max(stored) + (state.solution.mean_pressure * state.solution.approach).abs();
-            // The work of the last pressure bounds the energy stored, for steps of any length (theory.md, section 7.7).
+            // The work of the last pressure bounds the stored energy, for any duration (theory.md, section 7.7).
             let bound = state.solution.mean_pressure * (state.solution.approach - approach);
             let gained = state.elastic_energy - stored;
             assert!(gained <= bound + 1e-8 * scale, "case {case}, step {index}: {gained:e} gained, {bound:e} allowed");
-            // What the pressure does on the surface, by the trapezoid of p and d, which are not linear together.
+            // Work of the pressure by the trapezoidal rule; p and d are not linear in time together.
             let work = 0.5 * (pressure + state.solution.mean_pressure) * (state.solution.approach - approach);
             let missing = (work - gained - state.dissipated).abs();
             let reported = if last.as_ref().is_some_and(|last| last.time == time) { 0.0 } else { missing };

@@ -1,4 +1,4 @@
-//! A rigid cylinder that slides on a standard linear solid (Hunter 1961).
+//! A rigid cylinder sliding on a standard linear solid (Hunter 1961).
 
 use approx::assert_relative_eq;
 use gfmd_contact::{Budget, Contact, Load};
@@ -7,14 +7,14 @@ use gfmd_green::{Body, Material};
 use gfmd_viscoelastic::{Prony, Relaxes, SlidingContact, Velocity};
 use ndarray::Array2;
 
-/// The contact b − a < x < b + a of a cylinder under the force P per length, with its friction.
+/// Contact b − a < x < b + a of a cylinder under the force P per length, and its friction.
 struct Cylinder {
     force: f64,
     middle: f64,
     friction: f64,
 }
 
-/// e^k K₀, K₁, K₂ at k, by the trapezoidal rule on their integrals, which decay doubly exponentially.
+/// Computes e^k K₀, K₁, K₂ at k by the trapezoidal rule; the integrands decay doubly exponentially.
 fn decaying(k: f64) -> [f64; 3] {
     let step = 1.0 / 64.0;
     [0.0, 1.0, 2.0].map(|order: f64| {
@@ -26,7 +26,7 @@ fn decaying(k: f64) -> [f64; 3] {
     })
 }
 
-/// e^{−k} I₀, I₁, I₂ at k, by the same rule on integrals over a period.
+/// Computes e^{−k} I₀, I₁, I₂ at k by the trapezoidal rule over a period.
 fn growing(k: f64) -> [f64; 3] {
     let n = 64 + (8.0 * k) as i32;
     [0.0, 1.0, 2.0].map(|order: f64| {
@@ -39,8 +39,8 @@ fn growing(k: f64) -> [f64; 3] {
 }
 
 impl Cylinder {
-    /// The solution for a half width a, a radius R, E*_∞ = 1, one branch of the weight c and the time τ = 1: with w the
-    /// pressure that would be elastic, w₀ K₀(k) + w₁ K₁(k) + w₂ K₂(k) = 0 and w₀ I₀(λ) − w₁ I₁(λ) + w₂ I₂(λ) = 0.
+    /// Solves for half width a, radius R, E*_∞ = 1 and one branch of weight c and time τ = 1. The equivalent elastic
+    /// pressure w satisfies w₀ K₀(k) + w₁ K₁(k) + w₂ K₂(k) = 0 and w₀ I₀(λ) − w₁ I₁(λ) + w₂ I₂(λ) = 0.
     fn new(a: f64, radius: f64, c: f64, speed: f64) -> Self {
         let trail = speed * (1.0 + c);
         let k = a / trail;
@@ -86,7 +86,7 @@ fn a_cylinder_in_a_cell_converges_with_the_square_of_its_length() {
         let (velocity, load) = (Velocity::new(speed, 0.0).unwrap(), Load::MeanPressure(exact.force / length));
         let state = contact.slide(&velocity, load, &Budget::default(), None, &mut ()).unwrap();
         let touching: Vec<f64> = (0..n).filter(|i| state.solution.pressure[[*i, 0]] > 0.0).map(place).collect();
-        // The contact is moved ahead by b.
+        // The contact is shifted ahead by b.
         let middle = 0.5 * (touching[0] + touching[touching.len() - 1]);
         assert!((middle - exact.middle).abs() < 0.03, "{middle} {}", exact.middle);
         (state.friction / exact.friction - 1.0).abs()

@@ -1,4 +1,4 @@
-//! Unusable input is refused by name.
+//! Invalid input is refused with its name.
 
 use gfmd_contact::{Contact, Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_field::Grid;

@@ -1,4 +1,4 @@
-//! Laws across the gap of a body that relaxes.
+//! Laws across the gap of a viscoelastic body.
 
 use std::f64::consts::TAU;
 
@@ -24,7 +24,7 @@ fn follow<C: ElasticContact>(
     states
 }
 
-/// A rough surface and the bodies on which it relaxes, wave by wave alike or not.
+/// Returns bodies with the same relaxation for all waves, and one (the last) with wave-dependent relaxation.
 fn bodies() -> [(Body, Relaxes, Boundary); 4] {
     let half_space = Body::half_space(material(0.3));
     let slab = Body::slab(material(0.4), 0.3).unwrap();
@@ -59,7 +59,7 @@ fn a_law_that_is_a_wall_is_the_hard_wall() {
     }
 }
 
-/// The body with moduli larger by `factor`.
+/// Returns the body with moduli larger by `factor`.
 fn stiffer(body: &Body, factor: f64) -> Body {
     let material = body.material();
     let stiff = Material::from_young(factor * 2.0, material.poisson()).unwrap();
@@ -90,7 +90,7 @@ fn a_step_begins_with_the_instantaneous_moduli_and_ends_with_those_of_the_long_t
     }
 }
 
-/// A law that is linear in the gap over the whole wave: d of the wave falls exponentially.
+/// The law is linear in the gap over the whole wave, so that d of the wave relaxes exponentially.
 #[test]
 fn a_wave_on_springs_relaxes_by_its_closed_form_with_order_two() {
     let (n, spring, amplitude) = (16, 5.0, 1e-3);
@@ -98,13 +98,13 @@ fn a_wave_on_springs_relaxes_by_its_closed_form_with_order_two() {
     let material = Material::from_contact_modulus(2.0, 0.3).unwrap();
     let body = Body::half_space(material);
     let heights = Array2::from_shape_fn((n, 1), |(i, _)| amplitude * (TAU * i as f64 / n as f64).cos());
-    // Attraction falls from 0.1 at a gap of 0, where the table begins, along a line.
+    // The attraction falls linearly from 0.1 at gap 0, where the table begins.
     let rows: Vec<[f64; 2]> = (0..=40).map(|k| 0.0005 * f64::from(k)).map(|gap| [gap, 0.1 - spring * gap]).collect();
     let law = Tabulated::new(&rows).unwrap();
     let interface = Interface::new(&body, &grid, &heights, law).unwrap();
     let prony = Prony::from_fractions(&[(1.3, 0.6)]).unwrap();
     let contact = ViscoelasticContact::new(interface, &body, &prony, Relaxes::Both).unwrap();
-    // Attraction that falls with the gap acts as springs of a negative stiffness: (S - k) d = k h of each wave.
+    // Attraction that falls with the gap acts as springs of negative stiffness: (S - k) d = k h for each wave.
     let (stiffness, c) = (0.5 * 2.0 * TAU, 0.6 / 0.4);
     let at = |s: f64| spring * amplitude / (s - spring);
     let rate = (stiffness - spring) / (1.3 * (stiffness * (1.0 + c) - spring));
@@ -156,7 +156,7 @@ fn work_is_energy_gained_and_lost_and_nothing_is_won_in_a_loop() {
     };
     let (jumps, error) = loops(&elastic, 1.0, 300);
     assert!(jumps > 10.0 * error, "{jumps} {error}");
-    // A slow loop passes through the same states, whose work is the loss, however much of it the dashpots take.
+    // A slow loop passes through the same states; its work is the loss, whatever the share of the dashpots.
     let (slow, slow_error) = loops(&one(), 1e5, 300);
     assert!((slow - jumps).abs() < error + slow_error + 0.02 * jumps, "{slow} {jumps} {error} {slow_error}");
     loops(&one(), 1.0, 300);

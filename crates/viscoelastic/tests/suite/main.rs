@@ -1,5 +1,4 @@
-//! The tests of `gfmd-viscoelastic` as one program: those of one file by `cargo test -p gfmd-viscoelastic --test suite
-//! FILE::`.
+//! Tests of `gfmd-viscoelastic` as one program. `cargo test -p gfmd-viscoelastic --test suite FILE::` runs one file.
 
 mod checkpoint;
 mod closed_forms;
@@ -16,7 +15,7 @@ use gfmd_green::{Body, Material};
 use gfmd_viscoelastic::{Prony, Relaxes, ViscoelasticContact, ViscoelasticState};
 use ndarray::Array2;
 
-/// Heights of a few waves with phases of their own, of the size 0.02.
+/// Returns heights of about 0.02: a few waves with random phases.
 fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1);
     let mut next = || {
@@ -36,7 +35,7 @@ fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
     })
 }
 
-/// A material with three branches, and one with one.
+/// Returns a material with three branches.
 fn three() -> Prony {
     Prony::from_fractions(&[(0.05, 0.3), (0.7, 0.25), (6.0, 0.2)]).unwrap()
 }
@@ -59,7 +58,7 @@ fn viscoelastic(
     ViscoelasticContact::new(Contact::new(body, grid, heights).unwrap(), body, prony, relaxes).unwrap()
 }
 
-/// Follows loads, each with its time since the start.
+/// Follows a path of loads, each with its time since the start.
 fn follow(contact: &ViscoelasticContact, path: &[(Load, f64)], tolerance: f64) -> Vec<ViscoelasticState> {
     let mut states: Vec<ViscoelasticState> = Vec::new();
     for (load, time) in path {
@@ -69,7 +68,7 @@ fn follow(contact: &ViscoelasticContact, path: &[(Load, f64)], tolerance: f64) -
     states
 }
 
-/// The legs of a path in equal steps, a leg of no time in one: the first one begins with nothing.
+/// Divides each leg of a path into equal steps; a leg of zero duration is one step. The first leg begins at zero.
 fn legs(values: &[f64], times: &[f64], steps: usize, load: fn(f64) -> Load) -> Vec<(Load, f64)> {
     let (mut path, mut before, mut start) = (Vec::new(), 0.0, 0.0);
     for (leg, time) in times.iter().enumerate() {

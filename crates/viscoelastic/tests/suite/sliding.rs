@@ -1,4 +1,4 @@
-//! Steady sliding: dense solutions, closed forms, and the march through time to the same state.
+//! Steady sliding: dense solutions, closed forms, and time stepping to the same state.
 
 use std::f64::consts::TAU;
 
@@ -89,7 +89,7 @@ fn a_wave_in_full_contact_has_its_closed_form() {
         let friction = 0.5 * amplitude * amplitude * k * stiffness * modulus.im / (1.2 * least);
         assert_relative_eq!(state.friction, friction, max_relative = 1e-10);
         assert_relative_eq!(state.friction_slope, friction, max_relative = 1e-9);
-        // The pressure leads: its peak is in front of the summit.
+        // The pressure leads: its peak is ahead of the summit.
         let expected = |i: usize| {
             let x = k * i as f64 / n as f64;
             1.2 * least + amplitude * stiffness * (modulus.re * x.cos() + modulus.im * x.sin())
@@ -116,7 +116,7 @@ fn very_slow_and_very_fast_sliding_are_statics() {
     }
 }
 
-/// The shift of the heights of a profile by so many lengths of the cell.
+/// Shifts the heights of a profile by the fraction `share` of the cell length.
 fn shifted(grid: &Grid, heights: &Array2<f64>, share: f64) -> Array2<f64> {
     let n = grid.points()[0];
     let wave = |m: i64| {
@@ -139,7 +139,7 @@ fn shifted(grid: &Grid, heights: &Array2<f64>, share: f64) -> Array2<f64> {
 
 #[test]
 fn a_march_through_time_comes_to_the_steady_state() {
-    // In full contact no point of the grid rests: the march converges with order two in its step.
+    // In full contact no grid point is out of contact: time stepping converges with order two in the step.
     let n = 15;
     let grid = Grid::line(n, 1.0).unwrap();
     let heights = rough(&grid, 5);
@@ -181,7 +181,7 @@ fn rough_sliding_is_found_at_any_loss_from_the_state_beside_it() {
             let state = contact.slide(&velocity, Load::MeanPressure(0.02), &budget, last.as_ref(), &mut ()).unwrap();
             assert!(state.worst() <= 1e-8 && state.friction > 0.0, "{name}");
             let pairs = state.effort().transform_pairs / fixed.effort.transform_pairs;
-            // With a loss of nearly all of the modulus the contacts of each step are the difficult ones.
+            // With a loss of nearly all of the modulus, the contact of each step is difficult.
             assert!(pairs <= 16.0 || name == "seven", "{name} at 1e{exponent}: {pairs} times the static pairs");
             last = Some(state);
         }
@@ -214,7 +214,7 @@ fn a_small_approach_makes_contact() {
 
 #[test]
 fn an_oblique_velocity_costs_as_one_along_an_axis() {
-    // The storage moduli of an oblique velocity are not even along x: no solver may take them as such.
+    // The storage moduli of an oblique velocity are not even along x; no solver may assume that they are.
     let grid = Grid::square(128, 1.0).unwrap();
     let heights = rough(&grid, 7);
     let body = Body::half_space(material(0.5));

@@ -1,4 +1,4 @@
-//! The volume that is lost, the balance of energy, and independence of units, in random cases.
+//! Wear volume, energy balance, and independence of units, in random cases.
 
 use approx::assert_relative_eq;
 use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load};
@@ -8,7 +8,7 @@ use gfmd_wear::{WearContact, WearState};
 
 use crate::{Numbers, follow, held, material, rough, wearing};
 
-/// A random contact.
+/// Makes a random contact.
 fn random(case: u64, numbers: &mut Numbers) -> WearContact {
     let grid = match case % 4 {
         0 => Grid::line(16 + (case % 3) as usize, 1.0).unwrap(),
@@ -62,8 +62,8 @@ fn volume_and_energy_are_accounted_for_in_random_steps() {
                 - state.dissipated;
             let reported = if moved == 0.0 { 0.0 } else { missing.abs() };
             assert!((state.work_imbalance - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
-            // The work of the last load bounds the energy gained and lost, for steps of any length (theory.md, section
-            // 7.10).
+            // The work of the load at the end of a step bounds the energy gained and lost, for steps of any length
+            // (theory.md, section 7.10).
             let bound = state.solution.mean_pressure * (state.solution.approach - approach);
             let gained = state.elastic_energy - stored + state.dissipated;
             assert!(gained <= bound + 1e-8 * scale, "case {case}, step {index}: {gained:e} gained, {bound:e} allowed");
@@ -81,7 +81,7 @@ fn the_errors_of_the_energy_add_up_to_one_of_order_one() {
             let states = follow(&contact, &held(Load::MeanPressure(0.02), 1.0, steps), 1e-11);
             states.iter().map(|state| state.work_imbalance).sum::<f64>()
         };
-        // Of all steps together, of which there are as many more.
+        // Sums over all steps: a quarter of the step length takes four times the steps.
         let [coarse, fine] = [16, 64].map(sum);
         let order = 0.5 * (coarse / fine).log2();
         assert!((0.9..1.4).contains(&order), "order {order}: {coarse:e}, {fine:e}");
@@ -112,7 +112,7 @@ fn units_do_not_matter() {
 
 #[test]
 fn wear_without_end_keeps_its_digits() {
-    // The depth is a million times the roughness, and more.
+    // The depth grows to more than a million times the roughness.
     let grid = Grid::square(12, 1.0).unwrap();
     let contact = wearing(&Body::half_space(material(0.3)), &grid, &rough(&grid, 7), 0.3);
     let states = follow(&contact, &held(Load::MeanPressure(0.01), 1e7, 5), 1e-8);

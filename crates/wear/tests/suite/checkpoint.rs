@@ -1,4 +1,4 @@
-//! States that are kept and restored go on bit for bit; states made of their fields are the same.
+//! Saved and restored states continue bit for bit; states built from their fields are equal.
 
 use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load, MemoryCheckpoint, Resumable as _};
 use gfmd_field::Grid;

@@ -1,4 +1,4 @@
-//! Exact solutions: waves in full contact, a flat punch, and the end of all running-in.
+//! Exact solutions: waves in full contact, a flat punch, and the state after running-in.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use ndarray::Array2;
 
 use crate::{follow, held, material, rough, wearing};
 
-/// The order with which an error falls from `coarse` to a quarter of the length of the steps.
+/// Returns the order of convergence from two errors; the second has steps of a quarter of the length.
 fn order([coarse, fine]: [f64; 2]) -> f64 {
     0.5 * (coarse / fine).log2()
 }
@@ -54,7 +54,7 @@ fn waves_in_full_contact_decay_exponentially_with_order_one() {
 #[test]
 fn a_flat_punch_wears_until_its_pressure_is_uniform() {
     let grid = Grid::line(64, 1.0).unwrap();
-    // So deep beside the punch that nothing else touches.
+    // The surface beside the punch is too deep to touch.
     let heights = Array2::from_shape_fn((64, 1), |(i, _)| if (22..42).contains(&i) { 0.5 } else { 0.0 });
     let body = Body::half_space(material(0.3));
     let contact = wearing(&body, &grid, &heights, 0.05);
@@ -103,11 +103,11 @@ fn a_held_approach_wears_until_hardly_anything_touches() {
     assert!(states[20].solution.mean_pressure < 0.05 * states[0].solution.mean_pressure);
     let end = follow(&contact, &held(Load::Approach(0.01), 1e3, 20), 1e-10).pop().unwrap();
     assert!(end.solution.mean_pressure < 1e-8 * states[0].solution.mean_pressure);
-    // Beyond the mean clearance, where the unworn surfaces cannot be.
+    // Beyond the mean clearance, which unworn surfaces cannot reach.
     let deep = contact.contact().surface().mean_clearance() + 0.1;
     let pressed = follow(&contact, &[(Load::Approach(deep), 1.0)], 1e-10).pop().unwrap();
     assert_eq!(pressed.summary().area_fraction, 1.0);
-    // Drawn back to where the worn surfaces are apart, and to where they touch again.
+    // Drawn back until the worn surfaces are apart, then pressed until they touch again.
     let path = [(Load::Approach(0.01), 50.0), (Load::Approach(0.001), 60.0), (Load::Approach(0.01), 60.0)];
     let drawn = follow(&contact, &path, 1e-10);
     assert_eq!((drawn[1].summary().contact_nodes, drawn[1].dissipated), (0, 0.0));

@@ -1,4 +1,4 @@
-//! Unusable input is refused by name.
+//! Invalid input is refused by name.
 
 use gfmd_contact::{Contact, Drive, Equilibrium as _, Load};
 use gfmd_field::Grid;
@@ -41,7 +41,7 @@ fn distances_and_loads_are_refused() {
     );
     assert!(refused(Load::Approach(-0.1).into(), None).starts_with("the approach is -0.1; it must be positive"));
     let deep = contact.contact().surface().mean_clearance();
-    // Without a distance nothing makes room.
+    // At distance 0 wear makes no room.
     assert!(refused(Load::Approach(deep).into(), None).contains("less than the mean clearance"));
     let other = Array2::zeros((4, 4));
     assert!(contact.certify(&other, &other, load).is_err());

@@ -1,4 +1,4 @@
-//! The tests of `gfmd-wear` as one program: those of one file by `cargo test -p gfmd-wear --test suite FILE::`.
+//! Tests of `gfmd-wear` as one program. One file runs with `cargo test -p gfmd-wear --test suite FILE::`.
 
 mod balance;
 mod checkpoint;
@@ -12,7 +12,7 @@ use gfmd_green::{Body, Material};
 use gfmd_wear::{WearContact, WearState};
 use ndarray::Array2;
 
-/// Numbers between 0 and 1.
+/// Pseudo-random numbers between 0 and 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -26,7 +26,7 @@ impl Numbers {
     }
 }
 
-/// Heights of a few waves with phases of their own, of the size 0.02.
+/// Returns heights of a few waves with random phases, of the order of 0.02.
 fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
     let mut numbers = Numbers::of(seed);
     let mut next = || numbers.next();
@@ -51,7 +51,7 @@ fn wearing(body: &Body, grid: &Grid, heights: &Array2<f64>, coefficient: f64) ->
     WearContact::new(Contact::new(body, grid, heights).unwrap(), coefficient).unwrap()
 }
 
-/// Follows loads, each with its distance since the start.
+/// Solves for the loads of a path, each with its sliding distance.
 fn follow(contact: &WearContact, path: &[(Load, f64)], tolerance: f64) -> Vec<WearState> {
     let mut states: Vec<WearState> = Vec::new();
     for (load, distance) in path {
@@ -61,7 +61,7 @@ fn follow(contact: &WearContact, path: &[(Load, f64)], tolerance: f64) -> Vec<We
     states
 }
 
-/// A load that is held over a distance in equal steps, after a step over none.
+/// Returns a load held over a distance in equal steps, after one step over no distance.
 fn held(load: Load, distance: f64, steps: u32) -> Vec<(Load, f64)> {
     (0..=steps).map(|step| (load, distance * f64::from(step) / f64::from(steps))).collect()
 }

@@ -12,7 +12,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
 }
 
-/// The legs of a path in equal steps, one over no distance in one: the first one begins with nothing.
+/// Divides each leg of a path into equal steps (one if its distance is 0); the first leg starts at load 0.
 fn legs(values: &[f64], distances: &[f64], steps: usize, load: fn(f64) -> Load) -> Vec<(Load, f64)> {
     let (mut path, mut before, mut start) = (Vec::new(), 0.0, 0.0);
     for (leg, distance) in distances.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A random problem, and the response of its surface by direct Fourier sums.
+//! Random problem, and the response of its surface by direct Fourier sums.
 
 use std::f64::consts::TAU;
 
@@ -7,10 +7,10 @@ use gfmd_field::{Grid, Mode};
 use gfmd_green::{Base, Body, Complex64, Height, Material};
 use ndarray::{Array2, ArrayView2};
 
-/// The largest number of points: direct sums take its square.
+/// Largest number of points: direct sums take its square.
 const MOST_POINTS: usize = 640;
 
-/// SplitMix64.
+/// Generator SplitMix64.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -21,7 +21,7 @@ impl Random {
         z ^ z >> 31
     }
 
-    /// A number in [0, 1).
+    /// Returns a number in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -34,7 +34,7 @@ impl Random {
         values[self.below(values.len())]
     }
 
-    /// A power of ten with an exponent between these.
+    /// Returns a power of ten with an exponent between these bounds.
     pub(crate) fn decade(&mut self, low: f64, high: f64) -> f64 {
         10_f64.powf(low + (high - low) * self.unit())
     }
@@ -44,17 +44,17 @@ impl Random {
     }
 }
 
-/// A body, a grid and heights; the units of stress and of heights.
+/// Body, grid and heights, with the units of stress and of heights.
 pub(crate) struct Case {
     pub(crate) body: Body,
     pub(crate) grid: Grid,
-    /// The body and the grid in units of the modulus and of the cell, for reference values, and these units.
+    /// Body and grid in units of the modulus and of the cell, for reference values, and these units.
     pub(crate) plain: (Body, Grid),
     pub(crate) units: [f64; 2],
     pub(crate) heights: Array2<f64>,
-    /// E* h_rms / side.
+    /// Unit of stress, E* h_rms / side.
     pub(crate) stress: f64,
-    /// The rms height.
+    /// Rms height.
     pub(crate) length: f64,
 }
 
@@ -119,7 +119,7 @@ impl Case {
         let length =
             (heights.iter().map(|h| ((h - mean) / size).powi(2)).sum::<f64>() / (nx * ny) as f64).sqrt() * size;
         let side = if ny == 1 { cell } else { lengths[0].max(lengths[1]) };
-        // A law at a flat surface has lengths of its own.
+        // For a flat surface the law sets the length scale.
         let length = if length > 0.0 { length } else { 1e-3 * cell };
         let lengths = if ny == 1 { [1.0, 1.0] } else { lengths.map(|side| side / cell) };
         let plain = (body.in_units(modulus, cell), Grid::new([nx, ny], lengths).unwrap());
@@ -131,7 +131,7 @@ impl Case {
         self.heights.mapv(|h| highest - h)
     }
 
-    /// The softest stiffness of a wave times the rms height, the unit of loads.
+    /// Returns the unit of loads: the softest stiffness of a wave times the rms height.
     pub(crate) fn load_unit(&self) -> f64 {
         let softest = |modes: &mut dyn Iterator<Item = Mode>| {
             let waves = modes.filter(|mode| !mode.is_uniform());
@@ -150,8 +150,8 @@ impl Case {
         }
     }
 
-    /// The response of the surface to fields of all components, `kernel` of each mode, by direct sums. Components are
-    /// x, y, z; all are multiplied by `unit` in between, so that no square is too large or too small.
+    /// Returns the response of the surface to fields of all components, with the `kernel` of each mode, by direct sums.
+    /// Components are x, y, z. All are multiplied by `unit` in between, so that no square is too large or too small.
     pub(crate) fn direct(
         &self,
         fields: &[Vec<f64>; 3],
@@ -191,15 +191,15 @@ impl Case {
         response
     }
 
-    /// Rounding errors of the displacement by tractions up to `largest`, which are those of the softest wave.
+    /// Returns the rounding error of the displacement by tractions up to `largest`, if all are in the softest wave.
     pub(crate) fn rounding(&self, largest: f64, compliance: impl Fn(&Mode) -> f64) -> f64 {
         let waves = self.plain.1.modes().filter(|mode| !mode.is_uniform());
         let softest = waves.map(|mode| compliance(&mode)).filter(|c| c.is_finite()).fold(0.0, f64::max);
         32.0 * f64::EPSILON * softest * self.units[1] / self.units[0] * largest
     }
 
-    /// The compliance of the mean displacement, lateral and normal: of all slabs in series, against the mean level of
-    /// what does not hold the body (theory.md, section 4.1).
+    /// Returns the compliance of the mean displacement, lateral and normal: of all slabs in series, relative to the
+    /// mean level of the support (theory.md, section 4.1).
     pub(crate) fn mean_compliance(&self) -> [f64; 2] {
         let mut sum = [0.0; 2];
         let mut body = &self.plain.0;
@@ -212,7 +212,7 @@ impl Case {
         sum.map(|compliance| self.units[1] / self.units[0] * compliance)
     }
 
-    /// u_z of a normal traction.
+    /// Returns u_z of a normal traction.
     pub(crate) fn normal_displacement(&self, traction: ArrayView2<f64>) -> Vec<f64> {
         let fields = [vec![0.0; traction.len()], vec![0.0; traction.len()], traction.iter().copied().collect()];
         let zero = Complex64::ZERO;

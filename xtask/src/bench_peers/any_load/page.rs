@@ -1,14 +1,14 @@
-//! The tables and the page of `--any-load`.
+//! Tables and page of `--any-load`.
 
 use std::fmt::{self, Write as _};
 
 use super::{AnyLoad, Block, Cell, Row, Table};
 
-/// Relative differences of the pressure (rms) that are reported in per cent.
+/// Relative pressure difference (rms) above which it is reported in per cent.
 const OFF: f64 = 1e-3;
 
 impl fmt::Display for Cell {
-    /// Effort and certified residual, or what is wrong.
+    /// Writes effort and certified residual, or the problem.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Some(verdict) = &self.verdict else {
             let said = self.said.as_deref().unwrap_or("no pressure");
@@ -27,7 +27,7 @@ impl fmt::Display for Cell {
     }
 }
 
-/// A fraction in per cent, with two digits.
+/// Formats a fraction in per cent with two digits.
 fn per_cent(fraction: f64) -> String {
     let number = 100.0 * fraction;
     match number {
@@ -59,7 +59,7 @@ impl Block {
 }
 
 impl AnyLoad {
-    /// The number of loads at which each contestant is certified, for each kind of contact.
+    /// Returns the number of loads with a certified result of each contestant, for each kind of contact.
     fn summary(&self) -> Table {
         let mut names: Vec<&String> = Vec::new();
         for name in self.blocks.iter().flat_map(|block| &block.contestants) {
@@ -94,7 +94,7 @@ impl AnyLoad {
         std::iter::once(self.summary()).chain(blocks).collect()
     }
 
-    /// The results that are not certified, one line for each contestant and surface.
+    /// Returns the results that are not certified, one line per contestant and surface.
     pub(super) fn failures(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for block in &self.blocks {
@@ -151,7 +151,7 @@ impl AnyLoad {
     }
 }
 
-/// A load that is not certified, in words.
+/// Describes a load that is not certified in words.
 fn reported((p_star, cell): &(f64, &Cell)) -> String {
     let said = cell.said.as_ref().map(|said| format!(" ({said})")).unwrap_or_default();
     match &cell.verdict {

@@ -1,4 +1,4 @@
-//! The measurements of each row.
+//! Measurements of each row.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,23 +31,23 @@ use super::{Args, Case, Row};
 
 /// Reduced pressures of the loads.
 const LOADS: [f64; 3] = [0.001, 0.01, 0.2];
-/// The reduced pressure of rows with one load.
+/// Reduced pressure of rows with one load.
 const USUAL: f64 = 0.01;
-/// The loads of the ramp: the first, the last, their number.
+/// Loads of the ramp: first, last, number.
 const RAMP: (f64, f64, usize) = (0.001, 0.5, 20);
-/// The tolerance of a solution, that of the program.
+/// Tolerance of a solution, the default of the program.
 const TOLERANCE: f64 = 1e-8;
-/// The number of processes of one thread.
+/// Number of processes with one thread each.
 const RANKS: usize = 4;
-/// Hurst exponents of the surfaces that Tamaas gets, too.
+/// Hurst exponents of the surfaces for Tamaas.
 const HURST: [f64; 2] = [0.0, 0.8];
-/// Points along a side at which the memory is predicted.
+/// Points along a side for the memory prediction.
 const HUGE: usize = 16384;
-/// Points along a side of small contacts, and the fraction of their number.
+/// Points along a side of small contacts, and divisor of their number.
 const SMALL: [(usize, usize); 2] = [(128, 1), (256, 3)];
 const MANY: (&str, &str) = ("many.py", include_str!("../../../peers/many.py"));
 
-/// The settings of the measurements.
+/// Settings of the measurements.
 pub(super) struct Trial<'a> {
     args: &'a Args,
     session: &'a Session,
@@ -60,14 +60,14 @@ fn failed(error: impl std::fmt::Display) -> Failure {
     Failure::Computation(error.to_string())
 }
 
-/// A surface that is measured.
+/// Surface to measure.
 struct Rough {
     heights: Array2<f64>,
     rms_gradient: f64,
     file: PathBuf,
 }
 
-/// A row with the cases that were measured, or the reason why there are none.
+/// Returns a row with the measured cases, or the reason why there are none.
 fn row(what: &str, bar: impl Into<Option<f64>>, cases: Result<Vec<Case>, String>) -> Row {
     let (cases, left_out) = match cases {
         Ok(cases) => (cases, None),
@@ -102,7 +102,7 @@ impl<'a> Trial<'a> {
         Case { of: format!("{points}², p* = {p_star}"), threads, found: Vec::new(), over: Vec::new() }
     }
 
-    /// The solution alone, in a process of its own.
+    /// Solves alone, in a separate process.
     fn alone(&self, rough: &Rough, p_star: f64, threads: usize) -> Result<Solve, Failure> {
         self.go_on()?;
         let problem = Problem {
@@ -120,7 +120,7 @@ impl<'a> Trial<'a> {
         solve.and_then(Solve::converged).map_err(|ended| ended.failure("a solution"))
     }
 
-    /// The process `contact --surface`: its wall time, and its report.
+    /// Runs the process `contact --surface`; returns its wall time and its report.
     fn contact(
         &self,
         (starter, more): (&[&str], &[&str]),
@@ -146,12 +146,12 @@ impl<'a> Trial<'a> {
         Ok((seconds, serde_json::from_slice(&output.stdout).map_err(failed)?))
     }
 
-    /// The time of the usual load, as the program reports it.
+    /// Returns the time of the usual load, as reported by the program.
     fn reported(&self, rough: &Rough, more: (&[&str], &[&str]), threads: usize) -> Result<f64, Failure> {
         self.reported_time_at(USUAL, rough, more, threads)
     }
 
-    /// The time of a load, as the program reports it.
+    /// Returns the time of a load, as reported by the program.
     fn reported_time_at(
         &self,
         p_star: f64,
@@ -163,7 +163,7 @@ impl<'a> Trial<'a> {
         report["loads"][0]["seconds"].as_f64().ok_or_else(|| failed("the report of contact has no seconds"))
     }
 
-    /// The process and the stiffness over the solution alone.
+    /// Compares the process and the stiffness with the solution alone.
     pub(super) fn processes(&self) -> Result<Vec<Row>, Failure> {
         let n = self.args.n;
         let rough = self.rough(n)?;
@@ -195,14 +195,14 @@ impl<'a> Trial<'a> {
         ])
     }
 
-    /// The solution by Tamaas over the time of the load in `contact`, to the same certified residual.
+    /// Compares the solution by Tamaas with the time of the load in `contact`, to the same certified residual.
     pub(super) fn tamaas(&self) -> Result<Vec<Row>, Failure> {
         let what = "solution by Tamaas over `seconds` of `contact`";
         let cases = if self.args.tamaas { self.beside_tamaas()? } else { Err("not asked for by --tamaas".into()) };
         Ok(vec![Row { at_least: true, ..row(what, 20.0, cases) }])
     }
 
-    /// The cases with Tamaas, or the reason why it does not run here.
+    /// Returns the cases with Tamaas, or the reason why it does not run here.
     fn beside_tamaas(&self) -> Result<Result<Vec<Case>, String>, Failure> {
         let (n, session) = (self.args.n, self.session);
         let peers = PeerArgs { p_star: LOADS.into(), ..without_flags::<PeerArgs>() }.resolved();
@@ -243,7 +243,7 @@ impl<'a> Trial<'a> {
         Ok(Ok(cases))
     }
 
-    /// A ramp, each load from the last one, over the same loads without a start.
+    /// Compares a ramp, with each load started from the last one, with the same loads without a start.
     pub(super) fn ramp(&self) -> Result<Vec<Row>, Failure> {
         let n = self.args.n;
         let contact = posed(&self.rough(n)?.heights)?;
@@ -268,7 +268,7 @@ impl<'a> Trial<'a> {
         Ok(vec![row("ramp, each load from the last, over cold loads", 0.5, Ok(vec![case]))])
     }
 
-    /// The flow along x and y over the contact, and over both.
+    /// Compares the flow along x and y with the contact, and with both.
     pub(super) fn flow(&self) -> Result<Vec<Row>, Failure> {
         let n = self.args.large;
         let rough = self.rough(n)?;
@@ -285,7 +285,7 @@ impl<'a> Trial<'a> {
         Ok(vec![row("flow, both directions, over contact", 2.0, Ok(vec![over_contact])), share])
     }
 
-    /// Many contacts from Python over their solutions alone, on all cores.
+    /// Compares many contacts from Python with their solutions alone, on all cores.
     pub(super) fn many(&self) -> Result<Vec<Row>, Failure> {
         let what = "contacts by `gfmd.many` over their solutions";
         let python = &self.args.python;
@@ -316,7 +316,7 @@ impl<'a> Trial<'a> {
         Ok(vec![row(what, 1.1, Ok(cases))])
     }
 
-    /// The wall time of `gfmd.many`.
+    /// Returns the wall time of `gfmd.many`.
     fn by_python(&self, script: &Path, file: &Path) -> Result<f64, Failure> {
         self.go_on()?;
         let task = json!({ "heights": file, "p_star": USUAL }).to_string();
@@ -328,7 +328,7 @@ impl<'a> Trial<'a> {
         printed["seconds"].as_f64().ok_or_else(|| failed(format!("{} printed no seconds", MANY.0)))
     }
 
-    /// The time of the solutions of a stack, side by side, each on one thread: that of all over the number of cores.
+    /// Returns the time of the solutions of a stack on one thread each, side by side: total time divided by the cores.
     fn solutions(&self, stack: &Array3<f64>) -> Result<f64, Failure> {
         let (next, total) = (AtomicUsize::new(0), Mutex::new(0.0));
         std::thread::scope(|scope| -> Result<(), Failure> {
@@ -353,7 +353,7 @@ impl<'a> Trial<'a> {
         Ok(total.into_inner().map_err(failed)? / self.cores as f64)
     }
 
-    /// The memory of a solution in fields, and its prediction where it was not measured.
+    /// Measures the memory of a solution in units of a field, and predicts it for larger grids.
     pub(super) fn memory(&self) -> Result<Vec<Row>, Failure> {
         let [mut cases, mut processes] = [Vec::new(), Vec::new()];
         let field = |n: usize| (8 * n * n) as f64;
@@ -389,7 +389,7 @@ impl<'a> Trial<'a> {
         ])
     }
 
-    /// One thread over two, and one process over several of one thread each.
+    /// Compares one thread with two, and one process with several processes of one thread each.
     pub(super) fn threads(&self) -> Result<Vec<Row>, Failure> {
         let n = self.args.large;
         let rough = self.rough(n)?;
@@ -411,7 +411,7 @@ impl<'a> Trial<'a> {
         Ok(rows.map(|row| Row { at_least: true, ..row }).into())
     }
 
-    /// The case of several processes, or the reason why they do not run here.
+    /// Returns the case of several processes, or the reason why they do not run here.
     fn ranks(&self, rough: &Rough) -> Result<Vec<Case>, String> {
         if self.cores < RANKS {
             return Err(format!("{RANKS} processes need as many cores; the machine has {}", self.cores));
@@ -428,12 +428,12 @@ impl<'a> Trial<'a> {
     }
 }
 
-/// A pool of one thread.
+/// Makes a pool of one thread.
 fn pool() -> Result<rayon::ThreadPool, Failure> {
     ThreadPoolBuilder::new().num_threads(1).build().map_err(failed)
 }
 
-/// The contact of heights in a cell of length 1 with a half-space of E* = 1.
+/// Makes the contact of heights in a cell of length 1 with a half-space of E* = 1.
 fn posed(heights: &Array2<f64>) -> Result<Contact, Failure> {
     let (nx, ny) = heights.dim();
     let grid = Grid::new([nx, ny], [1.0, 1.0]).map_err(failed)?;
@@ -441,7 +441,7 @@ fn posed(heights: &Array2<f64>) -> Result<Contact, Failure> {
     Ok(Contact::new(&body, &grid, heights)?)
 }
 
-/// A solution, and its time.
+/// Returns a solution and its time.
 fn solved(contact: &Contact, p_star: f64, start: Option<&Solution>) -> Result<(f64, Solution), Failure> {
     let load = Load::MeanPressure(p_star * contact.reduced_pressure_unit());
     let started = Instant::now();

@@ -1,4 +1,4 @@
-//! The numbers of each load of a contact, against their definitions.
+//! Numbers of each load of a contact, compared with their definitions.
 
 use gfmd_files::Reader;
 use serde_json::Value;
@@ -9,13 +9,13 @@ use super::found::{Found, number};
 use super::numbers::{deviation, excess, flow, gradient, largest, links, mean, neighbours, patches, steepest};
 use super::path::{Vectors, all_components};
 
-/// The dense compliance of a case and the error that it may have: the sums of layered patches are a quadrature.
+/// Dense compliance of a case and its allowed error: the sums of layered patches are a quadrature.
 pub(crate) struct Elastic {
     pub(crate) dense: Dense,
     pub(crate) tolerance: f64,
 }
 
-/// The downward displacement by pressures, dense; none where it is not made here.
+/// Returns the dense compliance for downward displacements by pressures.
 pub(crate) fn elastic(case: &Case) -> Elastic {
     let (plane, body) = (case.plane, &case.body);
     let held = case.components == Components::Held;
@@ -34,7 +34,7 @@ pub(crate) fn elastic(case: &Case) -> Elastic {
     Elastic { dense: Dense::free(plane, of_cell), tolerance: 1e-6 }
 }
 
-/// The surface that is pressed on the body, and what its base alone does.
+/// Surface pressed on the body, and the lift by its base alone.
 pub(crate) struct Rough {
     pub(crate) heights: Vec<f64>,
     pub(crate) lift: Vec<f64>,
@@ -55,7 +55,7 @@ impl Rough {
     }
 }
 
-/// u_z of the surface without load over a base that moves.
+/// Returns u_z of the unloaded surface over a moving base.
 fn lift(case: &Case) -> Vec<f64> {
     let plane = case.plane;
     let Some((field, is_traction)) = &case.moved else { return vec![0.0; plane.len()] };
@@ -72,7 +72,7 @@ fn lift(case: &Case) -> Vec<f64> {
             let n = [0, 1].map(|axis| if shortest[axis] { 0.0 } else { [x, y][axis] / q });
             let along = [0, 1].map(|part| n[0] * parts[0][place][part] + n[1] * parts[1][place][part]);
             let (up, sideways) = match is_traction {
-                // A traction up on the lower face is a pressure there, and one along the wave is -sxz.
+                // An upward traction on the lower face is a pressure there, and a traction along the wave is -sxz.
                 true => (
                     case.body.first.solve(q, Top::PressedBelow).at(0.0, false).uz,
                     -case.body.first.solve(q, Top::ShearedBelow).at(0.0, false).uz,
@@ -93,7 +93,7 @@ fn lift(case: &Case) -> Vec<f64> {
     plane.inverse(&modes)
 }
 
-/// The displacements into the slab of both faces by the pressures on both.
+/// Returns the displacements of both faces into the slab, for the pressures on both.
 fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
     let parts = pressures.map(|pressure| plane.transform(pressure));
     let mut both = [vec![[0.0; 2]; plane.len()], vec![[0.0; 2]; plane.len()]];
@@ -118,8 +118,8 @@ fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
     both.map(|modes| plane.inverse(&modes))
 }
 
-/// The points that are repelled, surely and possibly, and the repulsive pressure: of a law with a wall what the wall
-/// adds, which the file may have.
+/// Returns the surely and the possibly repelled points, and the repulsive pressure. For a law with a wall this is the
+/// wall pressure, which the file may hold.
 pub(crate) fn repulsion(
     case: &Case,
     pressure: &[f64],
@@ -132,7 +132,7 @@ pub(crate) fn repulsion(
         return (touching(&wall), touching(&wall), wall);
     }
     if !law.has_wall() {
-        // Beyond the range of a law the pressure is what is left unbalanced, of either sign.
+        // Beyond the range of a law the pressure is the remaining imbalance, of either sign.
         let left = pressure.iter().zip(gap).map(|(p, g)| (p + law.tension(*g)).abs()).fold(0.0, f64::max);
         let allowed = 2.01 * left.max(case.tolerance * largest(pressure)) + 1e-13 * largest(pressure);
         let surely = pressure.iter().map(|p| *p > allowed).collect();
@@ -151,12 +151,12 @@ pub(crate) fn repulsion(
     (surely, touching(&repelled), repelled)
 }
 
-/// The pressure of the wall that the file has beside an attraction.
+/// Returns the wall pressure that the file holds beside an attraction.
 fn wall_pressure(file: &Reader, k: usize) -> Option<Vec<f64>> {
     file.contains("/fields/repulsion").then(|| file.slab("/fields/repulsion", k).unwrap())
 }
 
-/// The numbers of one face that count points and sum pressures.
+/// Checks the numbers of one face that count points and sum pressures.
 pub(crate) fn counted(
     found: &mut Found,
     case: &Case,
@@ -177,7 +177,7 @@ pub(crate) fn counted(
         found.near("contact_nodes", number(record, "contact_nodes"), area, 1e-6);
     }
     let reported = number(record, "mean_gap");
-    // In full contact with a wall the gap is zero, whatever the search leaves of it within its tolerance.
+    // In full contact with a wall the gap is reported as zero, although the search leaves a gap within its tolerance.
     if reported == 0.0 && least == points {
         found.near("mean_gap in full contact", mean(gap), 0.0, case.tolerance.max(1e-9) * case.plane.length[0]);
     } else {
@@ -216,8 +216,8 @@ pub(crate) fn counted(
     }
 }
 
-/// The conditions of a wall: no tension, no penetration, pressure where the gap is closed. Returns complementarity and
-/// penetration over the scale of length.
+/// Checks the conditions of a wall: no tension, no penetration, pressure where the gap is closed. Returns
+/// complementarity and penetration divided by the length scale.
 pub(crate) fn wall(found: &mut Found, pressure: &[f64], gap: &[f64], scale: f64, tolerance: f64) -> [f64; 2] {
     let sum: f64 = pressure.iter().sum();
     let closed = pressure.iter().zip(gap).map(|(p, g)| p * g).sum::<f64>().abs() / (sum * scale);
@@ -229,7 +229,7 @@ pub(crate) fn wall(found: &mut Found, pressure: &[f64], gap: &[f64], scale: f64,
     [closed, below]
 }
 
-/// The heights are those of the files: of one to the last bit, of two their sum.
+/// Checks the heights: equal to one file to the last bit, or the sum of two files.
 pub(crate) fn given(found: &mut Found, case: &Case, heights: &[f64]) {
     let Some(given) = &case.heights else { return };
     if case.is_composite {
@@ -253,7 +253,7 @@ pub(crate) fn check(found: &mut Found, case: &Case, report: &Value, file: &Reade
     }
     let modulus = case.body.contact_modulus();
     found.near("e_star", number(report, "e_star"), modulus, 1e-12 * modulus);
-    // With a base that moves the contact sees the surface that the base alone has displaced.
+    // With a moving base, the contact sees the surface displaced by the base alone.
     let displaced: Vec<f64> = rough.heights.iter().zip(&rough.lift).map(|(h, w)| h + w).collect();
     found.near("max_slope", number(report, "max_slope"), steepest(plane, &displaced), 1e-9);
     found.near("rms_gradient", number(report, "rms_gradient"), rough.gradient, 1e-9);
@@ -303,13 +303,12 @@ fn one(
     let modulus = case.body.contact_modulus();
     let mean_pressure = mean(&pressure);
     let stress = largest(&pressure);
-    // Loads.
-    // The pressure is that of the displacement, the mean pressure that of the law, from which it may differ by the
+    // Loads. The pressure follows from the displacement, the mean pressure from the law; they may differ by the
     // tolerance.
     let unbalanced = if case.law.is_some() { 10.0 * case.tolerance } else { 1e-9 };
     found.near("mean_pressure", number(load, "mean_pressure"), mean_pressure, unbalanced * stress);
     let asked = case.loads[k];
-    // The mean pressure of wall and law is the load to the tolerance, over the scale of the stress of a law.
+    // The mean pressure of wall and law is the load up to the tolerance, relative to the stress scale of a law.
     let of_stress = match case.law.is_some() {
         true => 2.02 * case.tolerance * stress.max(softest(case) * rough.deviation),
         false => 1.01 * case.tolerance * stress,
@@ -336,7 +335,7 @@ fn one(
     // Counts and sums.
     let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, wall_pressure(file, k));
     counted(found, case, load, (&surely, &possibly, &repulsion), &gap);
-    // The displacement, by dense sums.
+    // Displacement by dense sums.
     let loaded: Vec<f64> = displacement.iter().zip(&rough.lift).map(|(u, w)| u - w).collect();
     let approach = number(load, "displacement");
     let mut energy = None;
@@ -356,13 +355,13 @@ fn one(
         let most = largest(&dense).max(1e-3 * scale);
         let level = if has_level(case) { 0.0 } else { mean(&dense) + mean(&loaded) };
         let apart = dense.iter().zip(&loaded).map(|(d, u)| (d + u - level).abs()).fold(0.0, f64::max);
-        // The mean displacement of a slab is that of the mean pressure of the law, to the tolerance.
+        // The mean displacement of a slab matches the mean pressure of the law up to the tolerance.
         let unbalanced = if case.law.is_some() { 10.0 * case.tolerance } else { 0.0 };
         found.near("displacement_z less that of the pressure", apart, 0.0, elastic.tolerance.max(unbalanced) * most);
-        // A level that is not known has no energy.
+        // An unknown level has no energy.
         energy = has_level(case)
             .then(|| 0.5 * pressure.iter().zip(&dense).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64);
-        // The gap is closed by the approach and opened by the displacement.
+        // The approach closes the gap and the displacement opens it.
         let open: Vec<f64> = rough.clearance.iter().zip(&loaded).map(|(c, u)| c - u).collect();
         let depth = case.hardness.as_ref().map(|_| field("plastic_depth"));
         let depth = depth.unwrap_or_else(|| vec![0.0; plane.len()]);
@@ -383,9 +382,9 @@ fn one(
         }
     }
     if let Some(energy) = energy {
-        // The displacement outside of a patch is that by the pressure of a law, to the residual.
+        // The displacement outside a patch follows from the pressure of a law, up to the residual.
         let of_patch = if case.is_free && case.law.is_some() { case.tolerance } else { 0.0 };
-        // A uniform pressure on a half-space displaces nothing, to within rounding.
+        // A uniform pressure on a half-space displaces nothing, up to rounding.
         let rounding = 1e-13 * stress * scale;
         found.near(
             "elastic_energy",
@@ -396,7 +395,7 @@ fn one(
     } else if !has_level(case) && !case.has_lower && !case.is_steep {
         found.null(load, "elastic_energy");
     }
-    // The interaction.
+    // Interaction.
     if let Some(law) = &case.law {
         let traction = largest(&pressure).max(largest(&repulsion));
         for at in 0..plane.len() {
@@ -428,7 +427,7 @@ fn one(
     measured(found, case, load, &surely, &possibly, &gap);
 }
 
-/// The stiffness of the softest wave, for the scale of the stress that a law leaves.
+/// Returns the stiffness of the softest wave, the scale of the stress that a law leaves.
 pub(crate) fn softest(case: &Case) -> f64 {
     let plane = case.plane;
     let q = |axis: usize| 2.0 * std::f64::consts::PI / plane.length[axis];
@@ -438,7 +437,7 @@ pub(crate) fn softest(case: &Case) -> f64 {
     if level > 0.0 && !case.is_free { least.min(1.0 / level) } else { least }
 }
 
-/// True if the displacement is known, not only up to a constant: not of a line with free boundaries over a half-space.
+/// Returns true if the displacement has a level; a line with free boundaries on a half-space has none.
 pub(crate) fn has_level(case: &Case) -> bool {
     !(case.is_free && case.is_line && case.body.lowest() > 0.0)
 }
@@ -475,7 +474,7 @@ fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reade
     let heights = file.values::<f64>("/lower/height").unwrap();
     found.must(case.lower.as_ref() == Some(&heights), || "the lower surface is not that of its file".into());
     let top = heights.iter().fold(f64::NEG_INFINITY, |top, h| top.max(*h));
-    // Nothing but the two surfaces holds the slab.
+    // Only the two surfaces hold the slab.
     let slab = Stack { layers: case.body.first.layers.clone(), base: Base::Free };
     let [above, below] = faces(&slab, plane, [upper[0], &pressure]);
     let most = largest(&above).max(largest(&below));
@@ -537,8 +536,8 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
     if !case.statistics {
         return;
     }
-    // Current through all points in contact, whose potential is uniform, into half-spaces of unit resistivity in all,
-    // or into layers of it on electrodes. Of a periodic surface the bulk is left out.
+    // Current through all points in contact at uniform potential, into half-spaces of total unit resistivity, or into
+    // layers of this resistivity on electrodes. A periodic surface leaves out the bulk.
     let potential = |q: f64| match case.conductor_height {
         Some(height) if q > 0.0 => (q * height).tanh() / q,
         Some(height) => height,
@@ -553,13 +552,13 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
     let has_level = !(case.is_free && case.is_line && case.conductor_height.is_none());
     let expected = if has_level && !case.is_steep { conductors.stiffness(&touching) } else { f64::INFINITY };
     match expected.is_finite() {
-        // The accuracy that the default states of it, as of a stiffness: five digits.
+        // Accuracy stated by the default, as for a stiffness: five digits.
         true => found.is(load, "conductance", expected, gfmd_contact::Stiffness::TOLERANCE),
         false => found.null(load, "conductance"),
     }
 }
 
-/// Patches and flow of a load.
+/// Checks patches and flow of a load.
 fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possibly: &[bool], gap: &[f64]) {
     let plane = case.plane;
     if case.statistics && surely == possibly {
@@ -619,7 +618,7 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
     }
 }
 
-/// The loads at which the gap closes: a thousandth apart, between the lowest and the highest one, in order.
+/// Checks the loads at which the gap closes: a thousandth apart, between the lowest and the highest load, in order.
 pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
     let keys = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
     let loads = report["loads"].as_array().unwrap();
@@ -663,7 +662,7 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &R
     }
 }
 
-/// The arrays that the statistics add to the file.
+/// Checks the arrays that the statistics add to the file.
 fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
     let plane = case.plane;
     let [dx, dy] = plane.spacing();
@@ -705,7 +704,7 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
             }
         }
         first += count;
-        // Densities times the width of a bin add up to the parts of the surface.
+        // Densities times the bin width add up to the fractions of the surface.
         let positive = |values: &[f64]| values.iter().filter(|value| **value > 0.0).count() as f64 / plane.len() as f64;
         let apart: Vec<f64> = gap.iter().zip(&repulsion).filter(|(_, p)| **p <= 0.0).map(|(g, _)| *g).collect();
         let opened = apart.iter().filter(|g| **g > 0.0).count() as f64 / plane.len() as f64;
@@ -739,7 +738,7 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
             };
             let variance = lagged(0);
             for (lag, value) in reported.iter().enumerate() {
-                // Nothing is correlated with a pressure that is the same everywhere.
+                // A uniform pressure has no correlation.
                 if variance <= 1e-26 * plane.len() as f64 * largest(&repulsion).powi(2) {
                     continue;
                 }
@@ -749,8 +748,8 @@ fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
     }
 }
 
-/// The mean of |p(q)|² over the waves of rings as wide as the smallest wave number of the shorter side, times the
-/// density of wave numbers: up to the smaller of the shortest waves along x and along y, rings without waves left out.
+/// Checks the mean of |p(q)|² over rings as wide as the smallest wave number of the shorter side, times the density of
+/// wave numbers, up to the smaller of the shortest waves along x and along y, without empty rings.
 fn spectrum(found: &mut Found, plane: Plane, pressure: &[f64], k: usize, file: &Reader) {
     let axes = if plane.n[1] == 1 { 1 } else { 2 };
     let tau = 2.0 * std::f64::consts::PI;
@@ -764,7 +763,7 @@ fn spectrum(found: &mut Found, plane: Plane, pressure: &[f64], k: usize, file: &
         let inside = (0..plane.len()).filter_map(|place| {
             let [x, y] = plane.wave(place);
             let q = x.hypot(y);
-            // Half-way between two rings a wave belongs to that of shorter waves.
+            // Half-way between two rings, a wave belongs to the ring of shorter waves.
             let here = q > 0.0 && (q / smallest + 1e-9).round() as usize == ring;
             here.then(|| (q, parts[place][0].powi(2) + parts[place][1].powi(2)))
         });

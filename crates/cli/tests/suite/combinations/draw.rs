@@ -1,4 +1,4 @@
-//! Random problems. The index of a case is the seed of all that is drawn for it.
+//! Random problems. The index of a case seeds all its random numbers.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -23,7 +23,7 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    /// A number of [0, 1).
+    /// Returns a number in [0, 1).
     pub(crate) fn number(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -32,7 +32,7 @@ impl Dice {
         low + (high - low) * self.number()
     }
 
-    /// A number between two positive ones whose logarithm is uniform.
+    /// Returns a number between two positive bounds with a uniformly distributed logarithm.
     pub(crate) fn scale(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.number())
     }
@@ -50,7 +50,7 @@ impl Dice {
     }
 }
 
-/// Keeps six digits, so that the words of a command and the reference have the same number.
+/// Keeps six digits, so that the command and the reference have the same number.
 fn short(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap()
 }
@@ -62,12 +62,12 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// The uppermost material.
+    /// Returns the uppermost material.
     pub(crate) fn top(&self) -> Layer {
         uppermost(&self.first)
     }
 
-    /// E*, of both bodies together.
+    /// Returns E* of both bodies together.
     pub(crate) fn contact_modulus(&self) -> f64 {
         let others = self.second.as_ref().map_or(0.0, |second| 1.0 / uppermost(second).contact_modulus());
         1.0 / (1.0 / self.top().contact_modulus() + others)
@@ -77,7 +77,7 @@ impl Body {
         self.first.compliance(q, held) + self.second.as_ref().map_or(0.0, |second| second.compliance(q, held))
     }
 
-    /// The limit of q times the compliance of long waves.
+    /// Returns the limit of q times the compliance for long waves.
     pub(crate) fn lowest(&self) -> f64 {
         let of = |stack: &Stack| match stack.base {
             Base::HalfSpace(young, poisson) => 2.0 * (1.0 - poisson * poisson) / young,
@@ -117,7 +117,7 @@ pub(crate) enum Law {
         gamma: f64,
         curvature: f64,
     },
-    /// Tractions at equal steps of the gap, from the gap 0, with a wall, or from one step before it.
+    /// Tractions at equal steps of the gap, from zero gap with a wall, otherwise from one step before it.
     Table {
         first: f64,
         step: f64,
@@ -132,7 +132,7 @@ pub(crate) enum Law {
 }
 
 impl Law {
-    /// The tension at a gap, without the wall.
+    /// Returns the tension at a gap, without the wall.
     pub(crate) fn tension(&self, g: f64) -> f64 {
         match *self {
             Self::Exponential { gamma, range } => gamma / range * (-g / range).exp(),
@@ -157,7 +157,7 @@ impl Law {
         }
     }
 
-    /// The energy at a gap, zero far away; none of a law whose tractions have no potential when it slides.
+    /// Returns the energy at a gap, zero far away; `None` for a law that has no potential when it slides.
     pub(crate) fn energy(&self, g: f64) -> Option<f64> {
         Some(match *self {
             Self::Exponential { gamma, range } => -gamma * (-g / range).exp(),
@@ -194,7 +194,7 @@ impl Law {
         }
     }
 
-    /// A gap at which the traction jumps.
+    /// Returns the gap at which the traction jumps, if any.
     pub(crate) fn jump(&self) -> Option<f64> {
         if let Self::Dugdale { range, .. } = self { Some(*range) } else { None }
     }
@@ -219,8 +219,8 @@ impl Law {
     }
 }
 
-/// The cubics of Hermite through values at equal steps, with slopes of Fritsch and Butland; zero beyond the last one,
-/// the tangent before the first one.
+/// Evaluates the cubic Hermite interpolant of values at equal steps, with slopes of Fritsch and Butland; zero beyond
+/// the last value, the tangent before the first one.
 fn hermite(first: f64, step: f64, values: [f64; 5], x: f64) -> f64 {
     let secant = |k: usize| (values[k + 1] - values[k]) / step;
     let edge = |near: f64, next: f64| {
@@ -267,27 +267,27 @@ pub(crate) enum Control {
     Displacement,
 }
 
-/// One random problem.
+/// Random problem.
 #[derive(Debug)]
 pub(crate) struct Case {
     pub(crate) index: u64,
     pub(crate) is_path: bool,
     pub(crate) plane: Plane,
     pub(crate) is_line: bool,
-    /// The gradient that the generator was asked for.
+    /// Gradient requested from the generator.
     pub(crate) asked_gradient: Option<f64>,
-    /// The heights and those of the lower surface, if they are read from files.
+    /// Heights of both surfaces, if read from files.
     pub(crate) heights: Option<Vec<f64>>,
     pub(crate) lower: Option<Vec<f64>>,
     pub(crate) body: Body,
     pub(crate) is_free: bool,
     pub(crate) law: Option<Law>,
-    /// The hardness of each point.
+    /// Hardness of each point.
     pub(crate) hardness: Option<Vec<f64>>,
     pub(crate) components: Components,
     pub(crate) is_steep: bool,
     pub(crate) has_lower: bool,
-    /// The displacement of the base, or with `true` the traction on it: components x, y, z of each point.
+    /// Displacement of the base, or with `true` the traction on it: components x, y, z of each point.
     pub(crate) moved: Option<(Vec<[f64; 3]>, bool)>,
     pub(crate) control: Control,
     pub(crate) loads: Vec<f64>,
@@ -298,17 +298,17 @@ pub(crate) struct Case {
     pub(crate) statistics: bool,
     pub(crate) flow: bool,
     pub(crate) threshold: bool,
-    /// The depth of the electrodes of the conductors.
+    /// Depth of the electrodes of the conductors.
     pub(crate) conductor_height: Option<f64>,
-    /// The file of VTK.
+    /// VTK file.
     pub(crate) vtk: Option<String>,
-    /// True if the heights are those of two files.
+    /// True if the heights are the sum of two files.
     pub(crate) is_composite: bool,
     pub(crate) solver: &'static str,
     pub(crate) tolerance: f64,
-    /// The command without its outlets.
+    /// Command without its outlets.
     pub(crate) words: Vec<String>,
-    /// The further commands that are run on the result.
+    /// Further command to run on the result.
     pub(crate) further: &'static str,
 }
 
@@ -365,7 +365,7 @@ fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool, base
     Body { first: Stack { layers, base }, second: second(dice, text) }
 }
 
-/// Waves of a few wavelengths with random phases: `[nx, ny]`.
+/// Returns waves of a few wavelengths with random phases: `[nx, ny]`.
 fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
     let waves: Vec<[f64; 4]> = (0..5)
         .map(|_| {
@@ -385,7 +385,7 @@ fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Writes a field of points as the program reads it.
+/// Writes a field of points in the format that the program reads.
 fn write(folder: &Path, name: &str, plane: Plane, is_line: bool, values: &[f64]) {
     if is_line {
         ndarray_npy::write_npy(folder.join(name), &Array1::from_vec(values.to_vec())).unwrap();
@@ -400,7 +400,7 @@ impl Case {
     pub(crate) fn draw(index: u64, folder: &Path) -> Self {
         let dice = &mut Dice::new(index);
         let is_path = dice.chance(0.3);
-        // A tenth of the problems may have anything beside anything, most of which is refused; the others go together.
+        // A tenth of the problems combines options freely; most of these are refused. The others are valid.
         let is_wild = dice.chance(0.12);
         let mut text = String::from(if is_path { "path" } else { "contact" });
         let is_line = dice.chance(0.15);
@@ -428,7 +428,7 @@ impl Case {
                 " --n {size}{dim} --eps-t-inv 1 --eps-f-inv {eps_f} --hurst {hurst} --seed {seed} \
                  --rms-gradient {gradient}"
             );
-            // With one length the spacings are equal.
+            // With a single length the spacings are equal.
             if !is_line && (length[1] - length_x * n[1] as f64 / n[0] as f64).abs() > 1e-9 {
                 let _ = write!(text, " --length {},{}", length[0], length[1]);
             } else {
@@ -447,7 +447,7 @@ impl Case {
             given = Some(heights);
         }
         if is_line {
-            // Across a line everything is per length.
+            // A line has unit length across.
             plane.length[1] = 1.0;
         }
         let wild = |dice: &mut Dice, probability: f64| is_wild && dice.chance(probability);
@@ -480,7 +480,7 @@ impl Case {
         let size = gradient * length_x;
         let law = has_law.then(|| {
             let gamma = short(modulus * size * gradient * dice.scale(0.01, 0.1));
-            // A process zone of one to ten grid steps.
+            // Process zone of one to ten grid steps.
             let range = short((gamma / modulus * plane.spacing()[0] * dice.scale(1.3, 12.0)).sqrt());
             let name = dice.of(&["xu-needleman", "bsg", "npb", "npc", "c3d"]);
             match dice.count(0, 9) {
@@ -686,7 +686,7 @@ impl Case {
             let _ = write!(text, " --conductor-height {height}");
         }
         let vtk = (!is_path && dice.chance(0.3)).then(|| format!("out{index}.{}", dice.of(&["vti", "vtp"])));
-        // A second surface, moved by whole steps and by parts of them.
+        // Second surface, moved by whole steps and by parts of them.
         let is_composite = given.is_some() && !is_free && !has_lower && dice.chance(0.3);
         if let (Some(heights), true) = (&mut given, is_composite) {
             let second = waves(dice, plane, 0.05 * gradient);
@@ -709,7 +709,7 @@ impl Case {
             heights.iter_mut().zip(plane.inverse(&modes)).for_each(|(h, other)| *h += other);
         }
         let further = dice.of(&["check", "check", "body", "body", "report", "resume", "check --rerun", ""]);
-        // What cannot be refined is refused.
+        // A problem that cannot be refined is refused.
         let has_finer = !has_lower && !is_steep && !is_line && moved.is_none() && !threshold && further != "resume";
         let is_asked = has_finer && dice.chance(0.2) || wild(dice, 0.05);
         let grid_error = if is_asked { dice.of(&["refine", "refine", "none"]) } else { "estimate" };
@@ -754,7 +754,7 @@ impl Case {
         }
     }
 
-    /// The kinds to which the case belongs.
+    /// Returns the kinds of the case.
     pub(crate) fn kinds(&self) -> Vec<&'static str> {
         let base = match self.body.first.base {
             Base::HalfSpace(..) if self.body.first.layers.is_empty() => "half-space",

@@ -1,16 +1,16 @@
-//! Elasticity written anew: layered bodies wave by wave, by four functions a layer and the conditions between them;
+//! Independent elasticity: layered bodies wave by wave, by four functions per layer and the conditions between them;
 //! patches on a half-space by Love's formula; dense linear algebra. Nothing here is shared with the program.
 
 use std::f64::consts::PI;
 
-/// A point grid in a cell.
+/// Point grid in a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
     pub(crate) n: [usize; 2],
     pub(crate) length: [f64; 2],
 }
 
-/// A complex number.
+/// Complex number.
 pub(crate) type Complex = [f64; 2];
 
 impl Plane {
@@ -22,7 +22,7 @@ impl Plane {
         [0, 1].map(|axis| self.length[axis] / self.n[axis] as f64)
     }
 
-    /// The integer wave numbers of the mode at a place, of which the Nyquist ones are positive.
+    /// Returns the integer wave numbers of the mode at a place; Nyquist wave numbers are positive.
     pub(crate) fn mode(&self, place: usize) -> [i64; 2] {
         let at = [place / self.n[1], place % self.n[1]];
         [0, 1].map(
@@ -30,25 +30,25 @@ impl Plane {
         )
     }
 
-    /// The wave vector of a mode. Along an axis of one point there are no waves.
+    /// Returns the wave vector of a mode. An axis of one point has no waves.
     pub(crate) fn wave(&self, place: usize) -> [f64; 2] {
         let mode = self.mode(place);
         [0, 1].map(|axis| 2.0 * PI * mode[axis] as f64 / self.length[axis])
     }
 
-    /// True along each axis whose wave is the shortest one of an even number of points, which has no sine.
+    /// Returns true along each axis with the shortest wave of an even number of points, which has no sine.
     pub(crate) fn is_shortest(&self, place: usize) -> [bool; 2] {
         let mode = self.mode(place);
         [0, 1].map(|axis| self.n[axis] > 1 && 2 * mode[axis] == self.n[axis] as i64)
     }
 
-    /// sum over r of f(r) exp(-i q r), over the number of points, by direct sums along y and then along x.
+    /// Returns the sum over r of f(r) exp(-i q r), divided by the number of points, by direct sums along y, then x.
     pub(crate) fn transform(&self, field: &[f64]) -> Vec<Complex> {
         let complex: Vec<Complex> = field.iter().map(|value| [*value / self.len() as f64, 0.0]).collect();
         self.sums(&complex, -1.0)
     }
 
-    /// The real part of the sum over q of f(q) exp(i q r).
+    /// Returns the real part of the sum over q of f(q) exp(i q r).
     pub(crate) fn inverse(&self, modes: &[Complex]) -> Vec<f64> {
         self.sums(modes, 1.0).into_iter().map(|value| value[0]).collect()
     }
@@ -87,7 +87,7 @@ impl Plane {
     }
 }
 
-/// An isotropic layer.
+/// Isotropic layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layer {
     pub(crate) young: f64,
@@ -100,18 +100,18 @@ impl Layer {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
-    /// E/(1 - nu^2).
+    /// Returns E/(1 - nu^2).
     pub(crate) fn contact_modulus(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
     }
 
-    /// The strain of a layer that is confined sideways, per stress.
+    /// Returns the strain of a laterally confined layer per stress.
     pub(crate) fn confined(&self) -> f64 {
         (1.0 + self.poisson) * (1.0 - 2.0 * self.poisson) / (self.young * (1.0 - self.poisson))
     }
 }
 
-/// The support of the layers.
+/// Support of the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Base {
     Bonded,
@@ -149,7 +149,7 @@ impl Wave {
     }
 }
 
-/// The gradient of a harmonic function, and Papkovich and Neuber's solution of one, both with exp(s q z).
+/// Returns the gradient of a harmonic function and its Papkovich-Neuber solution, both with exp(s q z).
 fn solutions(layer: &Layer, q: f64, s: f64, z: f64) -> [Wave; 2] {
     let (nu, two_mu, decay) = (layer.poisson, 2.0 * layer.shear_modulus(), (s * q * z).exp());
     let gradient = Wave {
@@ -169,7 +169,7 @@ fn solutions(layer: &Layer, q: f64, s: f64, z: f64) -> [Wave; 2] {
     [gradient, potential]
 }
 
-/// The state of the surface of a wave.
+/// State of the surface of a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Top {
     /// Pressure 1 and no shear.
@@ -186,7 +186,7 @@ pub(crate) enum Top {
     ShearedBelow,
 }
 
-/// The solution of one wave.
+/// Solution of one wave.
 pub(crate) struct Solved<'a> {
     stack: &'a Stack,
     q: f64,
@@ -202,7 +202,7 @@ impl Stack {
         self.layers.iter().map(|layer| layer.height).sum()
     }
 
-    /// The layers and, if there is one, the half-space, each with the heights of its upper and lower face below z = 0.
+    /// Returns the layers and the half-space, if any, each with the heights of its upper and lower face below z = 0.
     fn parts(&self) -> Vec<(Layer, f64, Option<f64>)> {
         let mut top = 0.0;
         let mut parts = Vec::new();
@@ -216,7 +216,7 @@ impl Stack {
         parts
     }
 
-    /// The functions of a part at the height z: four of a layer, two of a half-space.
+    /// Returns the functions of a part at the height z: four for a layer, two for a half-space.
     fn functions(&(layer, top, bottom): &(Layer, f64, Option<f64>), q: f64, z: f64) -> Vec<Wave> {
         let mut all = solutions(&layer, q, 1.0, z - top).to_vec();
         if let Some(bottom) = bottom {
@@ -235,7 +235,7 @@ impl Stack {
             for (from, values) in terms {
                 values.iter().enumerate().for_each(|(k, value)| row[from + k] += value);
             }
-            // Rows of stresses and of displacements are of one size.
+            // Scale rows of stresses and of displacements to the same size.
             let largest = row.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
             rows.push(row.into_iter().map(|value| value / largest).collect::<Vec<f64>>());
             right.push(value / largest);
@@ -280,7 +280,7 @@ impl Stack {
         Solved { stack: self, q, coefficients: solve(rows, right) }
     }
 
-    /// Displacement into the body per pressure, of a wave; of the uniform one that of the confined layers.
+    /// Returns the displacement into the body per pressure of a wave; for the uniform one, of the confined layers.
     pub(crate) fn compliance(&self, q: f64, held: bool) -> f64 {
         if q == 0.0 {
             return self.layers.iter().map(|layer| layer.height * layer.confined()).sum();
@@ -288,7 +288,7 @@ impl Stack {
         -self.solve(q, if held { Top::Held } else { Top::Pressed }).at(0.0, false).uz
     }
 
-    /// Lateral displacement per shear across the wave, by the stiffness of what lies below, layer by layer.
+    /// Returns the lateral displacement per shear across the wave, from the stiffness below, layer by layer.
     pub(crate) fn across(&self, q: f64) -> f64 {
         if q == 0.0 {
             return self.layers.iter().map(|layer| layer.height / layer.shear_modulus()).sum();
@@ -305,8 +305,8 @@ impl Stack {
         1.0 / self.layers.iter().rev().fold(below, raised)
     }
 
-    /// The compliance of tractions along x, y, z (outward) on the surface of a periodic cell, of the mode at a place:
-    /// the displacement is `[row][column]` of the traction, each a complex number.
+    /// Returns the compliance for tractions along x, y, z (outward) on the surface of a periodic cell, for the mode at
+    /// a place. `[row][column]` is the complex displacement `row` per traction `column`.
     pub(crate) fn all_components(&self, plane: Plane, place: usize) -> [[Complex; 3]; 3] {
         let [x, y] = plane.wave(place);
         let q = x.hypot(y);
@@ -339,7 +339,7 @@ impl Stack {
 }
 
 impl Solved<'_> {
-    /// The wave at a depth; on a plane between two layers that of the lower one if asked for.
+    /// Returns the wave at a depth; `lower` selects the lower layer on an interface.
     pub(crate) fn at(&self, depth: f64, lower: bool) -> Wave {
         let parts = self.stack.parts();
         let last = parts.len() - 1;
@@ -365,8 +365,8 @@ impl Solved<'_> {
     }
 }
 
-/// The compliance of all components whose stiffness has no entries with a sine along the axes of the shortest waves,
-/// which do not have one.
+/// Returns the compliance of all components without the stiffness entries that have a sine along the axes of the
+/// shortest waves: these waves have no sine.
 pub(crate) fn without_sines(matrix: [[Complex; 3]; 3], shortest: [bool; 2]) -> [[Complex; 3]; 3] {
     if shortest == [false; 2] {
         return matrix;
@@ -426,16 +426,16 @@ pub(crate) fn solve(mut rows: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
     right
 }
 
-/// The downward displacement of points by pressures on points, all of them dense.
+/// Dense compliance: downward displacement of points by pressures on points.
 pub(crate) struct Dense {
     plane: Plane,
     is_free: bool,
-    /// By offset: periodic, or of absolute values with free boundaries.
+    /// By offset: periodic, or by absolute offsets with free boundaries.
     by_offset: Vec<f64>,
 }
 
 impl Dense {
-    /// The compliance of a periodic cell, from that of each wave number.
+    /// Returns the compliance of a periodic cell, from the compliance of each wave number.
     pub(crate) fn periodic(plane: Plane, mut compliance: impl FnMut(f64) -> f64) -> Self {
         let mut known: Vec<(i64, f64)> = Vec::new();
         let modes: Vec<Complex> = (0..plane.len())
@@ -455,8 +455,8 @@ impl Dense {
         Self { plane, is_free: false, by_offset: plane.inverse(&modes) }
     }
 
-    /// The compliance of a patch on an unbounded body, from the displacement that a uniform pressure on one cell makes
-    /// at an offset.
+    /// Returns the compliance of a patch on an unbounded body, from the displacement at an offset by a uniform pressure
+    /// on one cell.
     pub(crate) fn free(plane: Plane, of_cell: impl Fn([f64; 2]) -> f64) -> Self {
         let [dx, dy] = plane.spacing();
         let offset = |place: usize| [(place / plane.n[1]) as f64 * dx, (place % plane.n[1]) as f64 * dy];
@@ -472,14 +472,14 @@ impl Dense {
         }
     }
 
-    /// The displacement into the body.
+    /// Returns the displacement into the body.
     pub(crate) fn displace(&self, pressure: &[f64]) -> Vec<f64> {
         let loaded: Vec<(usize, f64)> = pressure.iter().copied().enumerate().filter(|(_, p)| *p != 0.0).collect();
         (0..pressure.len()).map(|a| loaded.iter().map(|(b, p)| self.entry(a, *b) * p).sum()).collect()
     }
 
-    /// The mean over all points of the pressure on `points` that displaces all of them by one; infinite if that has no
-    /// solution.
+    /// Returns the mean over all points of the pressure on `points` that displaces all of them by one; infinite if this
+    /// has no solution.
     pub(crate) fn stiffness(&self, points: &[usize]) -> f64 {
         if points.is_empty() {
             return 0.0;
@@ -494,8 +494,8 @@ impl Dense {
     }
 }
 
-/// Love's displacement at an offset by a unit pressure on a cell of a half-space of the modulus E*; of a line that of a
-/// strip, which is zero at the offset of the length.
+/// Returns Love's displacement at an offset by a unit pressure on a cell of a half-space of modulus E*; for a line, on
+/// a strip, with zero displacement at an offset of the cell length.
 pub(crate) fn love(plane: Plane, e_star: f64) -> impl Fn([f64; 2]) -> f64 {
     let ([dx, dy], is_line) = (plane.spacing(), plane.n[1] == 1);
     let length = plane.length[0];
@@ -510,7 +510,7 @@ pub(crate) fn love(plane: Plane, e_star: f64) -> impl Fn([f64; 2]) -> f64 {
     }
 }
 
-/// Nodes and weights of Gauss and Legendre on [-1, 1], by Newton's method.
+/// Returns the Gauss-Legendre nodes and weights on [-1, 1], by Newton's method.
 pub(crate) fn gauss(count: usize) -> Vec<[f64; 2]> {
     let legendre = |x: f64| {
         let (mut before, mut now) = (1.0, x);
@@ -531,15 +531,15 @@ pub(crate) fn gauss(count: usize) -> Vec<[f64; 2]> {
     (0..count).map(node).collect()
 }
 
-/// J0 by the mean of cos(x sin t), whose trapezoids converge faster than any power.
+/// Returns J0 as the mean of cos(x sin t); the trapezoidal rule converges faster than any power.
 fn bessel(x: f64) -> f64 {
     let steps = 12 + (0.55 * x.abs()) as usize;
     (0..steps).map(|k| (x * (PI * (k as f64 + 0.5) / (2.0 * steps as f64)).sin()).cos()).sum::<f64>() / steps as f64
 }
 
-/// The displacement by a unit pressure on a cell of layered bodies, whose compliance is that of the half-space of the
-/// modulus E* for short waves. The least height of the uppermost layers and the sum of all set the steps of the
-/// quadrature; `lowest` is the limit of q times the compliance of long waves.
+/// Returns the displacement by a unit pressure on a cell of layered bodies. For short waves their compliance tends to a
+/// half-space of modulus E*. The smallest height of the uppermost layers and the sum of all heights set the steps of
+/// the quadrature; `lowest` is the limit of q times the compliance of long waves.
 pub(crate) fn layered(
     plane: Plane,
     e_star: f64,
@@ -575,8 +575,8 @@ pub(crate) fn layered(
             false => integral(bessel),
         }
     };
-    // An even function of r on [-reach, reach] at Chebyshev's nodes.
-    // The image of a source below the layer lies twice its height deep.
+    // An even function of r on [-reach, reach] at Chebyshev nodes. The image of a source below the layer lies at twice
+    // its height.
     let count = 2 * 64.max((6.0 * reach / least) as usize);
     let table: Vec<[f64; 2]> = (0..count)
         .map(|k| {

@@ -1,4 +1,4 @@
-//! The findings of a case: complaints, and how many numbers were compared.
+//! Findings of a case: complaints, and the number of compared numbers.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ pub(crate) struct Found {
     pub(crate) undefined: BTreeMap<String, usize>,
 }
 
-/// The number at a place, NaN if it is null.
+/// Returns the number at a place, NaN if it is null.
 pub(crate) fn number(of: &Value, key: &str) -> f64 {
     of.pointer(&format!("/{}", key.replace('.', "/"))).map_or(f64::NAN, |value| match value {
         Value::Bool(flag) => f64::from(u8::from(*flag)),
@@ -51,7 +51,7 @@ impl Found {
         }
     }
 
-    /// A number that is null has a reason in words.
+    /// Checks that a null number has a reason.
     pub(crate) fn null(&mut self, record: &Value, key: &str) {
         self.compared += 1;
         match reason_for(record, key) {
@@ -60,8 +60,8 @@ impl Found {
         }
     }
 
-    /// Every null of a record has a reason, and every reason a null, by the names of the file. Those of `absent` have
-    /// no meaning without what the case does not have.
+    /// Checks that every null of a record has a reason, and every reason a null, by the names in the file. Numbers in
+    /// `absent` have no meaning for this case.
     pub(crate) fn nulls(&mut self, record: &Value, absent: &[&str]) {
         let mut all = BTreeMap::new();
         super::outlets::flat(record, "", &mut all);

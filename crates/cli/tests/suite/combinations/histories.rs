@@ -14,7 +14,7 @@ use super::outlets;
 use super::{End, Problem, reason};
 use crate::common::gfmd;
 
-/// The kinds of histories.
+/// Kinds of histories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Relaxing,
@@ -23,17 +23,17 @@ pub(crate) enum Kind {
     Wear,
 }
 
-/// A contact with a history.
+/// Contact with a history.
 #[derive(Debug)]
 pub(crate) struct History {
     pub(crate) case: Case,
     pub(crate) kind: Kind,
-    /// True if the shear modulus alone relaxes.
+    /// True if only the shear modulus relaxes.
     pub(crate) is_of_shear: bool,
     pub(crate) words: Vec<String>,
 }
 
-/// The flags of surface, body, law and load that all commands have.
+/// Flags of surface, body, law and load shared by all commands.
 const SHARED: [&str; 20] = [
     "--n",
     "--dim",
@@ -57,12 +57,12 @@ const SHARED: [&str; 20] = [
     "--tol",
 ];
 
-/// The flags of loads and laws.
+/// Flags of loads and laws.
 const LOADS: [&str; 3] = ["--pressure", "--p-star", "--displacement"];
 const LAWS: [&str; 3] = ["--law", "--param", "--law-table"];
 
 impl History {
-    /// Draws the history `index` and writes its input into `folder`; `None` of a problem of another kind.
+    /// Draws the history `index` and writes its input into `folder`; `None` for a problem of another kind.
     pub(crate) fn draw(index: u64, folder: &Path) -> Option<Self> {
         let mut case = Case::draw(index, folder);
         let others = case.is_steep || case.has_lower || case.moved.is_some() || case.hardness.is_some();
@@ -205,7 +205,7 @@ fn run(history: &History, folder: &Path, found: &mut Found) -> (End, String) {
     (End::Solved, String::new())
 }
 
-/// The numbers of the states by their definition from the fields.
+/// Checks the numbers of the states by their definition from the fields.
 fn states(found: &mut Found, history: &History, records: &[Value], file: &Reader) {
     let case = &history.case;
     let group = match history.kind {
@@ -242,7 +242,7 @@ fn states(found: &mut Found, history: &History, records: &[Value], file: &Reader
         found.must(pressure.iter().all(|p| *p >= 0.0), || "a pressure below zero".into());
     }
     let gap = field("gap");
-    // In full contact with a wall the gap is zero, whatever the search leaves of it within its tolerance.
+    // In full contact with a wall the gap is reported as zero, although the search leaves a gap within its tolerance.
     let reported = number(last, "mean_gap");
     if reported == 0.0 && pressure.iter().all(|p| *p > 0.0) {
         found.near("mean_gap in full contact", mean(&gap), 0.0, case.tolerance * case.plane.length[0]);
@@ -251,7 +251,7 @@ fn states(found: &mut Found, history: &History, records: &[Value], file: &Reader
     }
 }
 
-/// The stress below the result, wave by wave, or the reason why there is none.
+/// Checks the stress below the result, wave by wave, or the reason why there is none.
 fn below(found: &mut Found, history: &History, folder: &Path, out: &str) {
     let case = &history.case;
     let fields = format!("{out}.body.h5");

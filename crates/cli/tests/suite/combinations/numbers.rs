@@ -1,4 +1,4 @@
-//! Definitions of the numbers of a contact, written anew: counts, means, gradients, patches, flow through a network.
+//! Independent definitions of the numbers of a contact: counts, means, gradients, patches, flow through a network.
 
 use std::f64::consts::PI;
 
@@ -12,13 +12,13 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()))
 }
 
-/// Root mean square about the mean.
+/// Returns the root mean square about the mean.
 pub(crate) fn deviation(values: &[f64]) -> f64 {
     let middle = mean(values);
     mean(&values.iter().map(|value| (value - middle).powi(2)).collect::<Vec<f64>>()).sqrt()
 }
 
-/// The root mean square of the gradient: by the waves of a periodic surface, by differences inside of a patch.
+/// Returns the root mean square gradient: by waves for a periodic surface, by differences inside a patch.
 pub(crate) fn gradient(plane: Plane, heights: &[f64], is_free: bool) -> f64 {
     if !is_free {
         let modes = plane.transform(heights);
@@ -41,7 +41,7 @@ pub(crate) fn gradient(plane: Plane, heights: &[f64], is_free: bool) -> f64 {
     (mean(&along_x) + if along_y.is_empty() { 0.0 } else { mean(&along_y) }).sqrt()
 }
 
-/// The largest slope by steps forwards that do not cross the seam.
+/// Returns the largest slope of forward differences that do not cross the seam.
 pub(crate) fn steepest(plane: Plane, heights: &[f64]) -> f64 {
     let ([nx, ny], [dx, dy]) = (plane.n, plane.spacing());
     let mut most = 0.0_f64;
@@ -56,7 +56,7 @@ pub(crate) fn steepest(plane: Plane, heights: &[f64]) -> f64 {
     most
 }
 
-/// The neighbours of a point, with the cell to which the step leads.
+/// Returns the neighbours of a point, with the cell reached by the step.
 pub(crate) fn neighbours(plane: Plane, place: usize, is_free: bool) -> Vec<(usize, [i64; 2], usize)> {
     let [nx, ny] = plane.n;
     let at = [place / ny, place % ny];
@@ -83,20 +83,20 @@ pub(crate) fn neighbours(plane: Plane, place: usize, is_free: bool) -> Vec<(usiz
     all
 }
 
-/// The number of pairs of neighbours of which one belongs.
+/// Counts the pairs of neighbours with exactly one point that belongs.
 pub(crate) fn links(plane: Plane, belongs: &[bool], is_free: bool) -> usize {
     let ends = |place: usize| neighbours(plane, place, is_free).iter().filter(|(there, ..)| !belongs[*there]).count();
     (0..belongs.len()).filter(|place| belongs[*place]).map(ends).sum()
 }
 
-/// A connected set of points.
+/// Connected set of points.
 #[derive(Debug, Default)]
 pub(crate) struct Patch {
     pub(crate) points: Vec<usize>,
     pub(crate) percolates: [bool; 2],
 }
 
-/// The connected sets of points that belong, by filling; one that meets itself in another cell winds around the cell.
+/// Returns the connected sets of points, by flood fill; a set that meets itself in another cell winds around the cell.
 pub(crate) fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patch> {
     let mut cells: Vec<Option<[i64; 2]>> = vec![None; belongs.len()];
     let mut all = Vec::new();
@@ -138,9 +138,8 @@ pub(crate) fn patches(plane: Plane, belongs: &[bool], is_free: bool) -> Vec<Patc
     all
 }
 
-/// The mean flux along x and y (rows) by a unit mean gradient along x and y (columns) through cells of these
-/// conductivities, whose faces have their harmonic mean: by elimination. Without a channel along an axis nothing flows
-/// along it.
+/// Returns the mean flux along x and y (rows) for a unit mean gradient along x and y (columns) through cells with these
+/// conductivities and their harmonic means on the faces, by elimination. An axis without a channel has no flow.
 pub(crate) fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 2]; 2] {
     let [dx, dy] = plane.spacing();
     let open: Vec<bool> = conductivity.iter().map(|k| *k > 0.0).collect();
@@ -152,7 +151,7 @@ pub(crate) fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 
             let numbers: Vec<Option<usize>> = (0..conductivity.len()).map(number).collect();
             let size = patch.points.len();
             let (mut rows, mut right) = (vec![vec![0.0; size]; size], vec![0.0; size]);
-            // Each face: cell, cell beyond or none, conductance, drop of the mean gradient, along which axis.
+            // Each face: cell, cell beyond or none, conductance, drop of the mean gradient, axis.
             let mut faces: Vec<(usize, Option<usize>, f64, f64, usize)> = Vec::new();
             for (k, place) in patch.points.iter().enumerate() {
                 for along in [0, 1] {
@@ -197,7 +196,7 @@ pub(crate) fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 
                 }
             }
             if !is_free {
-                // The level has no meaning.
+                // The level is arbitrary.
                 rows[0].iter_mut().for_each(|value| *value = 0.0);
                 rows[0][0] = conductivity[patch.points[0]];
                 right[0] = 0.0;
@@ -223,7 +222,7 @@ pub(crate) fn flow(plane: Plane, conductivity: &[f64], is_free: bool) -> [[f64; 
     fluxes
 }
 
-/// (pi - 1 + ln 2)/24, the part of a pixel edge by which counted points exceed an area (Yastrebov and others 2017).
+/// Returns (pi - 1 + ln 2)/24, the excess of a counted area per pixel edge (Yastrebov and others 2017).
 pub(crate) fn excess() -> f64 {
     (PI - 1.0 + 2.0_f64.ln()) / 24.0
 }

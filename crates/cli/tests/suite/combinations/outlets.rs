@@ -13,13 +13,13 @@ use super::found::Found;
 use super::numbers::{largest, mean};
 use crate::common::gfmd;
 
-/// The numbers of a load or a step by the names that the file has for them. Nulls are NaN.
+/// Collects the numbers of a load or a step under their names in the file. Nulls are NaN.
 pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
     match record {
         Value::Object(entries) => {
             for (key, value) in entries.iter().filter(|(key, _)| *key != "undefined") {
                 if let ("flow", Some(kind)) = (at, key.strip_prefix("conductivity_")) {
-                    // The flow along a gradient has it, not that across.
+                    // The flow along a gradient has it, not the flow across.
                     for (axis, name) in ["xx", "yy"].into_iter().enumerate() {
                         all.insert(format!("flow_{name}_{kind}"), value[axis][axis].as_f64().unwrap_or(f64::NAN));
                     }
@@ -52,13 +52,13 @@ pub(crate) fn flat(record: &Value, at: &str, all: &mut BTreeMap<String, f64>) {
     }
 }
 
-/// Every number of the JSON is in the file, and every number of the file in the JSON, with the same bits.
+/// Checks that JSON and file have the same numbers, with the same bits.
 pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &str) {
     for (k, record) in records.iter().enumerate() {
         let mut all = BTreeMap::new();
         flat(record, "", &mut all);
         if group == "/path" {
-            // The file has the largest residual alone.
+            // The file has the largest residual only.
             let worst = all.iter().filter(|(name, _)| name.starts_with("residual")).map(|(_, value)| *value);
             let worst = worst.fold(0.0, f64::max);
             all.retain(|name, _| !name.starts_with("residual"));
@@ -85,7 +85,7 @@ pub(crate) fn file(found: &mut Found, records: &[Value], file: &Reader, group: &
     }
 }
 
-/// A number of a printed table: its value, the unit of its last digit, and its error in brackets.
+/// Number of a printed table: value, unit of its last digit, and error in brackets.
 struct Shown {
     value: f64,
     unit: f64,
@@ -93,8 +93,8 @@ struct Shown {
 }
 
 impl Shown {
-    /// A cell such as `1.2000e-1`, `0.1014(12)`, `1230(30)`, `2.512(4)e-9` or `0.10~`; `None` for one that has no
-    /// number.
+    /// Parses a cell such as `1.2000e-1`, `0.1014(12)`, `1230(30)`, `2.512(4)e-9` or `0.10~`; `None` for a cell without
+    /// a number.
     fn of(cell: &str) -> Option<Self> {
         let cell = cell.strip_suffix('~').unwrap_or(cell);
         let (mantissa, power) = cell.split_once('e').unwrap_or((cell, "0"));
@@ -104,7 +104,7 @@ impl Shown {
         };
         let scale = 10_f64.powi(power.parse().ok()?);
         let last = scale * 10_f64.powi(-(mantissa.split_once('.').map_or(0, |(_, digits)| digits.len()) as i32));
-        // Errors have one digit, or two that begin with 1; zeros behind them only fill the place of whole numbers.
+        // Errors have one digit, or two that begin with 1; trailing zeros only pad whole numbers.
         let zeros = error.map_or(0, |error| error.len() - error.len().min(1 + usize::from(error.starts_with('1'))));
         let value = scale * mantissa.parse::<f64>().ok().filter(|value| value.is_finite())?;
         let error = error.map(|error| Some(last * error.parse::<f64>().ok()?));
@@ -112,7 +112,7 @@ impl Shown {
     }
 }
 
-/// The limits of numbers on fine grids: each bounds the error of its number, or has no value, as has its error.
+/// Checks the limits of numbers on fine grids: each bounds the error of its number, or both lack a value.
 pub(crate) fn limits(found: &mut Found, record: &Value) {
     let named = |name: &str| COLUMNS.iter().find(|column| column.name == name).map(|column| column.json);
     for number in COLUMNS.iter().filter_map(Column::limit_of) {
@@ -132,7 +132,7 @@ pub(crate) fn limits(found: &mut Found, record: &Value) {
     }
 }
 
-/// The rows of the printed table, cell by cell below the heads. Rows of a path begin with their number.
+/// Checks the rows of the printed table, cell by cell below the heads. Rows of a path begin with their number.
 pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: bool) {
     let tables: &[Table] = if is_path { &[Table::State, Table::Energy] } else { &[Table::State] };
     let all: Vec<_> = tables.iter().flat_map(|table| heads(*table)).collect();
@@ -157,7 +157,7 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
             let cell = row.get(column + usize::from(is_path)).copied().unwrap_or_default();
             match Shown::of(cell) {
                 Some(Shown { value, unit, error }) => {
-                    // An error is that of the limit on fine grids, which stands in place of the number.
+                    // An error belongs to the limit on fine grids, which replaces the number.
                     let [limit, of_limit] = ["_limit", "_limit_error"].map(|end| {
                         let limit = COLUMNS.iter().find(|other| other.name == format!("{}{end}", at.name));
                         limit.map_or(f64::NAN, |limit| super::found::number(record, limit.json))
@@ -176,8 +176,8 @@ pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: b
     }
 }
 
-/// The arrays of a file of VTK with 64-bit numbers, by name, as `[x, y]` with x the slower index; those of components
-/// follow each other.
+/// Reads the arrays of a VTK file with 64-bit numbers by name, as `[x, y]` with x the slower index, component after
+/// component.
 fn arrays(bytes: &[u8], n: [usize; 2]) -> BTreeMap<String, Vec<Vec<f64>>> {
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let start = bytes.windows(mark.len()).position(|part| part == mark).unwrap();
@@ -200,7 +200,7 @@ fn arrays(bytes: &[u8], n: [usize; 2]) -> BTreeMap<String, Vec<Vec<f64>>> {
     found
 }
 
-/// The numbers of a file of VTK are those of the last load in HDF5, to the last bit.
+/// Checks that the numbers of a VTK file equal the last load in HDF5, to the last bit.
 pub(crate) fn vtk(found: &mut Found, case: &Case, bytes: &[u8], file: &Reader) {
     let (plane, last) = (case.plane, case.loads.len() - 1);
     let all = arrays(bytes, plane.n);
@@ -234,7 +234,7 @@ pub(crate) fn vtk(found: &mut Found, case: &Case, bytes: &[u8], file: &Reader) {
     found.must(names == ["contact"], || format!("VTK has {names:?} beside the fields"));
 }
 
-/// The gap is open at the lower one of the two loads of a threshold, and closed at the other.
+/// Checks that the gap is open at the lower of the two loads of a threshold, and closed at the other.
 pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
     let key = if case.control == Control::Displacement { "displacement" } else { "mean_pressure" };
     for axis in [0, 1] {
@@ -324,7 +324,7 @@ pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, 
                 let result = Reader::open(folder.join(out)).unwrap();
                 body(found, case, &result, &file, &serde_json::from_str(&text).unwrap());
             }
-            // A second body, layers and moved bases have their own limits, which one line tells.
+            // A second body, layers and moved bases have their own limits, reported on one line.
             Some(2) => {
                 found.must(reported.trim_end().lines().count() == 1, || format!("body: {reported}"));
                 let refused =
@@ -343,7 +343,7 @@ fn half_space(case: &Case) -> Base {
     }
 }
 
-/// The stress below the surface: in balance at every depth, and the sum of the waves of the pressure.
+/// Checks the stress below the surface: in balance at every depth, and the sum of the waves of the pressure.
 pub(crate) fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reader, report: &Value) {
     let plane = case.plane;
     let last = result.shape("/fields/pressure").unwrap()[0] - 1;
@@ -355,8 +355,8 @@ pub(crate) fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reade
     let size = plane.len() * tensor;
     found.must(stress.len() == levels.len() * size, || format!("{} stresses", stress.len()));
     let (most, mean_pressure) = (largest(&pressure), mean(&pressure));
-    // Even numbers of points have shortest waves without a sine, whose lateral tractions are left out, here and there
-    // in another way.
+    // Even numbers of points have shortest waves without a sine; their lateral tractions are left out differently in
+    // program and test.
     let is_exact = plane.n.iter().all(|n| n % 2 == 1) && case.moved.is_none() && !case.is_steep;
     let parts = plane.transform(&pressure);
     for (level, reported) in levels.iter().enumerate() {
@@ -440,7 +440,7 @@ pub(crate) fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reade
             1e-6 * most,
         );
         let layer = layer_at(case, depth, lower);
-        // An incompressible body stores nothing under a uniform pressure, but what rounding leaves of the squares.
+        // An incompressible body stores no energy under uniform pressure, except for rounding of the squares.
         let (density, squares): (Vec<f64>, Vec<f64>) = (0..plane.len())
             .map(|at| {
                 let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|c| expected[c][at]);
@@ -450,7 +450,7 @@ pub(crate) fn body(found: &mut Found, case: &Case, result: &Reader, file: &Reade
             })
             .unzip();
         let scale = largest(&density).max(1e-9 * largest(&squares));
-        // The energy of a body that relaxes depends on all earlier loads.
+        // The energy of a relaxing body depends on all earlier loads.
         if reported["mean_energy_density"].is_null() && !file.contains("/fields/energy_density") {
             continue;
         }

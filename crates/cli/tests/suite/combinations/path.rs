@@ -1,4 +1,4 @@
-//! The numbers of each step of a path, against their definitions.
+//! Numbers of each step of a path, compared with their definitions.
 
 use std::cell::LazyCell;
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::common::gfmd;
 /// Three components of each point.
 pub(crate) struct Vectors(pub(crate) [Vec<f64>; 3]);
 
-/// The displacement by tractions on a periodic surface.
+/// Returns the displacement by tractions on a periodic surface.
 pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
     let plane = case.plane;
     let parts: Vec<Vec<Complex>> = traction.0.iter().map(|field| plane.transform(field)).collect();
@@ -24,7 +24,7 @@ pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
     for place in 0..plane.len() {
         let mut matrix = case.body.first.all_components(plane, place);
         if let Some(second) = &case.body.second {
-            // The second body is turned over, so that what couples pressure and shear has the other sign.
+            // The second body is turned over, so the coupling of pressure and shear has the opposite sign.
             let other = second.all_components(plane, place);
             for row in 0..3 {
                 for column in 0..3 {
@@ -48,8 +48,8 @@ pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
     Vectors(modes.map(|modes| plane.inverse(&modes)))
 }
 
-/// Work of the mean tractions on the way between two states by the trapezoidal rule, and half of the product of the
-/// changes of both, which is left open where the tractions have any value between those of the states.
+/// Returns the work of the mean tractions between two states by the trapezoidal rule, and half of the product of both
+/// changes, the uncertainty if the tractions take any value between both states.
 fn work(last: &Value, step: &Value) -> [f64; 2] {
     let [p, q] = [last, step].map(|step| number(step, "mean_pressure"));
     let approach = number(step, "displacement") - number(last, "displacement");
@@ -63,10 +63,10 @@ fn work(last: &Value, step: &Value) -> [f64; 2] {
     [work, open]
 }
 
-/// Steps between two waypoints of the path that is divided to find its work.
+/// Number of steps between two waypoints on the refined path used to find the work.
 const FINE: usize = 64;
 
-/// The [`work`] from each waypoint to the next along the path of [`FINE`] steps; none if it has no such path.
+/// Returns the [`work`] from each waypoint to the next along the path of [`FINE`] steps; empty without such path.
 fn fine_work(case: &Case, folder: &Path) -> Vec<[f64; 2]> {
     let mut words: Vec<&str> = case.words.iter().map(String::as_str).collect();
     let steps = words.iter().position(|word| *word == "--steps").unwrap() + 1;
@@ -114,7 +114,7 @@ pub(crate) fn check(found: &mut Found, case: &Case, folder: &Path, report: &Valu
     totals(found, report, steps);
 }
 
-/// The part of a state that the next step needs.
+/// Part of a state needed by the next step.
 struct State {
     pressure: Vec<f64>,
     depth: Option<Vec<f64>>,
@@ -139,13 +139,13 @@ fn one(
     found.nulls(step, &["stick_fraction", "interface_energy", "dissipated", "dissipated_error", "lowest_curvature"]);
     let modulus = case.body.contact_modulus();
     let stress = largest(&pressure);
-    // The pressure is that of the displacement, the mean pressure that of the wall or law, from which it may differ by
-    // the tolerance.
+    // The pressure follows from the displacement, the mean pressure from the wall or law; they may differ by the
+    // tolerance.
     let unbalanced = 10.0 * case.tolerance;
     found.near("mean_pressure", number(step, "mean_pressure"), mean(&pressure), unbalanced * stress);
     let asked = case.loads[k];
     let reported = number(step, "mean_pressure");
-    // The scale of the stress of a law.
+    // Stress scale of a law.
     let least = if case.law.is_some() { stress.max(softest(case) * rough.deviation) } else { stress };
     match case.control {
         Control::Pressure => found.near("load", reported, asked, 1.01 * case.tolerance * asked.max(least)),
@@ -165,7 +165,7 @@ fn one(
     }
     let attracting = file.contains("/fields/repulsion").then(|| field("repulsion"));
     let (surely, possibly, repulsion) = repulsion(case, &pressure, &gap, attracting);
-    // The points that the wall or a mixed law repels count, whatever the sliding.
+    // Points repelled by the wall or a mixed law count, independent of sliding.
     if case.law.is_none() || case.lateral.is_empty() {
         counted(found, case, step, (&surely, &possibly, &repulsion), &gap);
     }
@@ -183,7 +183,7 @@ fn one(
                 found.near("mean_shear", reported, mean(field), 1e-9 * largest(field));
             }
             let vectors = Vectors([x.clone(), y.clone(), pressure.iter().map(|p| -p).collect()]);
-            // Layers or patches with shear are not made here.
+            // Layers or patches with shear are not covered here.
             all = (!case.is_free).then(|| all_components(case, &vectors));
             traction = Some(vectors);
             all.as_ref().map(|all| all.0[2].clone())
@@ -193,7 +193,7 @@ fn one(
         let level = if has_level(case) { 0.0 } else { mean(&displacement) - mean(uz) };
         let apart = uz.iter().zip(&displacement).map(|(a, b)| (b - a - level).abs()).fold(0.0, f64::max);
         let scale = largest(uz).max(1e-3 * rough.deviation);
-        // The pressure of a wall balances the displacement to the tolerance.
+        // The pressure of a wall balances the displacement up to the tolerance.
         let allowed = elastic.tolerance.max(100.0 * case.tolerance);
         found.near("displacement_z less that of the tractions", apart, 0.0, allowed * scale);
     }
@@ -240,7 +240,7 @@ fn one(
                 surely += f64::from(u8::from(p >= most));
                 possibly += f64::from(u8::from(p >= most * (1.0 - 1e-3)));
             }
-            // Points count that carry the hardness to the accuracy of the pressure.
+            // Points count if they carry the hardness up to the accuracy of the pressure.
             let reported = number(step, "plastic_fraction") * plane.len() as f64;
             found.must(surely - 1e-6 <= reported && reported <= possibly + 1e-6, || {
                 format!("plastic_fraction is {reported} points; {surely} to {possibly} carry the hardness")
@@ -283,7 +283,7 @@ fn one(
     State { pressure, depth, traction, displacement: all, lateral }
 }
 
-/// Energy kept and lost.
+/// Checks the energy kept and lost.
 fn energy(
     found: &mut Found,
     case: &Case,
@@ -301,11 +301,11 @@ fn energy(
         }
     }
     let lost = number(step, "dissipated");
-    // Without an error the loss closes the balance to its imbalance.
+    // Without an error, the loss closes the balance up to its imbalance.
     let errors = ["dissipated_error", "work_imbalance"].map(|key| number(step, key));
     let error = errors.into_iter().find(|error| error.is_finite()).unwrap_or(0.0);
     if lost.is_finite() {
-        // The energy of a line without a level is not known.
+        // The energy of a line without a level is unknown.
         let scale = Some(number(step, "elastic_energy").abs()).filter(|energy| energy.is_finite()).unwrap_or(0.0);
         found.must(lost >= -error - 1e-6_f64.max(10.0 * case.tolerance) * scale, || {
             format!("dissipated is {lost:e}, {error:e}")
@@ -330,7 +330,7 @@ fn energy(
     if lost.is_finite() && done.is_finite() && stored.is_finite() {
         let rounding = 1e-5 * (energy(step).abs() + energy(last).abs() + done.abs());
         let is_met = |done: f64, open: f64| (done - stored - lost).abs() <= 1.001 * open + error + rounding;
-        // A law that attracts may pull more strongly on the way than at both ends.
+        // An attractive law may pull more strongly in between than at both ends.
         if case.law.is_some() && !is_met(done, open) {
             [done, open] = divided().unwrap_or([done, open]);
         }
@@ -344,7 +344,7 @@ fn energy(
         let grown: Vec<f64> = depth.iter().zip(shallow).map(|(now, then)| now - then).collect();
         found.must(grown.iter().all(|grown| *grown >= -1e-12), || "a plastic depth has shrunk".into());
         let expected = product(&grown, hardness);
-        // Small changes of depths have the rounding of the depths. The energy of a line without a level is not known.
+        // Small depth changes have the rounding error of the depths. The energy of a line without level is unknown.
         let kept = 1e-9 * if has_level(case) { number(step, "elastic_energy").abs() } else { 0.0 };
         let rounding = 1e-12 * product(depth, hardness);
         found.near("dissipated", lost, expected, 1e-6 * expected + kept + rounding);
@@ -377,12 +377,12 @@ fn energy(
     }
 }
 
-/// The sums over all steps.
+/// Checks the sums over all steps.
 fn totals(found: &mut Found, report: &Value, steps: &[Value]) {
     for key in ["dissipated", "dissipated_error", "extra_solves"] {
         let parts: Vec<f64> = steps.iter().map(|step| number(step, key)).filter(|value| value.is_finite()).collect();
         let reported = number(report, key);
-        // The error of a sum is known if all are.
+        // The error of a sum is known if all errors are.
         let lost = steps.iter().filter(|step| number(step, "dissipated").is_finite()).count();
         if parts.is_empty() || (key == "dissipated_error" && parts.len() < lost) {
             found.must(reported.is_nan(), || format!("{key} is {reported} without parts"));
