@@ -33,7 +33,7 @@ pub struct Args {
     /// Number of spheres with free boundaries (Hertz), of waves, and of summits with Dugdale's law (Maugis)
     #[arg(long, default_value_t = 60, value_name = "N")]
     alike: u64,
-    /// Seed of the first surface; the others follow, those of the next kind a million later
+    /// Seed of the first surface; the others follow, the next kind of surface a million later
     #[arg(long, default_value_t = 20_280_101, value_name = "SEED")]
     first_seed: u64,
     /// Write the summary to this file

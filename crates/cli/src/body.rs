@@ -120,13 +120,13 @@ pub struct Args {
     #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
     #[serde(skip)]
     plots: Option<PathBuf>,
-    /// Components to draw and to compare; default: those of --quantities in the plane of the slice
+    /// Components to draw and to compare; default: the components of --quantities in the plane of the slice
     #[arg(long, value_delimiter = ',', value_name = "C1,C2,..", value_parser = Component::parser())]
     #[serde(skip)]
     draw: Vec<Component>,
 }
 
-/// The flags of the depths, of which one is given, unless the slice is a plane.
+/// Flags of the depths. Exactly one is given, unless the slice is a plane.
 #[derive(ClapArgs, Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 #[group(multiple = false)]

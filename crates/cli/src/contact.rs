@@ -129,7 +129,7 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
-/// The flags of the loads, of which exactly one is given.
+/// Flags of the loads. Exactly one is given.
 #[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 #[group(required = true, multiple = false)]

@@ -56,7 +56,7 @@ pub struct Args {
     )]
     #[serde(with = "named")]
     pub preset: Preset,
-    /// Configuration of a sweep in TOML (docs/interface.md); missing fields are those of the preset "default"
+    /// Configuration of a sweep in TOML (docs/interface.md); missing fields come from the preset "default"
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<Configured>,
     /// Write the results to this file, and plots beside it

@@ -33,10 +33,10 @@ pub struct Args {
     /// Tangential separations along one direction, one for each normal one; default 0
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
     tangential: Vec<f64>,
-    /// Unit of lengths without one, such as nm [default: that of the table]
+    /// Unit of lengths without one, such as nm [default: the unit of the table]
     #[arg(long, value_name = "UNIT", value_parser = length_unit, help_heading = "Interface law")]
     unit: Option<String>,
-    /// Unit of stresses without one [default: that of the table, or Pa if a stress has a unit]
+    /// Unit of stresses without one [default: the unit of the table, or Pa if a stress has a unit]
     #[arg(long, value_name = "UNIT", value_parser = stress_unit, help_heading = "Interface law")]
     stress_unit: Option<String>,
     /// Draw T_n against the normal separation, one curve for each value of --tangential, and T_t against the tangential

@@ -70,8 +70,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     around: AroundArgs,
-    /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with that
-    /// of each point; the plastic depth stays
+    /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with a
+    /// value for each point; the plastic depth stays
     #[arg(
         long,
         value_name = "P|FILE",
@@ -86,9 +86,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     steps: StepArgs,
-    /// Largest error of the dissipated energy over the work done in a step, for laws that have an energy; with friction
-    /// also twice the largest change of the shear in a step, as an energy, when its increments are halved, and its root
-    /// that of the part of the contact that sticks, when the last one is
+    /// Largest error of the dissipated energy divided by the work of a step, for laws that have an energy. With
+    /// friction, half of it also bounds the change of the shear, as an energy, when the increments of a step are
+    /// halved, and its root the change of the sticking fraction when the last increment is halved
     #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
     energy_tol: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the

@@ -49,8 +49,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     loads: LoadArgs,
-    /// Sliding distances of the legs, each of which ends at a waypoint: the first one begins at first touch; a leg of
-    /// no distance is one step
+    /// Sliding distances of the legs. Each leg ends at a waypoint; the first begins at first touch; a leg of no
+    /// distance is one step
     #[arg(
         long,
         value_delimiter = ',',

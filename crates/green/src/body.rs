@@ -219,7 +219,7 @@ impl Body {
     /// Returns the stiffness in the frame of a wave vector of length `q` (rad/length), in stress/length.
     ///
     /// At q = 0, it is the stiffness of the uniform mode (theory.md, section 3): normal entry C11/height, infinite if ν
-    /// = 1/2, and zero along directions in which the base does not hold the body.
+    /// = 1/2, and zero in directions in which nothing holds the body.
     pub fn stiffness_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -235,9 +235,8 @@ impl Body {
         LayerMode::new(&self.material, height, q).stiffness_on(&self.base)
     }
 
-    /// Returns the compliance in the frame of a wave vector of length `q` (rad/length), in length/stress: the inverse
-    /// of [`Self::stiffness_blocks`]. At q = 0, it is infinite along directions in which the base does not hold the
-    /// body.
+    /// Returns the compliance in the frame of a wave vector of length `q` (rad/length), in length/stress, the inverse
+    /// of [`Self::stiffness_blocks`]. At q = 0, it is infinite in directions in which nothing holds the body.
     pub fn compliance_blocks(&self, q: f64) -> Blocks {
         let q = q.abs();
         if q == 0.0 {
@@ -295,8 +294,7 @@ impl Body {
         if let Base::Elastic(below) = &self.base { plus(layer, below.level_compliance()) } else { layer }
     }
 
-    /// Returns the stiffness K of the wave vector `q` (rad/length), in stress/length; q = 0 as in
-    /// [`Self::stiffness_blocks`].
+    /// Returns the stiffness K of the wave vector `q` (rad/length), in stress/length; see [`Self::stiffness_blocks`].
     pub fn stiffness(&self, q: [f64; 2]) -> Matrix3 {
         on_axes(q, |q| self.stiffness_blocks(q))
     }

@@ -55,8 +55,7 @@ struct Above<'a> {
 }
 
 impl Body {
-    /// Returns the plane at `height` (length) above the base of the body, or above the bottom of the top layer in a
-    /// stack.
+    /// Returns the plane at `height` (length) above the base of the body, or of the top layer in a stack.
     ///
     /// # Errors
     /// Returns an error if the height is outside the body, and for any height in a half-space.
@@ -194,7 +193,7 @@ impl<'a> Section<'a> {
         stress
     }
 
-    /// Returns the displacement transfer of a mode of a grid; entries odd in a Nyquist component are zero (theory.md,
+    /// Returns the displacement transfer of a grid mode; entries odd in a Nyquist component are zero (theory.md,
     /// section 0).
     pub fn displacement_transfer_of(&self, mode: &Mode) -> Matrix3 {
         let mut matrix = self.displacement_transfer(wavevector(mode));
@@ -202,8 +201,7 @@ impl<'a> Section<'a> {
         matrix
     }
 
-    /// Returns the stress transfer of a mode of a grid; entries odd in a Nyquist component are zero (theory.md, section
-    /// 0).
+    /// Returns the stress transfer of a grid mode; entries odd in a Nyquist component are zero (theory.md, section 0).
     pub fn stress_transfer_of(&self, mode: &Mode) -> StressMatrix3 {
         let mut matrix = self.stress_transfer(wavevector(mode));
         average_aliases(&mut matrix, &STRESS_ROWS, mode.nyquist);
@@ -247,8 +245,8 @@ impl<'a> Section<'a> {
             let ratio = self.surface.lateral_ratio(q);
             direction.map(|component| -ratio * component)
         });
-        // The product has the parity of the u_z entry of its row in each component of q, since the lateral displacement
-        // of u_z is odd in its own component.
+        // In each component of q, a product is even or odd like the u_z entry of its row, since each lateral
+        // displacement per u_z is odd in its own component.
         let mut products = transfer.map(|[x, y, z]| {
             let sum = if lateral == [0.0; 2] { z } else { i_times(lateral[0], x) + i_times(lateral[1], y) + z };
             [Complex64::ZERO, Complex64::ZERO, sum]
@@ -438,8 +436,7 @@ fn bonded_transfer(material: &Material, z: f64, b: f64) -> Blocks {
     }
 }
 
-/// Value of Z = q·height above the base beyond which the base has no effect: e^(−2 Z), even times Z² or 800 Z, is below
-/// 1e-30.
+/// Value of Z = q·height beyond which the base has no effect: e^(−2 Z), even times Z² or 800 Z, is below 1e-30.
 const OUT_OF_REACH: f64 = 40.0;
 
 fn i_times(factor: f64, value: Complex64) -> Complex64 {

@@ -29,8 +29,7 @@ impl State {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Basis {
     state: State,
-    /// q·thickness of the thin layers since the last division. States propagated over a larger distance become more
-    /// alike.
+    /// q·thickness of the thin layers since the last division. Propagation over larger distances makes states alike.
     reach: f64,
 }
 

@@ -93,8 +93,7 @@ impl Body {
     /// (length). `base` is below the lowest layer.
     ///
     /// # Errors
-    /// Returns an error if there is no layer, if a thickness is not positive and finite, or if a pair of bodies is
-    /// below.
+    /// Returns an error if there is no layer, a thickness is not positive and finite, or a pair of bodies is below.
     pub fn stack(layers: &[(Material, f64)], base: Base) -> Result<Self, GreenError> {
         let mut base = base;
         let (&(material, thickness), below) = layers.split_first().ok_or(GreenError::NoLayer)?;

@@ -8,8 +8,7 @@ use crate::{Body, Matrix3};
 /// Number of modes that one thread takes at a time.
 const CHUNK: usize = 4096;
 
-/// Returns the frictionless normal stiffness 1/G_zz (stress/length) of every mode of `grid`, in the order of
-/// [`Grid::modes`].
+/// Returns the frictionless normal stiffness 1/G_zz (stress/length) of every mode, in the order of [`Grid::modes`].
 ///
 /// `uniform` is the entry of the mode q = 0. The value of the body is
 /// [`body.normal_stiffness(0.0)`](Body::normal_stiffness): 0 for a half-space, and infinite for a bonded incompressible
@@ -91,9 +90,8 @@ pub struct StiffnessRange {
 
 /// Returns the range of the frictionless normal stiffness 1/G_zz over the modes of `grid`.
 ///
-/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. The uniform mode is omitted if it
-/// has no compliance (half-space, incompressible slab), since no solver then uses its stiffness. Returns `None` if no
-/// mode is left.
+/// The stiffness of the uniform mode is the inverse of [`Body::level_compliance`]. It is omitted if there is no
+/// compliance (half-space, incompressible slab), since no solver then uses it. Returns `None` if no mode is left.
 pub fn normal_stiffness_range(body: &Body, grid: &Grid) -> Option<StiffnessRange> {
     let [_, uniform] = body.level_compliance();
     range(grid, !body.is_isotropic(), |mode| {

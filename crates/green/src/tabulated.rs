@@ -5,8 +5,8 @@ use gfmd_curve::{Curve, CurveError};
 use crate::GreenError;
 
 /// Normal compliance of a body by wave vector: ln G = a₀ + Σ a_k cos 2kθ + b_k sin 2kθ, with curves of ln q as
-/// coefficients and the angle θ of q to the x axis. Since fields are real, G(−q) = G(q), and odd multiples of θ do not
-/// occur.
+/// coefficients and the angle θ of q to the x axis. Fields are real, so G(−q) = G(q), and there are no odd multiples of
+/// θ.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Table {
     /// a₀ as a function of ln q, in the units of the table.

@@ -64,8 +64,8 @@ impl Anderson {
         self.last = Some([image.to_vec(), residual]);
     }
 
-    /// Returns the weights with which the sum of the changes is closest to the residual, by elimination. A change that
-    /// is nearly a combination of the others has zero weight.
+    /// Returns the weights that bring the sum of the changes closest to the residual, by elimination. A change that is
+    /// nearly a combination of the others has zero weight.
     fn weights(&self, residual: &[f64]) -> Vec<f64> {
         let n = self.changes.len();
         let mut rows: Vec<Vec<f64>> = self

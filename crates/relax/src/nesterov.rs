@@ -11,8 +11,8 @@ use crate::{
 /// + √(1 + 4 t²))/2 (Nesterov 1983), restarted whenever a step x₊ − y is longer than the previous one (adaptive
 /// restart, O'Donoghue and Candès 2015). Restarts replace damping, so the softest mode need not be known.
 ///
-/// The method is also suitable for [`AugmentedLagrangian`](crate::AugmentedLagrangian), whose force has no energy.
-/// Without momentum, its steps never become longer, so a longer step indicates too much momentum.
+/// The method is also suitable for [`AugmentedLagrangian`](crate::AugmentedLagrangian), which has a force but no
+/// energy. Without momentum, its steps never become longer, so a longer step indicates too much momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nesterov {
     /// τ = Δt²/m, in displacement per force.

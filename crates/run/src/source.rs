@@ -51,8 +51,8 @@ pub struct SourceArgs {
     #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
     #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
     pub fill: Option<Fill>,
-    /// Unit of all lengths, such as um: that of heights and size if the source has none, and else the one into
-    /// which they are converted
+    /// Unit of all lengths, such as um. Heights and size of a source without a unit have this unit; others are
+    /// converted to it
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
@@ -60,12 +60,12 @@ pub struct SourceArgs {
     #[arg(long, value_name = "UNIT", value_parser = stress_unit)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress_unit: Option<String>,
-    /// Cell size, L or Lx,Ly; default: that of the file, or 1
+    /// Cell size, L or Lx,Ly; default: the size in the file, or 1
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     pub length: Vec<f64>,
-    /// Points along each side over those of the file: heights between them follow from the waves of the periodic
-    /// surface. Of a generated surface --n gives the points
+    /// Factor by which each side has more points than the file: heights in between follow from the waves of the
+    /// periodic surface. For a generated surface --n gives the points
     #[arg(
         long,
         value_name = "TIMES",
@@ -74,7 +74,7 @@ pub struct SourceArgs {
     )]
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "times")]
     pub refine: Option<u64>,
-    /// The way to the heights between those of the file.
+    /// Interpolation between the heights of the file.
     #[arg(skip)]
     #[serde(skip)]
     pub interpolation: Interpolation,
@@ -88,8 +88,8 @@ pub struct SourceArgs {
     /// Change the sign of the heights of a file, if its peaks point away from the body
     #[arg(long)]
     pub flip: bool,
-    /// Heights of a second rough surface, that of the body, in a file as of --surface and prepared by the same flags;
-    /// its peaks point at the first surface, and x and y are the same places of both
+    /// Heights of a second rough surface, on the body: a file as for --surface, prepared by the same flags. Its peaks
+    /// point at the first surface, and x and y are the same places on both
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_surface: Option<ArrayOption>,

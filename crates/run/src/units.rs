@@ -19,10 +19,10 @@ const UNIT: &str = "unit";
 /// The key of the unit of stresses.
 const STRESS_UNIT: &str = "stress_unit";
 
-/// The command whose units are those of a result.
+/// Command that takes its units from a result.
 const BODY: &str = "body";
 
-/// The command whose units are those of its table, unless others are given.
+/// Command that takes its units from its table, unless others are given.
 const LAW: &str = "law";
 
 /// True if the lengths of a command have no unit.
@@ -84,12 +84,12 @@ pub fn units_of_result(reader: &Reader) -> Option<Units> {
     Some(Units::new(length.as_deref(), stress))
 }
 
-/// The words of a command line, of which the first is the program, with bare numbers in place of quantities with a
-/// unit, and the rows of tables in place of their files.
+/// Returns the words of a command line, program first, with bare numbers in place of quantities with a unit, and the
+/// rows of tables in place of their files.
 ///
 /// # Errors
-/// A text that is no unit, a quantity of another kind than that of its option, one whose lengths have no unit; a table
-/// that cannot be read.
+/// Returns an error for a text that is not a unit, a quantity of another kind than its option, a quantity without a
+/// unit of lengths, or a table that cannot be read.
 pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
     let Some(sub) = words.iter().find_map(|word| command.find_subcommand(word)) else { return Ok(words) };
     // The place of each value, the key of its option, and what stands before it in its word.
@@ -123,7 +123,7 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
         let columns = columns(key);
         if !columns.is_empty() && !is_rows(text) {
             let flag = format!("--{}", key.replace('_', "-"));
-            // The numbers of a command without units are those of the table, whatever its units.
+            // A command without units takes the numbers of the table, whatever its units.
             *text = table::rows(&flag, text, &columns, !without_units(sub.get_name()))?;
             words[*index] = format!("{before}{text}").into();
         }
@@ -161,7 +161,7 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
             }
         }
     }
-    // The heights that a command makes itself have no other unit than that of the length of their cell.
+    // Generated heights take the unit of the length of their cell.
     if let (None, None, Some(length)) = (&source.unit, &source.surface, value_of("length")) {
         let found = length.split(',').find_map(unit_in);
         if let Some(found) = found {
@@ -175,7 +175,7 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
             words[*index] = format!("{before}{text}").into();
         }
     }
-    // Where a stress has a unit, that of those without one is Pa: it is recorded.
+    // If a stress has a unit, stresses without one are in Pa, which is recorded.
     if sub.get_name() != BODY && sought.stress && units.stress().is_none() {
         words.extend(["--stress-unit".into(), Units::PASCAL.into()]);
     }

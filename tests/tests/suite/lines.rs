@@ -22,7 +22,7 @@ fn long_lines(text: &str) -> Vec<(usize, usize)> {
 }
 
 /// Adds the sources in a folder and its subfolders.
-fn collect(folder: &Path, sources: &mut Vec<PathBuf>) {
+pub(crate) fn collect(folder: &Path, sources: &mut Vec<PathBuf>) {
     for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         let name = path.file_name().unwrap().to_string_lossy();
         let ending = path.extension().map(|ending| ending.to_string_lossy());

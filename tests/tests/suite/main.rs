@@ -3,6 +3,7 @@
 mod agreement;
 mod checks;
 mod circles;
+mod english;
 mod lines;
 mod space;
 mod transforms;

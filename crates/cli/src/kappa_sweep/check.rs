@@ -12,11 +12,11 @@ use gfmd_run::result::{Against, Comparison, Folder, Kind, Pair};
 use gfmd_run::session::Session;
 use gfmd_run::sweep::{example, runs};
 
-/// The loads of all runs in the file of an earlier sweep, whose configuration may differ from that of `plan` in the fit
-/// only.
+/// Reads the loads of all runs from the file of an earlier sweep. Its configuration may differ from `plan` only in the
+/// fit.
 ///
 /// # Errors
-/// Another configuration, a damaged file, loads that do not fulfil their certificates.
+/// Returns an error for another configuration, a damaged file, or loads that miss their tolerance.
 pub(super) fn earlier(path: &Path, plan: &Plan) -> Result<Vec<Vec<Pressed>>, Failure> {
     let refuse = |reason: &dyn std::fmt::Display| Failure::input("--runs-of", format!("{}: {reason}", path.display()));
     let reader = Reader::open(path).map_err(|error| Failure::input("--runs-of", error))?;

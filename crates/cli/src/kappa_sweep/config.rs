@@ -30,7 +30,7 @@ impl FromStr for Configured {
 }
 
 impl Configured {
-    /// Reads the configuration; missing fields are those of the preset `default`.
+    /// Reads the configuration; missing fields come from the preset `default`.
     ///
     /// # Errors
     /// A file that cannot be read, or is not TOML; an unknown or mistyped field.
@@ -54,7 +54,7 @@ fn parsed(name: &str, text: &str) -> Result<Config, Failure> {
     if let Ok(mut table) = text.parse::<Table>()
         && bare(name, &mut table)?
     {
-        // Another text, whose lines are not those of the file.
+        // This text has other lines than the file.
         let text = toml::to_string(&table).map_err(|error| Failure::input(name, error))?;
         return of_text(&text, |_| name.to_owned());
     }

@@ -17,8 +17,8 @@ use gfmd_run::failure::Failure;
 
 /// Writes a study; the file appears under its name when it is complete.
 ///
-/// The variables have no wall times, so that those of a resumed sweep equal those of an uninterrupted one. The time of
-/// the last session is the root attribute `seconds`.
+/// The variables have no wall times, so that a resumed sweep has the same variables as an uninterrupted one. The time
+/// of the last session is the root attribute `seconds`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -100,8 +100,8 @@ fn exact(seed: u64) -> i64 {
     seed as i64
 }
 
-/// The columns of a run: those of a hard wall, but what a sweep does not measure and what differs between identical
-/// runs.
+/// Returns the columns of a run: the columns of a hard wall without numbers that a sweep does not measure or that
+/// differ between identical runs.
 pub(super) fn scalars() -> impl Iterator<Item = &'static gfmd_record::Column> {
     let facts = Facts::default();
     COLUMNS.iter().filter(move |column| {

@@ -131,7 +131,7 @@ pub struct EdgeReport {
     pub coarse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coarse_ci95: Option<[f64; 2]>,
-    /// The part of the standard error of kappa_TFC that stems from that of the factor.
+    /// Part of the standard error of kappa_TFC that comes from the standard error of the factor.
     pub share: Option<f64>,
 }
 

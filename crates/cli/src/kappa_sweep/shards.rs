@@ -12,12 +12,12 @@ use super::journal::{Finished, Journal, Size};
 use gfmd_run::failure::Failure;
 use gfmd_run::session::GIT_COMMIT;
 
-/// The part of the name of the journal of a shard after that of the output, less the ending.
+/// Returns the part of a journal's name between the name of the output and the ending.
 pub(super) fn suffix(shard: Shard) -> String {
     format!(".shard-{}-of-{}", shard.index(), shard.count())
 }
 
-/// The shards that left a file beside an output, with their journals; those of few shards first.
+/// Finds the shards that left a file beside an output, with their journals; sweeps of few shards first.
 fn find(out: &Path) -> Result<BTreeMap<Shard, Option<PathBuf>>, Failure> {
     let name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let failed =
@@ -84,8 +84,8 @@ impl Gathered {
         self.shards.values().flatten().count()
     }
 
-    /// The shards that lack a run of `missing`. None if the journals are of several numbers of shards, no one of which
-    /// is to blame, or if there are no journals.
+    /// Returns the shards that lack a run of `missing`; none if the journals come from sweeps of different numbers of
+    /// shards, or if there are no journals.
     pub(super) fn lacking(&self, plan: &Plan, missing: &[usize]) -> Vec<Shard> {
         let counts: BTreeSet<usize> = self.shards.keys().map(|shard| shard.count()).collect();
         let Some(count) = counts.first().copied().filter(|_| counts.len() == 1) else { return Vec::new() };

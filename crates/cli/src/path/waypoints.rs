@@ -22,8 +22,8 @@ pub(super) struct WaypointArgs {
     #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) lateral: Vec<f64>,
-    /// Times of the legs, each of which ends at a waypoint, of a viscoelastic body: the first one begins at first
-    /// touch; a leg of no time is a jump
+    /// Durations of the legs on a viscoelastic body. Each leg ends at a waypoint; the first begins at first touch;
+    /// a leg of no time is a jump
     #[arg(long, value_delimiter = ',', value_name = "T1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     pub(super) time: Vec<Entry>,

@@ -290,8 +290,7 @@ fn chebyshev<const M: usize>(start: f64, length: f64, f: &dyn Fn(f64) -> [f64; M
     })
 }
 
-/// Computes nodes and weights of Gauss quadrature on −1/2 to 1/2, from the zeros of the Legendre polynomial by Newton's
-/// method.
+/// Computes nodes and weights of Gauss quadrature on −1/2 to 1/2, from Legendre zeros by Newton's method.
 fn legendre(count: usize) -> Vec<[f64; 2]> {
     let n = count as f64;
     // P_n and its slope.

@@ -1,11 +1,11 @@
-//! Layers: two faces, stacks, and the bases that follow from them.
+//! Tests of layers: two faces, stacks, and the resulting bases.
 
 use crate::support::*;
 use gfmd_green::{Base, BaseKind, Body, Ground, Layer, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-/// A slab cut in two by a plane at `fraction` of its height.
+/// Returns a slab cut in two by a plane at `fraction` of its height.
 fn cut(material: Material, height: f64, fraction: f64, base: Base) -> Body {
     let lower = Body::slab(material, height * (1.0 - fraction)).unwrap().on(base).unwrap();
     Body::slab(material, height * fraction).unwrap().bonded_to(lower).unwrap()
@@ -33,7 +33,7 @@ proptest! {
         }
     }
 
-    /// A stack of many thin layers, which the recursion propagates without division only up to a limit.
+    /// A stack of many thin layers; the recursion propagates without division only up to a limit.
     #[test]
     fn a_hundred_thin_layers_are_one_slab(material in material(), h in decades(0.1, 90.0)) {
         for base in GROUNDS.map(Base::Rigid) {
@@ -52,8 +52,7 @@ proptest! {
         }
     }
 
-    /// A plate that is squeezed evenly is two slabs that slide on its mid-plane; one that bends, two that are guided by
-    /// it.
+    /// A squeezed plate equals two slabs sliding on its mid-plane; a bent plate equals two slabs guided by it.
     #[test]
     fn the_modes_of_a_plate_are_those_of_its_halves(material in material(), h in decades(0.1, 1e3)) {
         let (layer, q) = (Layer::new(material, 2.0).unwrap(), h / 2.0);
@@ -92,7 +91,7 @@ proptest! {
         }
     }
 
-    /// A prescribed base displacement in a layer between half-spaces of its own material: the wave passes unchanged.
+    /// A prescribed base displacement in a layer between half-spaces of the same material: the wave passes unchanged.
     #[test]
     fn a_layer_agrees_with_the_field_of_a_half_space(material in material(), h in decades(0.02, 20.0)) {
         let layer = Layer::new(material, h).unwrap();
@@ -116,8 +115,8 @@ proptest! {
 }
 
 proptest! {
-    /// Two equal bodies face to face are twice as soft under pressure, and uncoupled; the order does not matter but for
-    /// the coupling.
+    /// Two equal bodies face to face are twice as soft under pressure, and uncoupled. The order affects only the
+    /// coupling.
     #[test]
     fn a_pair_is_the_sum_of_both(first in body(), second in body(), q in decades(1e-3, 1e3)) {
         let pair = first.clone().against(second.clone());

@@ -1,4 +1,4 @@
-//! Tables and ranges over the modes of a grid.
+//! Tests of tables and ranges over the modes of a grid.
 
 use crate::support::*;
 use gfmd_field::{Grid, Mode};
@@ -8,7 +8,7 @@ use gfmd_green::{
 };
 use proptest::prelude::*;
 
-/// The eigenvalues of a stiffness matrix by Jacobi rotations: with u_z = −i w it is real and symmetric.
+/// Computes the eigenvalues of a stiffness matrix by Jacobi rotations; with u_z = −i w, it is real and symmetric.
 fn eigenvalues(m: &Matrix3) -> [f64; 3] {
     let mut a = [
         [m[0][0].re, m[0][1].re, m[0][2].im],

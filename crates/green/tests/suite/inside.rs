@@ -1,4 +1,4 @@
-//! Relations inside every body: equilibrium, Hooke's law, the base, energy.
+//! Tests of relations inside every body: equilibrium, Hooke's law, the base, energy.
 
 use crate::support::*;
 use gfmd_field::Grid;
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 const I: Complex64 = Complex64::I;
 
-/// The derivative in z of every entry of a matrix, by a difference of fourth order over 4 `step`.
+/// Returns the z derivative of every entry of a matrix, by a fourth-order difference over 4 `step`.
 fn slope<const M: usize>(
     body: &Body,
     depth: f64,
@@ -24,7 +24,7 @@ fn slope<const M: usize>(
     })
 }
 
-/// The points and weights of Gauss quadrature on (−1, 1).
+/// Points and weights of Gauss quadrature on (−1, 1).
 const GAUSS: [(f64, f64); 5] = [
     (0.0, 0.568_888_888_888_888_9),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -37,7 +37,7 @@ fn apply<const M: usize>(matrix: &[[Complex64; 3]; M], u: [Complex64; 3]) -> [Co
     matrix.map(|row| row.iter().zip(u).map(|(entry, u)| entry * u).sum())
 }
 
-/// The energy density ½ σ : ε*, from the stresses and the lateral strains.
+/// Returns the energy density ½ σ : ε*, from the stresses and the lateral strains.
 fn energy_density(section: &Section, q: [f64; 2], surface: [Complex64; 3]) -> f64 {
     let u = apply(&section.displacement_transfer(q), surface);
     let [xx, yy, zz, yz, xz, xy] = apply(&section.stress_transfer(q), surface);
@@ -49,7 +49,7 @@ fn energy_density(section: &Section, q: [f64; 2], surface: [Complex64; 3]) -> f6
     0.5 * pairs.into_iter().map(|(stress, strain)| (stress * strain.conj()).re).sum::<f64>()
 }
 
-/// A slab on each kind of base; the last base is a half-space.
+/// Returns a slab on the base number `kind`; the last base is a half-space.
 fn standing(slab: Body, kind: usize, below: Material) -> Body {
     match GROUNDS.get(kind) {
         Some(ground) => slab.on(Base::Rigid(*ground)).unwrap(),
@@ -126,7 +126,7 @@ proptest! {
         }
     }
 
-    /// Two halves of one material have the fields of the whole, above the cut, on it and below it.
+    /// Two halves of one material have the fields of the whole slab above, on and below the cut.
     #[test]
     fn fields_do_not_see_a_cut(
         material in material(), q in wavevector(decades(0.01, 30.0)), fraction in 0.1..0.9, depth in 0.0..1.0,
@@ -148,7 +148,7 @@ proptest! {
         }
     }
 
-    /// A deep slab's fields near its surface are those of the half-space, and vanish far below.
+    /// Near the surface of a deep slab, the fields equal the half-space fields; far below, they vanish.
     #[test]
     fn a_deep_slab_has_the_fields_of_the_half_space(material in material(), depth in 0.0..5.0, q in 5.0..8.0) {
         let (slab, half_space) = (Body::slab(material, 20.0).unwrap(), Body::half_space(material));
@@ -232,7 +232,7 @@ proptest! {
         }
     }
 
-    /// A base far below the surface has no effect, both where its formulas are evaluated and where they are skipped.
+    /// A base far below the surface has no effect, whether its formulas are evaluated or skipped.
     #[test]
     fn a_base_out_of_reach_is_not_felt(
         material in material(), kind in 0..5_usize, below in material(), q in decades(22.0, 1e3), depth in 0.0..0.05,

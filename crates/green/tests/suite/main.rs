@@ -1,4 +1,4 @@
-//! The tests of `gfmd-green` as one program: those of one file by `cargo test -p gfmd-green --test suite FILE::`.
+//! Tests of `gfmd-green` as one program. To run one file: `cargo test -p gfmd-green --test suite FILE::`.
 
 mod bases;
 mod grids;

@@ -1,11 +1,11 @@
-//! Plates that are pressed on both faces.
+//! Tests of plates pressed on both faces.
 
 use crate::support::*;
 use gfmd_green::{Base, Body, GreenError, Layer, Plate};
 use proptest::prelude::*;
 
 proptest! {
-    /// The matrix L of both faces, with the lateral displacements eliminated, is the inverse.
+    /// The matrix L of both faces, without the lateral displacements, is the inverse of the compliance.
     #[test]
     fn compliance_and_layer_matrix_are_inverse(
         material in material(), height in decades(0.3, 3.0), q in decades(1.0, 10.0),
@@ -27,7 +27,7 @@ proptest! {
         prop_assert_eq!(bb.normal, tt.normal);
     }
 
-    /// A layer cut in two is one layer, and the loss of digits is that of squeezing beside bending.
+    /// A layer cut in two equals one layer, with errors relative to the bending compliance.
     #[test]
     fn a_layer_in_two_parts_is_one_layer(
         material in material(), height in decades(0.1, 3.0), part in 0.1..0.9, q in decades(0.5, 20.0),
@@ -50,7 +50,7 @@ proptest! {
         prop_assert!(apart(up.squeezing, down.squeezing, up.bending) < 1e-11);
         prop_assert!(apart(up.bending, down.bending, up.bending) < 1e-11);
         prop_assert!(apart(up.mixed, -down.mixed, up.bending) < 1e-11);
-        // Each face alone is that of a plate with the other one free, and energies are positive.
+        // Each face alone behaves like a plate with the other face free, and energies are positive.
         let face = |mixed: f64| 0.5 * (up.squeezing + up.bending) + mixed;
         let free = body.on(Base::FREE);
         prop_assert!(free.is_ok() && face(up.mixed) > 0.0 && up.squeezing * up.bending > up.mixed * up.mixed);
@@ -65,8 +65,7 @@ fn the_uniform_wave_compresses_and_long_waves_bend() {
     let p_wave = 2.0 * 0.75 / (1.25 * 0.5);
     approx::assert_relative_eq!(uniform.squeezing, 0.2 / p_wave, max_relative = 1e-14);
     assert!(uniform.bending.is_infinite() && uniform.mixed == 0.0);
-    // E*/12 d^3 q^4 is the stiffness of a plate against one pressure; half the difference of the faces bears twice
-    // that.
+    // The bending stiffness of a plate is E*/12 d^3 q^4; opposite pressures on the two faces add up to twice the load.
     let q = 1e-3;
     let bending = 24.0 / (plate.contact_modulus() * 0.4_f64.powi(3) * q * q * q * q);
     approx::assert_relative_eq!(plate.compliance(q).bending, bending, max_relative = 1e-6);

@@ -1,10 +1,10 @@
-//! Random bodies, and the little matrix algebra that the properties need.
+//! Random bodies, and matrix algebra for the property tests.
 
 use gfmd_green::{Base, Blocks, Body, Ground, Material};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-/// Poisson's ratios, in which the ends and the incompressible case are frequent.
+/// Generates Poisson's ratios, with frequent end points and incompressible cases.
 pub(crate) fn poisson() -> impl Strategy<Value = f64> {
     prop_oneof![6 => -0.95..0.5, 1 => Just(0.5), 1 => 0.499..0.5, 1 => Just(0.0), 1 => Just(0.25)]
 }
@@ -13,12 +13,12 @@ pub(crate) fn material() -> impl Strategy<Value = Material> {
     (0.1..10.0, poisson()).prop_map(|(young, poisson)| Material::from_young(young, poisson).unwrap())
 }
 
-/// A number spread evenly over decades.
+/// Generates a number with a logarithmically uniform distribution.
 pub(crate) fn decades(lowest: f64, highest: f64) -> impl Strategy<Value = f64> {
     (lowest.log10()..highest.log10()).prop_map(|exponent| 10f64.powf(exponent))
 }
 
-/// A wave vector with a given length.
+/// Generates a wave vector with a given length.
 pub(crate) fn wavevector(length: impl Strategy<Value = f64>) -> impl Strategy<Value = [f64; 2]> {
     (length, 0.0..std::f64::consts::TAU).prop_map(|(q, angle)| [q * angle.cos(), q * angle.sin()])
 }
@@ -26,7 +26,7 @@ pub(crate) fn wavevector(length: impl Strategy<Value = f64>) -> impl Strategy<Va
 /// All conditions at the bottom of a slab on rigid ground.
 pub(crate) const GROUNDS: [Ground; 4] = [Ground::BONDED, Ground::SLIDING, Ground::NONE, Ground::GUIDED];
 
-/// A slab of a height near 1 on any base, or a half-space; coatings and stacks too.
+/// Generates a slab of a height near 1 on any base, a half-space, a coating or a stack.
 pub(crate) fn body() -> impl Strategy<Value = Body> {
     let leaf = (material(), 0.3..2.0, 0..5_usize).prop_map(|(material, height, kind)| match GROUNDS.get(kind) {
         Some(ground) => Body::slab(material, height).unwrap().on(Base::Rigid(*ground)).unwrap(),
@@ -38,12 +38,12 @@ pub(crate) fn body() -> impl Strategy<Value = Body> {
     })
 }
 
-/// The difference of `a` and `b` relative to `scale`.
+/// Returns the difference of `a` and `b` relative to `scale`.
 pub(crate) fn apart(a: f64, b: f64, scale: f64) -> f64 {
     if a == b { 0.0 } else { (a - b).abs() / scale.abs() }
 }
 
-/// The largest difference of two sets of blocks, each entry relative to the entries on its diagonal.
+/// Returns the largest difference of two sets of blocks, each entry relative to its diagonal entries.
 pub(crate) fn blocks_apart(a: &Blocks, b: &Blocks) -> f64 {
     let mixed = a.longitudinal.abs().sqrt() * a.normal.abs().sqrt();
     [
@@ -61,7 +61,7 @@ pub(crate) fn largest<const N: usize, const M: usize>(matrix: &[[Complex64; N]; 
     matrix.iter().flatten().map(|entry| entry.norm()).fold(0.0, f64::max)
 }
 
-/// The largest difference of two matrices, relative to the largest entry.
+/// Returns the largest difference of two matrices, relative to the largest entry.
 pub(crate) fn matrices_apart<const N: usize, const M: usize>(a: &[[Complex64; N]; M], b: &[[Complex64; N]; M]) -> f64 {
     let difference = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).norm());
     difference.fold(0.0, f64::max) / largest(a).max(f64::MIN_POSITIVE)

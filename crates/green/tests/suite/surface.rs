@@ -1,4 +1,4 @@
-//! Relations at the surface of every body.
+//! Tests of relations at the surface of every body.
 
 use crate::support::*;
 use gfmd_field::Grid;
@@ -12,7 +12,7 @@ proptest! {
         let k = body.stiffness_blocks(q);
         prop_assert_eq!(k.coupling[0], -k.coupling[1]);
         prop_assert!(k.longitudinal > 0.0 && k.normal > 0.0 && k.transverse > 0.0, "{:?}", k);
-        // A thin incompressible slab on a sliding base is nearly singular, so that its compliance is tested instead.
+        // A thin incompressible slab on a sliding base is nearly singular; its compliance is tested instead.
         prop_assert!(k.coupling[0] * (k.coupling[0] / k.longitudinal) <= k.normal * (1.0 + 1e-15), "{:?}", k);
         let g = body.compliance_blocks(q);
         prop_assert!(g.longitudinal > 0.0 && g.normal > 0.0 && g.transverse > 0.0, "{:?}", g);
@@ -27,7 +27,7 @@ proptest! {
         let (k, g) = (body.plane_stiffness(q), body.plane_compliance(q));
         for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let terms = (0..2).map(|j| k[row][j] * g[j][column]);
-            // The largest possible terms, since both matrices are positive definite.
+            // Largest possible terms, since both matrices are positive definite.
             let sizes = (0..2).map(|j| {
                 (k[row][row].re.sqrt() * k[j][j].re.sqrt()) * (g[j][j].re.sqrt() * g[column][column].re.sqrt())
             });
@@ -52,7 +52,7 @@ proptest! {
         prop_assert!(apart(body.normal_compliance(q), g.normal, g.normal) < 1e-14);
         prop_assert!(apart(body.normal_stiffness(q) * g.normal, 1.0, 1.0) < 1e-14);
         prop_assert_eq!(body.restricted_normal_stiffness(q), k.normal);
-        // Without shear traction u_long = G_long,z t_z, u_z = G_zz t_z: the ratio is −i ρ.
+        // Without shear traction, u_long = G_long,z t_z and u_z = G_zz t_z: the ratio is −i ρ.
         let ratio = g.coupling[0] / g.normal;
         let scale = (g.longitudinal / g.normal).sqrt();
         prop_assert!(apart(ratio, -body.lateral_ratio(q), scale) < 1e-13);
@@ -135,7 +135,7 @@ proptest! {
         }
     }
 
-    /// The aliases +q_N and −q_N of a Nyquist mode are one mode, whose matrix is their mean.
+    /// The aliases +q_N and −q_N of a Nyquist mode are one mode; its matrix is their mean.
     #[test]
     fn nyquist_modes_average_their_aliases(body in body(), nx in 1usize..7, ny in 1usize..7, length in 0.2..5.0) {
         let grid = Grid::new([nx, ny], [length, 1.3]).unwrap();
@@ -172,7 +172,7 @@ proptest! {
     }
 }
 
-/// The leading terms of theory.md, sections 1 and 3, far below any grid's smallest wavenumber.
+/// Leading terms of theory.md, sections 1 and 3, far below the smallest wavenumber of any grid.
 #[test]
 fn thin_slabs_have_the_stiffness_of_their_series() {
     for h in [1e-8, 1e-6, 1e-4] {

@@ -1,4 +1,4 @@
-//! Bodies from tables of their normal compliance.
+//! Tests of bodies from tables of normal compliance.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use approx::assert_relative_eq;
 use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Material, normal_stiffness_range, normal_stiffness_table};
 
-/// `n` rows of a body, in geometric steps.
+/// Returns `n` rows of a body, in geometric steps.
 fn table(body: &Body, n: u32) -> Vec<[f64; 2]> {
     let q = |k: u32| 0.1 * 1e4_f64.powf(f64::from(k) / f64::from(n - 1));
     (0..n).map(q).map(|q| [q, body.normal_compliance(q)]).collect()
@@ -55,7 +55,7 @@ fn units_are_those_of_the_rows_and_other_components_are_not_known() {
     assert!(slab.tabulated_wavenumbers().is_none());
 }
 
-/// The rows [q_x, q_y, G] of a function of wavenumber and angle: `n` wavenumbers, `directions` in half a turn.
+/// Returns rows [q_x, q_y, G] of a function of wavenumber and angle: `n` wavenumbers, `directions` in half a turn.
 fn polar(n: u32, directions: usize, compliance: impl Fn(f64, f64) -> f64) -> Vec<[f64; 3]> {
     let q = |k: u32| 0.1 * 1e4_f64.powf(f64::from(k) / f64::from(n - 1));
     let angle = |j: usize| PI * j as f64 / directions as f64;
@@ -68,7 +68,7 @@ fn a_table_by_direction_of_an_isotropic_body_is_that_body() {
     let slab = Body::slab(Material::from_young(2.0, 0.3).unwrap(), 0.5).unwrap();
     let by_wavenumber = Body::tabulated(2.2, &table(&slab, 40), 0.25).unwrap();
     let mut rows = polar(40, 7, |q, _| slab.normal_compliance(q));
-    // Any order, and −q for q.
+    // Rows may be in any order, with −q for q.
     rows.reverse();
     rows.iter_mut().step_by(3).for_each(|[x, y, _]| (*x, *y) = (-*x, -*y));
     let found = Body::tabulated_by_direction(2.2, &rows, 0.25).unwrap();
@@ -80,8 +80,8 @@ fn a_table_by_direction_of_an_isotropic_body_is_that_body() {
     }
 }
 
-/// Smooth angles converge faster than any power of the number of directions, and of a half-space G q depends on the
-/// angle alone, which four wavenumbers suffice for.
+/// Smooth functions of the angle converge faster than any power of the number of directions. For a half-space, G q
+/// depends on the angle only, and four wavenumbers suffice.
 #[test]
 fn a_table_by_direction_converges_exponentially_in_the_directions() {
     let of_angle = |angle: f64| 1.0 / (1.0 + 0.4 * (2.0 * (angle - 0.3)).cos() + 0.1 * (4.0 * angle).sin());

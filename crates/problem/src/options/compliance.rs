@@ -13,15 +13,14 @@ use crate::{Facts, Support, Unusable};
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ComplianceArgs {
-    /// Normal compliance of the body, in place of that of its moduli: FILE of two columns, wavenumber (rad/length) and
-    /// compliance (length/stress), or of three, qx, qy and compliance, of a body that is not isotropic, whose heads may
-    /// have units; or the rows, WAVENUMBER:COMPLIANCE,.. or QX:QY:COMPLIANCE,.. E* of --young or --e-star is then that
-    /// of p* alone
+    /// Normal compliance of the body, in place of its moduli: FILE of two columns, wavenumber (rad/length) and
+    /// compliance (length/stress), or of three, qx, qy and compliance, for a body that is not isotropic; heads may
+    /// have units; or the rows, WAVENUMBER:COMPLIANCE,.. or QX:QY:COMPLIANCE,.. E* of --young or --e-star then only
+    /// reduces p*
     #[arg(long, value_parser = Row::parse, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub compliance: Vec<Row>,
-    /// Compliance of the mean level of such a body, length/stress; 0, a fixed mean level as that of a half-space, if
-    /// not given
+    /// Compliance of the mean level of such a body, length/stress; default: 0, a fixed mean level as of a half-space
     #[arg(long, value_name = "G0", requires = "compliance", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uniform_compliance: Option<f64>,

@@ -16,8 +16,8 @@ pub struct DynamicsArgs {
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     dt: Option<f64>,
-    /// Damping of verlet-critical over the critical one of the softest mode (default: 1); or, with three numbers, that
-    /// of each component over the critical one of its own uniform mode
+    /// Damping of verlet-critical divided by the critical damping of the softest mode (default: 1); or three numbers,
+    /// the damping of each component divided by the critical damping of its uniform mode
     #[arg(long, value_delimiter = ',', value_name = "F|FX,FY,FZ", num_args = 1..=3, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<3, _, _>")]
     damping: Vec<f64>,

@@ -30,7 +30,7 @@ const EPS_F_INV: f64 = 32.0;
 /// The value of 1/eps_c to which the default of 1/eps_f leads.
 const EPS_C_INV: f64 = 4.0;
 
-/// The largest ratio of wavelengths: that of the longest possible grid.
+/// Largest ratio of wavelengths: the points of the longest possible grid.
 const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 
 /// Flags that describe a generated surface. The defaults are 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.

@@ -10,7 +10,7 @@ use toml::Value;
 
 use crate::Unusable;
 
-/// The kinds of the numbers of options, by their keys: those of a list in turn.
+/// Kinds of the numbers of options, by key; lists have a kind for each number in turn.
 const KINDS: &[(&str, &[&str])] = &[
     ("young", &["stress"]),
     ("e_star", &["stress"]),

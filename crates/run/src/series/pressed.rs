@@ -52,8 +52,8 @@ pub struct ContactArgs {
     #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with that of each point; where
-    /// it is reached the surfaces are pressed into each other
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
+    /// where it is reached the surfaces are pressed into each other
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
