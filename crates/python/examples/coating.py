@@ -6,7 +6,7 @@ import gfmd
 import matplotlib.pyplot as plt
 import numpy as np
 
-surface = gfmd.self_affine(n=128, rms_gradient=0.1)
+surface = gfmd.self_affine(n=128, rms_gradient=0.01)
 heights = np.geomspace(0.01, 1.0, 12)
 areas = [gfmd.contact(surface, gfmd.Body(poisson=0.3, height=height), p_star=0.1).area_fraction for height in heights]
 free = gfmd.contact(surface, gfmd.Body(poisson=0.3), p_star=0.1).area_fraction
