@@ -7,9 +7,9 @@ use crate::{
     bounds::{Wall, within},
 };
 
-/// Accelerated gradient steps x₊ = Π(y + τ f(y)), y₊ = Π(x₊ + β (x₊ − x)), with β growing from 0 as (t − 1)/t₊, t₊ = (1
-/// + √(1 + 4 t²))/2 (Nesterov 1983), restarted whenever a step x₊ − y is longer than the previous one (adaptive
-/// restart, O'Donoghue and Candès 2015). Restarts replace damping, so the softest mode need not be known.
+/// Accelerated gradient steps x₊ = Π(y + τ f(y)), y₊ = Π(x₊ + β (x₊ − x)), with β growing from 0 as (t − 1)/t₊,
+/// t₊ = (1 + √(1 + 4 t²))/2 (Nesterov 1983), restarted whenever a step x₊ − y is longer than the previous one
+/// (adaptive restart, O'Donoghue and Candès 2015). Restarts replace damping, so the softest mode need not be known.
 ///
 /// The method is also suitable for [`AugmentedLagrangian`](crate::AugmentedLagrangian), which has a force but no
 /// energy. Without momentum, its steps never become longer, so a longer step indicates too much momentum.

@@ -58,7 +58,6 @@ fn comments_are_plain_english() {
         all.extend(found.into_iter().map(|text| format!("{}: {text}", path.display())));
     }
     let rate = 1000.0 * all.len() as f64 / lines as f64;
-    println!("{} findings in {lines} lines of comments", all.len());
     assert!(rate <= MOST, "{rate:.2} findings in a thousand lines, at most {MOST}:\n{}", all.join("\n"));
     assert!(lines > 10_000, "{lines} lines");
 }
