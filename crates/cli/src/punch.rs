@@ -20,6 +20,7 @@ use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
+use gfmd_record::{PunchAt, PunchFacts, Record};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::failure::{Failure, Outcome};
@@ -36,7 +37,6 @@ mod refinement;
 mod report;
 
 use comparison::Reference;
-use report::scalars;
 
 pub use comparison::Comparison;
 pub use refinement::Refinement;
@@ -80,11 +80,11 @@ pub struct Args {
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
     #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
-    /// Points along each axis; default: those of --mask, or 128
+    /// Points along each axis; default: the points of --mask, or 128
     #[arg(long, value_name = "N")]
     #[serde(skip_serializing_if = "Option::is_none")]
     n: Option<usize>,
-    /// Width of the punch over that of the cell
+    /// Width of the punch divided by the width of the cell
     #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true)]
     punch_fraction: f64,
     /// Depth to which the punch is pressed, length; on a half-space, below the mean level of the surface
@@ -129,7 +129,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS")]
     #[serde(deserialize_with = "within::<1, 8, _, _>")]
     refine: u8,
-    /// Compare the displacement with that of a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
+    /// Compare the displacement with a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
     /// FILE.h5[:/dataset] of another run; if m differs from N, on the points that both grids have
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -290,11 +290,11 @@ impl Prepared {
         if let Some((reference, name)) = reference.zip(args.compare.as_ref()) {
             report.comparison = Some(reference.compare(name, &solution, args.depth));
         }
-        let mut pressures = vec![report.mean_pressure];
+        let mut pressures = vec![report.numbers.number("mean_pressure")];
         for grid in &self.grids[1..] {
             if failure.is_none() {
                 let (finer, _, stopped) = self.press(args, grid, session, &progress)?;
-                pressures.push(finer.mean_pressure);
+                pressures.push(finer.numbers.number("mean_pressure"));
                 report.not_converged = finer.not_converged;
                 failure = stopped;
             }
@@ -401,6 +401,11 @@ impl Prepared {
         problem.map_err(|error| Failure::Computation(error.to_string()))
     }
 
+    /// Returns the features that decide which numbers the punch has.
+    fn facts(&self) -> PunchFacts {
+        PunchFacts { mask: self.mask.is_some(), line: self.grids[0].is_line() }
+    }
+
     fn measure(
         &self,
         args: &Args,
@@ -410,8 +415,15 @@ impl Prepared {
         seconds: f64,
     ) -> Report {
         let components = Components::of(grid);
-        let mean_traction = solution.mean_traction();
-        let normal = solution.traction.index_axis(ndarray::Axis(0), components.normal());
+        let at = PunchAt {
+            solution,
+            components,
+            widths: [args.punch_fraction * args.length, self.punch.effective_width(grid)],
+            depth: args.depth,
+            contact_nodes: points.iter().filter(|under| **under).count(),
+            tolerance: args.tol,
+            seconds,
+        };
         Report {
             dim: args.dim,
             n: grid.points(),
@@ -422,23 +434,11 @@ impl Prepared {
             others: args.others.clone(),
             contact: args.contact,
             nodes: args.nodes,
-            punch_width: self.mask.is_none().then_some(args.punch_fraction * args.length),
-            effective_width: self.mask.is_none().then(|| self.punch.effective_width(grid)),
             mask: args.mask.clone(),
             prescribed_traction: args.traction.clone(),
             shift: args.shift.clone(),
-            depth: args.depth,
-            contact_nodes: points.iter().filter(|under| **under).count(),
             components: names(components),
-            mean_pressure: -mean_traction[components.normal()],
-            mean_traction,
-            max_pressure: normal.iter().fold(0.0, |most, t| f64::max(most, -t)),
-            elastic_energy: solution.elastic_energy(),
-            residual: solution.residual,
-            converged: solution.residual <= args.tol,
-            iterations: solution.iterations,
-            transform_pairs: solution.transform_pairs as u64,
-            seconds,
+            numbers: Record::compute(&self.facts(), &at),
             comparison: None,
             refinement: None,
             not_converged: None,
@@ -474,9 +474,10 @@ impl Prepared {
         let under: Vec<u8> = self.points(&self.grids[0]).iter().map(|under| u8::from(*under)).collect();
         let held = Variable { dimensions: &[&x, &y], units: "1", long_name: "1 where the punch holds the surface" };
         archive.write("/fields/under_punch", &held, &under)?;
-        for (name, units, long_name, value) in scalars(report) {
-            let variable = Variable { dimensions: &[], units, long_name };
-            archive.write(&format!("/punch/{name}"), &variable, &[value])?;
+        let facts = self.facts();
+        for (column, cell) in report.numbers.cells().filter(|(column, _)| (column.in_file)(&facts)) {
+            let variable = Variable { dimensions: &[], units: column.unit, long_name: column.meaning(&facts) };
+            archive.write(&format!("/punch/{}", column.name), &variable, &[cell.number()])?;
         }
         report.not_converged.as_ref().map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         report.history.as_ref().map_or(Ok(()), |history| history.write(&mut archive, "length"))?;

@@ -18,6 +18,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError};
+use gfmd_record::{Record, Sliding, SlidingAt, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
@@ -34,10 +35,9 @@ use crate::progress::Progress;
 use crate::search::SearchArgs;
 
 use self::file::{StatesFile, fields};
-pub use self::heat::Heat;
 use self::heat::{HeatArgs, Source};
 use self::reached::Reached;
-pub use self::report::{Report, State};
+pub use self::report::Report;
 
 /// Flags of `slide`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
@@ -161,7 +161,26 @@ impl Way {
         self.loads.iter().flat_map(|load| self.velocities.iter().map(|velocity| (*load, velocity)))
     }
 
-    /// The state of a pressure, recomputed, of which so much heat flows into the body; all of it if this is not known.
+    /// Returns the features that decide which numbers the states have.
+    fn facts(&self) -> SlidingFacts {
+        SlidingFacts { heat: self.heat.is_some(), shared: self.heat.is_some_and(|heat| heat.is_shared()) }
+    }
+
+    /// Measures a state that was reached in some seconds.
+    fn record(
+        &self,
+        (_, velocity): (Load, &Velocity),
+        Reached { state, heated }: &Reached,
+        tolerance: f64,
+        seconds: f64,
+    ) -> Record<Sliding> {
+        let persson = self.sliding.persson(velocity, state.solution.mean_pressure);
+        let scales = (&self.prepared.scales(), tolerance);
+        let at = SlidingAt::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
+        Record::compute(&self.facts(), &at)
+    }
+
+    /// Recomputes the state of a pressure; `into_body` is the heat flux into the body, all of it if `None`.
     fn certify(
         &self,
         (load, velocity): (Load, &Velocity),
@@ -228,29 +247,29 @@ impl Way {
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, sliding, velocities, .. } = self;
-        let heat = self.heat.as_ref();
         let mut head = Head::new(&args.asked()?, prepared, sliding.contact().surface());
         head.relaxation = args.prony.relaxation(&args.body)?;
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
         let count = self.states().count();
         let provenance = session.provenance(args.config()?);
-        let file = output.map(|output| StatesFile::new(output, &provenance, prepared, heat, count));
+        let file = output.map(|output| StatesFile::new(output, &provenance, prepared, self.facts(), count));
         let mut file = file.transpose()?;
         let progress = Progress::new(session.quiet, "states", count as f64);
         let (mut failure, mut last): (Option<Failure>, Option<Reached>) = (None, None);
         let finished = kept.as_ref().map_or(0, |kept| kept.finished());
-        let names = fields(heat);
+        let names: Vec<&str> = fields(self.facts()).map(|field| field.name).collect();
         for (index, at) in self.states().enumerate() {
             let (started, place) = (Instant::now(), format!("state {index}"));
             if let Some(kept) = kept.as_ref().filter(|_| index < finished) {
                 let Part { text, mut fields } = kept.part(index)?;
-                report.states.push(toml::from_str(&text).map_err(|error| kept.unusable(index, error))?);
+                let record = Record::from_line(&self.facts(), &text);
+                report.states.push(record.map_err(|error| kept.unusable(index, error))?);
                 if let Some(file) = &mut file {
                     file.write(index, &fields)?;
                 }
                 if index + 1 == finished {
-                    let of = |name: &str| names.iter().position(|(other, ..)| *other == name);
+                    let of = |name: &str| names.iter().position(|other| *other == name);
                     let into_body = of("heat_flux").map(|place| std::mem::take(&mut fields[place]).into_owned());
                     last = Some(self.certify(at, std::mem::take(&mut fields[0]).into_owned(), into_body)?);
                 }
@@ -267,19 +286,18 @@ impl Way {
                     break;
                 }
             };
-            let persson = sliding.persson(at.1, reached.state.solution.mean_pressure);
-            let seconds = started.elapsed().as_secs_f64();
-            let record = State::new(at.1, &reached, persson, (&prepared.scales(), args.search.tol), seconds);
-            let number = record.heat.map_or(format!("friction {:.4}", record.friction), |heat| {
-                format!("largest rise {:.4e}", heat.max_rise)
-            });
-            progress.advance(1.0, &format!("velocity {:.3e}, {number}", record.velocity));
-            let fields: Vec<_> = names.iter().map(|(name, ..)| reached.field(name)).collect();
+            let record = self.record(at, &reached, args.search.tol, started.elapsed().as_secs_f64());
+            let number = match record.value("heat_max_rise") {
+                Some(rise) => format!("largest rise {rise:.4e}"),
+                None => format!("friction {:.4}", record.number("friction")),
+            };
+            progress.advance(1.0, &format!("velocity {:.3e}, {number}", record.number("velocity")));
+            let fields: Vec<_> = names.iter().map(|name| reached.field(name)).collect();
             if let Some(file) = &mut file {
                 file.write(index, &fields)?;
             }
             if let (None, Some(kept)) = (&failed, &mut kept) {
-                let text = toml::to_string(&record).map_err(|error| Failure::Computation(error.to_string()))?;
+                let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
                 kept.add(&Part { text, fields });
                 kept.keep_state(|_| ())?;
             }
@@ -293,7 +311,7 @@ impl Way {
         progress.finish();
         let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
         if !is_kept {
-            prepared.warn_of_strain(report.states.iter().map(|state| state.displacement), session);
+            prepared.warn_of_strain(report.states.iter().map(|state| state.number("displacement")), session);
         }
         let out = file.filter(|_| !is_kept).map(|file| file.finish(&report.states, count)).transpose()?;
         report.out = session.written(out);

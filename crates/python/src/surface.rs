@@ -206,17 +206,14 @@ pub(crate) fn statistics(
     let found = quick(py, || {
         let found = Statistics::of(&heights, &grid)?;
         let spectrum = PowerSpectrum::of(&heights, &grid)?;
-        let [longest, shortest] = fit_range.unwrap_or_else(|| whole_band(&grid));
-        let fit = spectrum.fit_hurst(longest, shortest);
-        let fit = if fit_range.is_some() { Some(fit?) } else { fit.ok() };
-        Ok::<_, gfmd_surface::SurfaceError>(Report::new(
-            &found,
-            Boundary::Periodic,
-            &Areal::of(&heights, &grid)?,
-            fit,
-            &spectrum,
-            &grid,
-        ))
+        let range = fit_range.unwrap_or_else(|| whole_band(&grid));
+        let mut fit = spectrum.fit_hurst(range[0], range[1]);
+        if fit_range.is_some() {
+            fit = Ok(fit?);
+        }
+        let areal = Areal::of(&heights, &grid)?;
+        let report = Report::new((&found, &areal), Boundary::Periodic, (&fit, range), &spectrum, &grid);
+        Ok::<_, gfmd_surface::SurfaceError>(report)
     })?;
     let report = found.map_err(|error| refused(py, &error))?;
     json::to_string(&report).map_err(|error| refused(py, &error))

@@ -12,8 +12,7 @@ from pathlib import Path
 import gfmd
 import numpy as np
 import pytest
-from gfmd._columns import LowerFace, Patches, Steps
-from gfmd._states import States
+from gfmd._columns import LowerFace, Patches, States, Steps
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -163,7 +162,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
         (gfmd.KappaSweep, [words["k"]]),
-        (gfmd.Statistics, [words["s"].statistics()]),
+        (gfmd.Statistics, [words["s"].statistics(), gfmd.Surface(np.zeros((4, 4))).statistics()]),
         (gfmd.Body, [gfmd.Body()]),
         (
             gfmd.Residual,

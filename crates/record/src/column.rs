@@ -1,8 +1,10 @@
+use std::fmt::{self, Debug};
+
 use gfmd_problem::Facts;
 
-use crate::{At, Cell};
+use crate::{COLUMNS, Cell};
 
-/// The end of the name of a column that has the limit of another on fine grids.
+/// Suffix of columns that hold a grid-converged limit.
 pub(crate) const LIMIT: &str = "_limit";
 
 /// The source of a number: what determines it, and so how well a second computation repeats it.
@@ -31,11 +33,11 @@ pub enum Number {
     Flag,
 }
 
-/// The meaning of a column where a predicate holds.
-pub type Meaning = (fn(&Facts) -> bool, &'static str);
+/// Definition of a column where a predicate holds.
+pub type Meaning<F = Facts> = (fn(&F) -> bool, &'static str);
 
-/// The first meaning that applies to a problem.
-pub(crate) fn meaning(meanings: &[Meaning], facts: &Facts) -> &'static str {
+/// Returns the first definition that applies to a problem.
+pub(crate) fn meaning<F>(meanings: &[Meaning<F>], facts: &F) -> &'static str {
     meanings.iter().find(|(applies, _)| applies(facts)).map_or("", |(_, meaning)| meaning)
 }
 
@@ -52,6 +54,8 @@ pub enum Table {
     Patches,
     /// Flow through the gap.
     Flow,
+    /// Flash temperature of steady sliding.
+    Heat,
 }
 
 /// The way in which a table shows a number.
@@ -71,6 +75,8 @@ pub enum Form {
     Whole,
     /// Yes or no.
     Flag,
+    /// Two digits and `~`: the grid error is not known.
+    Unsure,
 }
 
 /// The place of a column in the tables that people read.
@@ -84,9 +90,31 @@ pub struct Head {
     pub form: Form,
 }
 
-/// A number of a record: its name, its unit, its definition, and its value.
+/// A kind of result whose numbers are columns: states of a contact, punches, surfaces.
+pub trait Subject: Copy + Debug + 'static {
+    /// Features of a problem that decide which columns its results have.
+    type Facts: 'static;
+    /// Input from which the values are computed.
+    type At<'a>;
+    /// All columns, in the order in which they are printed.
+    const COLUMNS: &'static [Column<Self>];
+    /// Name of the column that tells the rows of a table apart.
+    const KEY: &'static str;
+}
+
+/// States of a contact at rest, or of a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Column {
+pub struct State;
+
+impl Subject for State {
+    type Facts = Facts;
+    type At<'a> = crate::At<'a>;
+    const COLUMNS: &'static [Column] = COLUMNS;
+    const KEY: &'static str = "p_star";
+}
+
+/// A number of a record: its name, its unit, its definition, and its value.
+pub struct Column<S: Subject = State> {
     /// The name in a file.
     pub name: &'static str,
     /// The kind of quantity, such as "stress*length"; "1" without one.
@@ -94,15 +122,15 @@ pub struct Column {
     /// The kind of number.
     pub number: Number,
     /// The definitions, of which the first that applies is the one of a problem.
-    pub meanings: &'static [Meaning],
+    pub meanings: &'static [Meaning<S::Facts>],
     /// The place in JSON: keys, and indices of lists, between dots. Empty for a number that is in files only.
     pub json: &'static str,
     /// True if files have the column, too.
-    pub in_file: fn(&Facts) -> bool,
+    pub in_file: fn(&S::Facts) -> bool,
     /// True if the record of a problem has the column.
-    pub present: fn(&Facts) -> bool,
+    pub present: fn(&S::Facts) -> bool,
     /// The reason why it has no value in a problem, whatever the state; `None` if it may have one.
-    pub undefined: fn(&Facts) -> Option<&'static str>,
+    pub undefined: fn(&S::Facts) -> Option<&'static str>,
     /// The place in the tables that people read, if it is in one.
     pub head: Option<Head>,
     /// The source of the number.
@@ -110,15 +138,29 @@ pub struct Column {
     /// The order, in the distance of the points, of the error of a limit on infinitely fine grids, if it is known.
     pub order: Option<f64>,
     /// The value.
-    pub value: fn(&At) -> Cell,
+    pub value: for<'a, 'b> fn(&'a S::At<'b>) -> Cell,
 }
 
-impl Column {
+impl<S: Subject> Clone for Column<S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Subject> Copy for Column<S> {}
+
+impl<S: Subject> fmt::Debug for Column<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Column {} ({})", self.name, self.unit)
+    }
+}
+
+impl<S: Subject> Column<S> {
     pub(crate) const fn new(
         name: &'static str,
         unit: &'static str,
-        meanings: &'static [Meaning],
-        value: fn(&At) -> Cell,
+        meanings: &'static [Meaning<S::Facts>],
+        value: fn(&S::At<'_>) -> Cell,
     ) -> Self {
         Self {
             name,
@@ -148,15 +190,15 @@ impl Column {
         Self { json, ..self }
     }
 
-    pub(crate) const fn in_file(self, in_file: fn(&Facts) -> bool) -> Self {
+    pub(crate) const fn in_file(self, in_file: fn(&S::Facts) -> bool) -> Self {
         Self { in_file, ..self }
     }
 
-    pub(crate) const fn with(self, present: fn(&Facts) -> bool) -> Self {
+    pub(crate) const fn with(self, present: fn(&S::Facts) -> bool) -> Self {
         Self { present, ..self }
     }
 
-    pub(crate) const fn unless(self, undefined: fn(&Facts) -> Option<&'static str>) -> Self {
+    pub(crate) const fn unless(self, undefined: fn(&S::Facts) -> Option<&'static str>) -> Self {
         Self { undefined, ..self }
     }
 
@@ -177,17 +219,17 @@ impl Column {
         Self { order, ..self }
     }
 
-    /// The definition in a problem.
-    pub fn meaning(&self, facts: &Facts) -> &'static str {
+    /// Returns the definition in a problem.
+    pub fn meaning(&self, facts: &S::Facts) -> &'static str {
         meaning(self.meanings, facts)
     }
 
-    /// The name of the number of which the column has the limit on infinitely fine grids.
+    /// Returns the name of the number whose limit on infinitely fine grids the column has.
     pub fn limit_of(&self) -> Option<&'static str> {
         self.name.strip_suffix(LIMIT).filter(|_| self.origin == Origin::Grid)
     }
 
-    /// The cell of a number in a file.
+    /// Returns the cell of a number in a file.
     pub fn stored(&self, value: f64) -> Cell {
         match self.number {
             Number::Count if value >= 0.0 => Cell::Count(value as u64),
@@ -196,9 +238,9 @@ impl Column {
         }
     }
 
-    /// The cell of a state.
-    pub(crate) fn cell(&self, at: &At) -> Cell {
-        match (self.undefined)(at.facts) {
+    /// Computes the cell of a result.
+    pub(crate) fn cell(&self, facts: &S::Facts, at: &S::At<'_>) -> Cell {
+        match (self.undefined)(facts) {
             Some(reason) => Cell::undefined(reason),
             None => (self.value)(at),
         }

@@ -8,19 +8,26 @@ mod load;
 mod lower;
 mod measured;
 mod patches;
+mod punch;
 mod search;
+mod sliding;
 mod special;
+mod surface;
 mod undefined;
-
-use gfmd_problem::Facts;
 
 use self::limits::LIMITS;
 use self::measured::MEASURED;
-use crate::column::Column;
+use crate::column::{State, Subject};
 
 pub use self::limits::{FEWEST_WAVES, UNRESOLVED, not_calibrated};
+pub use self::punch::{Punch, PunchAt, PunchFacts};
+pub use self::sliding::{SLIDING_FIELDS, Sliding, SlidingAt, SlidingFacts, SlidingField};
+pub use self::surface::{Surface, SurfaceAt, SurfaceFacts};
 
-/// All columns, in the order in which they are printed.
+/// Column of a state.
+type Column = crate::Column<State>;
+
+/// All columns of states, in the order in which they are printed.
 pub const COLUMNS: &[Column] = &ALL;
 
 static ALL: [Column; count(MEASURED) + count(&[LIMITS.as_flattened()])] = {
@@ -46,22 +53,22 @@ const fn count(tables: &[&[Column]]) -> usize {
     count
 }
 
-/// The columns of a problem.
-pub fn columns(facts: &Facts) -> impl Iterator<Item = &'static Column> {
-    COLUMNS.iter().filter(move |column| (column.present)(facts))
+/// Returns the columns that results of a problem have.
+pub fn columns<S: Subject>(facts: &S::Facts) -> impl Iterator<Item = &'static crate::Column<S>> {
+    S::COLUMNS.iter().filter(move |column| (column.present)(facts))
 }
 
-/// The columns as a table in Markdown: name in a file, place in JSON, unit, definitions.
-pub fn page() -> String {
-    let row = |column: &Column| {
+/// Returns the columns as a table in Markdown: name in a file, place in JSON, unit, definitions.
+pub fn page<S: Subject>() -> String {
+    let row = |column: &crate::Column<S>| {
         let mut meanings: Vec<&str> = column.meanings.iter().rev().map(|(_, meaning)| *meaning).collect();
         meanings.dedup();
         let order =
             column.order.map_or_else(String::new, |order| format!("; of order {order} in the distance of the points"));
         let json = if column.json.is_empty() { "-".into() } else { format!("`{}`", column.json) };
         let file = format!("`{}`", column.name);
-        format!("| {file} | {json} | {} | {}{order} |\n", column.unit, meanings.join("; or: "))
+        format!("| {file} | {json} | {} | {}{order} |\n", column.unit, meanings.join("; or: ").replace('|', "\\|"))
     };
     let head = "| HDF5 | JSON | unit | definition |\n|---|---|---|---|\n";
-    COLUMNS.iter().fold(head.to_owned(), |page, column| page + &row(column))
+    S::COLUMNS.iter().fold(head.to_owned(), |page, column| page + &row(column))
 }

@@ -1,9 +1,9 @@
 //! Records as JSON: nested as printed, or flat with the names of a file.
 
-use gfmd_problem::Facts;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 use serde_json::Value;
 
+use crate::column::Subject;
 use crate::columns::columns;
 use crate::{Cell, Column, Record};
 
@@ -50,6 +50,13 @@ impl<'a> Tree<'a> {
         }
     }
 
+    fn entries<S: Serializer>(&self, map: &mut S::SerializeMap) -> Result<(), S::Error> {
+        self.0.iter().try_for_each(|(key, branch)| match branch {
+            Branch::Leaf(cell) => map.serialize_entry(key, cell),
+            Branch::Tree(tree) => map.serialize_entry(key, tree),
+        })
+    }
+
     /// Returns the length of the tree as a list; `None` if it is not a list.
     fn length(&self) -> Option<usize> {
         self.0.iter().map(|(key, _)| key.parse::<usize>().ok().map(|place| place + 1)).max()?
@@ -94,12 +101,7 @@ impl Serialize for Tree<'_> {
             return self.list(serializer, length);
         }
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (key, branch) in &self.0 {
-            match branch {
-                Branch::Leaf(cell) => map.serialize_entry(key, cell)?,
-                Branch::Tree(tree) => map.serialize_entry(key, tree)?,
-            }
-        }
+        self.entries::<S>(&mut map)?;
         map.end()
     }
 }
@@ -135,22 +137,30 @@ impl Serialize for Reasons<'_> {
     }
 }
 
-/// Writes the record as printed: nested, with the reasons of numbers without a value.
-impl Serialize for Record {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+impl<T: Subject> Record<T> {
+    fn tree(&self) -> Tree<'_> {
         let mut tree = Tree::default();
-        self.cells
-            .iter()
-            .filter(|(column, _)| !column.json.is_empty())
-            .for_each(|(column, cell)| tree.put(column.json, cell));
+        let printed = self.cells.iter().filter(|(column, _)| !column.json.is_empty());
+        printed.for_each(|(column, cell)| tree.put(column.json, cell));
+        tree
+    }
+
+    /// Serializes the numbers without the reasons, for a report that has all of its reasons in one place.
+    ///
+    /// # Errors
+    /// Returns an error of the serializer.
+    pub fn serialize_numbers<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.tree().serialize(serializer)
+    }
+}
+
+/// Writes the record as printed: nested, with the reasons of numbers without a value.
+impl<T: Subject> Serialize for Record<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let tree = self.tree();
         let reasons = Reasons(by_reason(self.undefined()));
         let mut map = serializer.serialize_map(None)?;
-        for (key, branch) in &tree.0 {
-            match branch {
-                Branch::Leaf(cell) => map.serialize_entry(key, cell)?,
-                Branch::Tree(tree) => map.serialize_entry(key, tree)?,
-            }
-        }
+        tree.entries::<S>(&mut map)?;
         if !reasons.0.is_empty() {
             map.serialize_entry(UNDEFINED, &reasons)?;
         }
@@ -159,9 +169,9 @@ impl Serialize for Record {
 }
 
 /// Record as kept in a journal: flat, with the names of a file.
-struct Flat<'a>(&'a Record);
+struct Flat<'a, S: Subject>(&'a Record<S>);
 
-impl Serialize for Flat<'_> {
+impl<T: Subject> Serialize for Flat<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let reasons = Reasons(by_reason(self.0.undefined()));
         let mut map = serializer.serialize_map(None)?;
@@ -171,8 +181,8 @@ impl Serialize for Flat<'_> {
     }
 }
 
-impl Record {
-    /// Writes the record as one line; [`from_line`](Self::from_line) restores it to the last bit.
+/// Writes the record as one line; [`from_line`](Self::from_line) restores it to the last bit.
+impl<S: Subject> Record<S> {
     ///
     /// # Errors
     /// Does not fail for numbers.
@@ -184,7 +194,7 @@ impl Record {
     ///
     /// # Errors
     /// Returns an error if `line` is not the line of a record.
-    pub fn from_line(facts: &Facts, line: &str) -> Result<Self, RecordError> {
+    pub fn from_line(facts: &S::Facts, line: &str) -> Result<Self, RecordError> {
         Self::read(facts, &serde_json::from_str(line)?, |column| column.name)
     }
 
@@ -192,11 +202,11 @@ impl Record {
     ///
     /// # Errors
     /// Returns an error if a value is not a number.
-    pub fn from_json(facts: &Facts, value: &Value) -> Result<Self, RecordError> {
+    pub fn from_json(facts: &S::Facts, value: &Value) -> Result<Self, RecordError> {
         Self::read(facts, value, |column| column.json)
     }
 
-    fn read(facts: &Facts, value: &Value, place: fn(&Column) -> &'static str) -> Result<Self, RecordError> {
+    fn read(facts: &S::Facts, value: &Value, place: fn(&Column<S>) -> &'static str) -> Result<Self, RecordError> {
         let cells = columns(facts).map(|column| {
             let found = place(column).split('.').try_fold(value, |value, key| match key.parse::<usize>() {
                 Ok(index) => value.get(index),
@@ -223,6 +233,8 @@ impl Record {
 
 #[cfg(test)]
 mod tests {
+    use gfmd_problem::Facts;
+
     use super::*;
     use crate::COLUMNS;
 

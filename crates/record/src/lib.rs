@@ -43,8 +43,11 @@ mod when;
 pub use arrays::{ARRAYS, Array, arrays, repulsion};
 pub use at::{At, Measured, NOT_SOLVED, OnFinerGrid};
 pub use cell::Cell;
-pub use column::{Column, Form, Head, Meaning, Number, Origin, Table};
-pub use columns::{COLUMNS, FEWEST_WAVES, UNRESOLVED, columns, not_calibrated, page};
+pub use column::{Column, Form, Head, Meaning, Number, Origin, State, Subject, Table};
+pub use columns::{
+    COLUMNS, FEWEST_WAVES, Punch, PunchAt, PunchFacts, SLIDING_FIELDS, Sliding, SlidingAt, SlidingFacts, SlidingField,
+    Surface, SurfaceAt, SurfaceFacts, UNRESOLVED, columns, not_calibrated, page,
+};
 pub use digits::with_limit;
 pub use json::{RecordError, by_reason, reason_for};
 pub use record::{ROUGH, Record, lines, reason_of, reasons};

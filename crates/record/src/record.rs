@@ -1,27 +1,32 @@
 use std::array::from_fn;
 use std::collections::{BTreeMap, BTreeSet};
 
-use gfmd_problem::Facts;
-
-use crate::column::LIMIT;
+use crate::column::{LIMIT, State, Subject};
 use crate::columns::columns;
 use crate::digits::with_limit;
-use crate::{At, COLUMNS, Cell, Column, Origin};
+use crate::{At, Cell, Column, Origin};
 
-/// The numbers of one state: the columns of its problem, and their values.
+/// The numbers of one result: the columns of its problem, and their values.
 #[derive(Clone, Debug)]
-pub struct Record {
-    pub(crate) cells: Vec<(&'static Column, Cell)>,
+pub struct Record<S: Subject = State> {
+    pub(crate) cells: Vec<(&'static Column<S>, Cell)>,
 }
 
 impl Record {
     /// Computes all columns of a state.
     pub fn of(at: &At) -> Self {
-        Self { cells: columns(at.facts).map(|column| (column, column.cell(at))).collect() }
+        Self::compute(at.facts, at)
+    }
+}
+
+impl<S: Subject> Record<S> {
+    /// Computes all columns that a result of a problem with these `facts` has.
+    pub fn compute(facts: &S::Facts, at: &S::At<'_>) -> Self {
+        Self { cells: columns(facts).map(|column: &'static Column<S>| (column, column.cell(facts, at))).collect() }
     }
 
-    /// The columns, in their order, with their cells.
-    pub fn cells(&self) -> impl Iterator<Item = (&'static Column, &Cell)> {
+    /// Returns the columns, in their order, with their cells.
+    pub fn cells(&self) -> impl Iterator<Item = (&'static Column<S>, &Cell)> {
         self.cells.iter().map(|(column, cell)| (*column, cell))
     }
 
@@ -91,7 +96,7 @@ impl Record {
     }
 
     /// The record of a problem from the numbers of a file, each with the reason why it has no value, if there is one.
-    pub fn stored(facts: &Facts, mut number: impl FnMut(&'static Column) -> (f64, Option<String>)) -> Self {
+    pub fn stored(facts: &S::Facts, mut number: impl FnMut(&'static Column<S>) -> (f64, Option<String>)) -> Self {
         let cells = columns(facts).map(|column| match number(column) {
             (_, Some(reason)) => (column, Cell::undefined(reason)),
             (value, None) => (column, column.stored(value)),
@@ -102,7 +107,11 @@ impl Record {
 
 /// The reason why a column of several rows has no value: the attribute `undefined` of its dataset. A reason that does
 /// not hold for all rows begins with their indices; `name` is that of a row, in singular and plural.
-pub fn reasons<'a>(rows: impl IntoIterator<Item = &'a Record>, column: &str, name: [&str; 2]) -> Option<String> {
+pub fn reasons<'a, S: Subject>(
+    rows: impl IntoIterator<Item = &'a Record<S>>,
+    column: &str,
+    name: [&str; 2],
+) -> Option<String> {
     let mut reasons: Vec<(&str, Vec<usize>)> = Vec::new();
     let mut count_of_rows = 0;
     for (index, row) in rows.into_iter().enumerate() {
@@ -151,11 +160,11 @@ pub const ROUGH: &str = "two digits and ~: the error of the number by the grid i
 /// Returns the lines below a table of rows: the meaning of `~`, if a number has it, and each reason once, with all the
 /// `shown` columns that it leaves without a value. `name` is what a row is called, in singular and plural.
 /// The columns of the grid error of a number are named by the number.
-pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
+pub fn lines<S: Subject>(rows: &[Record<S>], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
     let cells = || rows.iter().flat_map(|row| &row.cells);
     let all_limited: BTreeSet<&str> = cells().filter_map(|(column, _)| column.limit_of()).collect();
     let undefined = cells().filter(|(column, cell)| matches!(cell, Cell::Undefined(_)) && shown(column.name));
-    let undefined: BTreeMap<&str, &'static Column> = undefined.map(|(column, _)| (column.name, *column)).collect();
+    let undefined: BTreeMap<&str, &'static Column<S>> = undefined.map(|(column, _)| (column.name, *column)).collect();
     // A reason, with its columns and the numbers whose error by the grid is not known.
     let mut listed: Vec<(String, [Vec<&str>; 2])> = Vec::new();
     for column in undefined.into_values() {
@@ -171,8 +180,8 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
         }
     }
     // Shown with two digits and `~`.
-    let is_in_a_table = |name: &str| COLUMNS.iter().any(|column| column.name == name && column.head.is_some());
-    let is_rough = |row: &Record, column: &Column| {
+    let is_in_a_table = |name: &str| S::COLUMNS.iter().any(|column| column.name == name && column.head.is_some());
+    let is_rough = |row: &Record<S>, column: &Column<S>| {
         let shown = column.limit_of().filter(|number| is_in_a_table(number));
         shown.and_then(|number| row.with_limit(number, 1.0)).is_some_and(|shown| shown.ends_with('~'))
     };
@@ -193,6 +202,7 @@ pub fn lines(rows: &[Record], name: [&str; 2], shown: impl Fn(&str) -> bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::COLUMNS;
 
     fn row(cells: &[(&str, Cell)]) -> Record {
         let column = |name: &str| COLUMNS.iter().find(|column| column.name == name).unwrap();

@@ -1,29 +1,30 @@
-use crate::column::{Column, Form, Head, Table};
-use crate::columns::COLUMNS;
+use crate::column::{Column, Form, Head, Subject, Table};
+use crate::digits::with_limit;
 use crate::record::Record;
 use gfmd_unit::{Shown, Units};
 
 /// Returns the columns of a table in order, with their places in it. Tables other than [`Table::State`] and
-/// [`Table::Energy`] begin with the reduced pressure.
-pub fn heads(table: Table) -> impl Iterator<Item = (&'static Column, Head)> {
-    let key = (!matches!(table, Table::State | Table::Energy)).then_some("p_star");
-    let of = move |column: &'static Column| column.head.filter(|head| head.table == table || key == Some(column.name));
-    COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
+/// [`Table::Energy`] begin with the key of the subject.
+pub fn heads<S: Subject>(table: Table) -> impl Iterator<Item = (&'static Column<S>, Head)> {
+    let key = (!matches!(table, Table::State | Table::Energy)).then_some(S::KEY);
+    let of =
+        move |column: &'static Column<S>| column.head.filter(|head| head.table == table || key == Some(column.name));
+    S::COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
 }
 
 /// Writes states as tables of text: a line of heads, then one line per state, in readable units if the units of the
 /// problem are known. Only columns with a number in some row appear. The last column is the largest residual; the table
 /// of the lower face has its own. Lines longer than `width` lose columns of the effort. Empty if the states have no
 /// column of the tables.
-pub fn table_of(rows: &[Record], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
-    let has = |column: &Column, head: Head| {
+pub fn table_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
+    let has = |column: &Column<S>, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
             Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
             None => false,
         })
     };
-    let heads = tables.iter().flat_map(|table| heads(*table)).filter(|(column, head)| has(column, *head));
-    let heads: Vec<(&Column, Head)> = heads.collect();
+    let heads = tables.iter().flat_map(|table| heads::<S>(*table)).filter(|(column, head)| has(column, *head));
+    let heads: Vec<(&Column<S>, Head)> = heads.collect();
     if !heads.iter().any(|(_, head)| tables.contains(&head.table)) {
         return Vec::new();
     }
@@ -69,7 +70,7 @@ pub fn aligned(mut columns: Vec<Vec<String>>, width: Option<usize>) -> Vec<Strin
 
 /// Formats a number for a table; `-` without a value. A number with a grid error appears as its limit on fine grids
 /// with the certain digits, or as two digits and `~` if the limit is unknown.
-fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
+fn shown<S: Subject>(row: &Record<S>, name: &str, form: Form, unit: Option<&Shown>) -> String {
     let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
     let factor = unit.map_or(1.0, |unit| unit.factor);
     row.with_limit(name, factor).unwrap_or_else(|| match form {
@@ -80,12 +81,13 @@ fn shown(row: &Record, name: &str, form: Form, unit: Option<&Shown>) -> String {
         Form::Ratio => format!("{value:.4}"),
         Form::Whole if value.fract() == 0.0 => format!("{value:.0}"),
         Form::Whole => format!("{value:.1}"),
+        Form::Unsure => with_limit(value * factor, f64::NAN, f64::NAN),
         Form::Flag => if value == 0.0 { "no" } else { "yes" }.into(),
     })
 }
 
 /// Returns a readable unit for a column; `None` if it has no unit, or the units of the problem are unknown.
-pub fn readable(column: &Column, rows: &[Record], units: &Units) -> Option<Shown> {
+pub fn readable<S: Subject>(column: &Column<S>, rows: &[Record<S>], units: &Units) -> Option<Shown> {
     let values = rows.iter().filter_map(|row| row.value(column.name)).filter(|value| value.is_finite());
     units.shown(column.unit, values.fold(0.0, |largest: f64, value| largest.max(value.abs())))
 }
@@ -102,7 +104,7 @@ pub fn significant(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Cell;
+    use crate::{COLUMNS, Cell};
 
     fn row(cells: &[(&str, Cell)]) -> Record {
         let column = |name: &str| COLUMNS.iter().find(|column| column.name == name).unwrap();

@@ -8,6 +8,7 @@ use crate::figures::{area_chart, theories};
 use crate::page::{
     Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, option, text,
 };
+use gfmd_record::State;
 use gfmd_run::failure::Failure;
 use gfmd_run::{hardness, lower};
 
@@ -130,7 +131,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         let largest = loads.worst(&name);
         Certificate { name: name.trim_start_matches("residual_").replace('_', " "), largest, allowed: tolerance }
     }));
-    page.numbers(&loads, loads.len(), "load");
+    page.numbers::<State>(&loads, loads.len(), "load");
     page.effort(&loads);
     Ok(page)
 }

@@ -9,7 +9,7 @@ use crate::page::{
     Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, transforms, unit_for, whole,
 };
 use gfmd_measure::GridLimit;
-use gfmd_record::with_limit;
+use gfmd_record::{State, with_limit};
 use gfmd_run::failure::Failure;
 use gfmd_run::hardness;
 use gfmd_unit::Units;
@@ -183,7 +183,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 
     let tolerance = of(&table, "tol");
     page.residual(&stored, tolerance);
-    page.numbers(&stored, computed, "step");
+    page.numbers::<State>(&stored, computed, "step");
     if let Some(widest) = widest {
         page.answer.push(html! {
             p { "The contact is largest at step " (widest) ", " i { "p" } "* = " (number(p_star[widest])) "." }

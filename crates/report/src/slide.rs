@@ -3,14 +3,12 @@
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_record::with_limit;
+use gfmd_record::{Record, Sliding, SlidingFacts, with_limit};
 use gfmd_unit::Units;
 use maud::html;
 
 use crate::figures::{Drawn, field};
-use crate::page::{
-    Fact, Page, Stored, StoredSurface, Table, config, given, number, of, option, powers, whole, with_unit,
-};
+use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, with_unit};
 use gfmd_run::failure::Failure;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
@@ -18,32 +16,7 @@ const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and conta
 const OF_HEAT: &str = "J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and \
      Proceedings of the Royal Society of New South Wales 76, 203–224 (1942).";
 
-/// Columns of the table: names in a file, and their heads.
-const COLUMNS: [(&str, &str); 9] = [
-    ("velocity", "velocity"),
-    ("mean_pressure", "pressure"),
-    ("p_star", "p*"),
-    ("displacement", "approach"),
-    ("area_fraction", "area"),
-    ("friction", "friction"),
-    ("friction_slope", "by slopes"),
-    ("persson_friction", "Persson"),
-    ("mean_gap", "mean gap"),
-];
-
-/// Columns of the flash temperature.
-const COLUMNS_OF_HEAT: [(&str, &str); 4] = [
-    ("heat_mean_flux", "heat"),
-    ("heat_max_rise", "largest rise"),
-    ("heat_mean_rise", "mean rise"),
-    ("heat_fraction", "into the body"),
-];
-
-/// Columns with an unknown grid error.
-const ROUGH: [&str; 7] =
-    ["area_fraction", "friction", "friction_slope", "mean_gap", "heat_max_rise", "heat_mean_rise", "heat_fraction"];
-
-/// Formats a number of one of the [`ROUGH`] columns.
+/// Formats a number with an unknown grid error.
 fn rough(value: f64) -> maud::Markup {
     powers(&with_limit(value, f64::NAN, f64::NAN))
 }
@@ -54,30 +27,20 @@ fn axis(velocities: usize, units: &Units) -> Axis {
     if velocities > 1 { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
-/// State of steady sliding for its figure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sliding {
-    /// Velocity in length per unit of the relaxation times.
-    pub velocity: f64,
-    /// Reduced pressure.
-    pub p_star: f64,
-    /// Coefficient of friction, and its value in Persson's theory.
-    pub friction: [f64; 2],
-    /// Contact area fraction, and its value in Persson's theory.
-    pub area: [f64; 2],
-    /// Largest and mean temperature in contact above the mean of the surface; NaN if unknown.
-    pub rise: [f64; 2],
+/// Returns the point of a number against the velocity.
+fn point(state: &Record<Sliding>, name: &str) -> Point {
+    Point::new(state.number("velocity"), state.number(name))
 }
 
 /// Returns a chart of friction and contact area against velocity, with one curve of `velocities` points per load.
-pub fn chart(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
-    let curves = |of: fn(&Sliding) -> [f64; 2]| -> Vec<Series> {
-        let curve = |(hue, states): (usize, &[Sliding])| {
-            let points = |which: usize| states.iter().map(|s| Point::new(s.velocity, of(s)[which])).collect();
-            let label = format!("*p*\\* = {:.3}", states[0].p_star);
-            let theory = Series::points(if hue == 0 { "Persson" } else { "" }, hue, points(1));
+pub fn chart(states: &[Record<Sliding>], velocities: usize, units: &Units) -> Chart {
+    let curves = |names: [&'static str; 2]| -> Vec<Series> {
+        let curve = |(hue, states): (usize, &[Record<Sliding>])| {
+            let points = |name: &str| states.iter().map(|s| point(s, name)).collect();
+            let label = format!("*p*\\* = {:.3}", states[0].number("p_star"));
+            let theory = Series::points(if hue == 0 { "Persson" } else { "" }, hue, points(names[1]));
             [
-                Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points(0)) },
+                Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points(names[0])) },
                 Series { mark: Mark::Line, ..theory },
             ]
         };
@@ -89,19 +52,21 @@ pub fn chart(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
         series,
         ..Panel::default()
     };
-    let panels =
-        vec![panel("friction", curves(|state| state.friction)), panel("contact area", curves(|state| state.area))];
+    let panels = vec![
+        panel("friction", curves(["friction", "persson_friction"])),
+        panel("contact area", curves(["area_fraction", "persson_area_fraction"])),
+    ];
     Chart { share_y: false, ..Chart::new(panels) }
 }
 
 /// Returns a chart of largest and mean contact temperature against velocity, with `velocities` points per load.
-pub fn rises(states: &[Sliding], velocities: usize, units: &Units) -> Chart {
-    let curve = |(hue, states): (usize, &[Sliding])| {
-        let points = |which: usize| states.iter().map(|s| Point::new(s.velocity, s.rise[which])).collect();
-        let label = format!("largest, *p*\\* = {:.3}", states[0].p_star);
-        let mean = Series::points(if hue == 0 { "mean in contact" } else { "" }, hue, points(1));
+pub fn rises(states: &[Record<Sliding>], velocities: usize, units: &Units) -> Chart {
+    let curve = |(hue, states): (usize, &[Record<Sliding>])| {
+        let points = |name: &str| states.iter().map(|s| point(s, name)).collect();
+        let label = format!("largest, *p*\\* = {:.3}", states[0].number("p_star"));
+        let mean = Series::points(if hue == 0 { "mean in contact" } else { "" }, hue, points("heat_mean_rise"));
         [
-            Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points(0)) },
+            Series { mark: Mark::JoinedPoints, ..Series::points(&label, hue, points("heat_max_rise")) },
             Series { mark: Mark::Line, ..mean },
         ]
     };
@@ -131,7 +96,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let column = |name: &str| stored.column(name);
     let [velocity, p_star, mean, friction, converged] =
         ["velocity", "p_star", "mean_pressure", "friction", "converged"].map(column);
-    let [theory, area, theory_area] = ["persson_friction", "area_fraction", "persson_area_fraction"].map(column);
+    let [theory, area] = ["persson_friction", "area_fraction"].map(column);
     let solved: Vec<usize> =
         (0..stored.len()).filter(|&state| mean[state].is_finite() && converged[state] != 0.0).collect();
     let (is_viscoelastic, has_heat) = (table.contains_key("prony"), stored.has("heat_max_rise"));
@@ -191,15 +156,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     // The states of a load end where the first velocity occurs again.
     let again = velocity.iter().skip(1).position(|other| Some(other) == velocity.first());
     let velocities = again.map_or(velocity.len(), |place| place + 1);
-    let states: Vec<Sliding> = (0..stored.len())
-        .map(|k| Sliding {
-            velocity: velocity[k],
-            p_star: p_star[k],
-            friction: [friction[k], theory[k]],
-            area: [area[k], theory_area[k]],
-            rise: [max_rise[k], mean_rise[k]],
-        })
-        .collect();
+    let states = stored.records::<Sliding>(&SlidingFacts { heat: has_heat, ..SlidingFacts::default() });
     if solved.len() == stored.len() && velocities > 1 {
         if is_viscoelastic {
             let caption = html! { "Friction and contact area against the velocity, and Persson's theory (lines)." };
@@ -218,26 +175,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         }
         page.fields(reader, &surface, (Some(state), &format!("state {state}"), modulus), None);
     }
-    let columns: Vec<(&str, &str)> =
-        COLUMNS.into_iter().chain(COLUMNS_OF_HEAT.into_iter().filter(|_| has_heat)).collect();
-    page.tables.push(Table {
-        caption: html! { "The states." },
-        head: [html! { "state" }]
-            .into_iter()
-            .chain(columns.iter().map(|(name, head)| {
-                html! { span title=(stored.definition(name)) { (head) } br; small { (stored.unit(name)) } }
-            }))
-            .collect(),
-        rows: (0..stored.len())
-            .map(|row| {
-                let cells = columns.iter().map(|(name, _)| {
-                    let value = stored.column(name)[row];
-                    if ROUGH.contains(name) { rough(value) } else { number(value) }
-                });
-                [whole(row as f64)].into_iter().chain(cells).collect()
-            })
-            .collect(),
-    });
+    page.numbers::<Sliding>(&stored, stored.len(), "state");
     page.residual(&stored, tolerance);
     if has_heat {
         page.certificate("temperatures of both bodies", stored.worst("heat_residual"), tolerance);

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use gfmd_field::Grid;
 use gfmd_files::Provenance;
 use gfmd_plot::PlotError;
+use gfmd_record::{Cell, Column, Surface};
 use gfmd_surface::{RadialBin, Texture};
 use gfmd_unit::Units;
 use maud::{Markup, html};
@@ -54,10 +55,18 @@ pub struct Number {
     pub name: &'static str,
     /// Value, if it has one.
     pub value: Option<f64>,
-    /// Unit as a power of length.
-    pub power: i32,
+    /// Kind of quantity, such as "1/length".
+    pub unit: &'static str,
     /// Definition of the number.
     pub meaning: &'static str,
+}
+
+impl Number {
+    /// Returns the number of a column of statistics with its definition.
+    pub fn of(column: &Column<Surface>, cell: &Cell, meaning: &'static str) -> Self {
+        let value = Some(cell.number()).filter(|_| !matches!(cell, Cell::Undefined(_)));
+        Self { name: column.name, value, unit: column.unit, meaning }
+    }
 }
 
 /// Texts of a page about a surface.
@@ -140,19 +149,19 @@ impl Subject<'_> {
     }
 
     /// Formats a number with its unit.
-    fn shown(&self, value: f64, power: i32) -> Markup {
-        let known = Units::new(self.unit, None).shown(&kind(power), value);
-        match known {
+    fn shown(&self, value: f64, kind: &str) -> Markup {
+        let units = Units::new(self.unit, None);
+        match units.shown(kind, value) {
             Some(shown) => html! { (number(value * shown.factor)) " " (shown.name) },
-            None if power == 0 => number(value),
-            None => html! { (number(value)) " " (unit_of(self.unit(), power)) },
+            None if kind == "1" => number(value),
+            None => html! { (number(value)) " " (units.name(kind)) },
         }
     }
 
     fn answer(&self, page: &mut Page, about: &About) {
         let of = |name: &str| about.numbers.iter().find(|number| number.name == name);
         let value = |name: &str| of(name).and_then(|number| number.value).unwrap_or(f64::NAN);
-        let shown = |name: &str| of(name).map(|number| self.shown(number.value.unwrap_or(f64::NAN), number.power));
+        let shown = |name: &str| of(name).map(|number| self.shown(number.value.unwrap_or(f64::NAN), number.unit));
         let (gradient, way) = match about.repeats {
             true => ("rms_gradient", "from the spectrum"),
             false => ("rms_gradient_inside", "by differences inside"),
@@ -174,12 +183,12 @@ impl Subject<'_> {
                     " (0 and 3 of a Gaussian surface). "
                 }
                 @if let Some((hurst, [longest, shortest])) = self.hurst {
-                    "Hurst exponent " (number(hurst)) ", fitted between wavelengths of " (self.shown(longest, 1))
-                    " and " (self.shown(shortest, 1)) ". "
+                    "Hurst exponent " (number(hurst)) ", fitted between wavelengths of " (self.shown(longest, "length"))
+                    " and " (self.shown(shortest, "length")) ". "
                 }
                 @match value("sal") {
                     sal if sal.is_finite() => {
-                        "The autocorrelation falls to 0.2 within " (self.shown(sal, 1)) " (" i { "S" } sub { "al" } ")."
+                        "The autocorrelation falls to 0.2 within " (self.shown(sal, "length")) " (" i { "S" } sub { "al" } ")."
                     }
                     _ => {
                         "The autocorrelation does not fall to 0.2 within half of the cell: the surface has no "
@@ -290,11 +299,12 @@ impl Subject<'_> {
     fn table(&self, about: &About) -> Table {
         let row = |of: &Number| {
             let value = of.value.unwrap_or(f64::NAN);
-            let known = Units::new(self.unit, None).shown(&kind(of.power), value);
+            let units = Units::new(self.unit, None);
+            let known = units.shown(of.unit, value);
             let (factor, unit) = match known {
                 Some(shown) => (shown.factor, shown.name),
-                None if of.power == 0 => (1.0, String::new()),
-                None => (1.0, unit_of(self.unit(), of.power)),
+                None if of.unit == "1" => (1.0, String::new()),
+                None => (1.0, units.name(of.unit)),
             };
             let meaning = html! { span.meaning { (of.meaning) } };
             vec![html! { code { (of.name) } }, powers_of(value * factor), html! { (unit) }, meaning]
@@ -315,15 +325,6 @@ fn powers_of(value: f64) -> Markup {
         return powers(&format!("{value:.4e}"));
     }
     number(value)
-}
-
-/// Returns the kind of a power of length.
-fn kind(power: i32) -> String {
-    match power {
-        0 => "1".into(),
-        power if power > 0 => format!("length^{power}"),
-        power => format!("1/length^{}", -power),
-    }
 }
 
 /// Returns the unit of a power of length, for lengths in `unit`.

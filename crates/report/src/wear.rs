@@ -8,6 +8,7 @@ use maud::html;
 use crate::figures::{Drawn, field, largest, length, short, sides};
 use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
 use crate::path::{along, waypoints};
+use gfmd_record::State;
 use gfmd_run::failure::Failure;
 
 const CITED: [&str; 2] = [
@@ -165,7 +166,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.fields(reader, &surface, (shown, &state, modulus), None);
     page.failure(reader, "step");
     page.residual(&stored, tolerance);
-    page.numbers(&stored, computed, "step");
+    page.numbers::<State>(&stored, computed, "step");
     page.effort(&stored);
     Ok(page)
 }

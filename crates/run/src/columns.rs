@@ -1,8 +1,7 @@
 //! Columns of records in files.
 
 use gfmd_files::{Archive, Dimension, Variable};
-use gfmd_problem::Facts;
-use gfmd_record::{Record, columns, reasons};
+use gfmd_record::{Record, Subject, columns, reasons};
 use gfmd_unit::Units;
 
 use crate::failure::Failure;
@@ -12,14 +11,14 @@ use crate::failure::Failure;
 ///
 /// # Errors
 /// Returns an error if the file cannot be written.
-pub fn write_columns(
+pub fn write_columns<S: Subject>(
     archive: &mut Archive,
     (group, rows, name): (&str, &Dimension, [&str; 2]),
-    (facts, units): (&Facts, &Units),
-    records: &[Record],
+    (facts, units): (&S::Facts, &Units),
+    records: &[Record<S>],
     count: usize,
 ) -> Result<(), Failure> {
-    for column in columns(facts).filter(|column| (column.in_file)(facts)) {
+    for column in columns::<S>(facts).filter(|column| (column.in_file)(facts)) {
         let number = |row: usize| records.get(row).map_or(f64::NAN, |record| record.number(column.name));
         let values: Vec<f64> = (0..count).map(number).collect();
         let path = format!("{group}/{}", column.name);

@@ -3,17 +3,14 @@
 use std::path::PathBuf;
 
 use gfmd_mixed::MixedError;
+use gfmd_record::{Column, Origin, Punch};
 use ndarray::Array3;
 
-use super::report::scalars;
 use super::{Args, Prepared, by_point};
 use crate::checking::{Checked, Checking};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::Comparison;
 use gfmd_run::session::Session;
-
-/// The scalars that the traction does not determine.
-const OF_THE_SOLVE: [&str; 3] = ["iterations", "transform_pairs", "seconds"];
 
 impl Checked for Args {
     /// Recomputes displacement, residual and scalars from the stored traction.
@@ -37,13 +34,17 @@ impl Checked for Args {
         let under: Vec<f64> = points.iter().map(|under| f64::from(u8::from(*under))).collect();
         comparison.values("/fields/under_punch", &reader.values::<f64>("/fields/under_punch")?, &under, 0.0);
         let report = prepared.measure(&args, grid, &points, &solution, f64::NAN);
-        for (name, _, _, value) in scalars(&report).iter().filter(|(name, ..)| !OF_THE_SOLVE.contains(name)) {
-            let path = format!("/punch/{name}");
+        let is_checked = |column: &Column<Punch>| !matches!(column.origin, Origin::Way | Origin::Clock);
+        let facts = prepared.facts();
+        for (column, cell) in
+            report.numbers.cells().filter(|(column, _)| is_checked(column) && (column.in_file)(&facts))
+        {
+            let path = format!("/punch/{}", column.name);
             let stored = reader.values::<f64>(&path)?.first().copied().unwrap_or(f64::NAN);
-            let floor = if *name == "residual" { 1e-3 } else { 0.0 };
-            comparison.number(&path, stored, *value, floor);
-            if *name == "converged" && stored == 1.0 {
-                comparison.at_most("residual", report.residual, args.tol);
+            let floor = if column.origin == Origin::Residual { 1e-3 } else { 0.0 };
+            comparison.number(&path, stored, cell.number(), floor);
+            if column.name == "converged" && stored == 1.0 {
+                comparison.at_most("residual", report.numbers.number("residual"), args.tol);
             }
         }
         checking.layout(comparison, |output| prepared.write(output, &args, session, &report, &solution))

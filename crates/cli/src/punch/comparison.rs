@@ -1,4 +1,4 @@
-//! Comparison of the displacement under a punch with that of another code.
+//! Comparison of the displacement under a punch with another code.
 
 use gfmd_files::{Reader, npy, split_dataset};
 use gfmd_mixed::MixedSolution;

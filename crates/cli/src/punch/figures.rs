@@ -29,7 +29,7 @@ pub(super) fn draw(
     let normal = report.components.len() - 1;
     let mut files = Vec::new();
     if !grid.is_line() {
-        let (size, depth) = (grid.lengths(), report.depth);
+        let (size, depth) = (grid.lengths(), report.numbers.number("depth"));
         let difference = reference.map(|reference| reference.difference(solution));
         for (index, (field, name)) in solution.displacement.outer_iter().zip(&report.components).enumerate() {
             let stem = named(prefix, &format!("u_{name}"));
@@ -71,13 +71,17 @@ pub(super) fn draw(
     let mut traction = Vec::new();
     for component in [0, normal] {
         let name = report.components[component];
-        displacement.push(Series::line(&format!("*u*_{name}"), component, along(u, component, report.depth)));
+        displacement.push(Series::line(
+            &format!("*u*_{name}"),
+            component,
+            along(u, component, report.numbers.number("depth")),
+        ));
         traction.push(Series::line(&format!("*t*_{name}"), component, along(t, component, modulus)));
         if let Some(reference) = reference {
             let line = Series::line(
                 &format!("*u*_{name}, reference"),
                 component + 3,
-                along(reference.displacement.view(), component, report.depth),
+                along(reference.displacement.view(), component, report.numbers.number("depth")),
             );
             displacement.push(Series { mark: Mark::Dashes, ..line });
         }

@@ -36,7 +36,7 @@ pub(super) fn mask(name: &ArrayOption, dim: u8) -> Result<Array2<bool>, Failure>
     Array2::from_shape_vec(shape, under).map_err(|error| Failure::input("--mask", error))
 }
 
-/// The points along an axis: those that are given, which must be those of the mask.
+/// Returns the number of points along an axis; a given number must agree with the mask.
 pub(super) fn points(given: Option<usize>, mask: Option<&Array2<bool>>) -> Result<usize, Failure> {
     match (given, mask.map(Array2::nrows)) {
         (Some(given), Some(n)) if given != n => Err(Failure::value("--n", given, format!("{n}, as --mask has"))),

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct HeatArgs {
-    /// Conductivity and diffusivity of the body, then those of the rough surface if it shares the heat
+    /// Conductivity and diffusivity of the body, then of the rough surface if it shares the heat
     #[arg(long, value_delimiter = ',', value_name = "K,ALPHA[,K2,ALPHA2]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     heat: Vec<f64>,
@@ -92,7 +92,7 @@ impl Source {
         self.flash(grid, velocity)?.heat(&self.flux(velocity, pressure), budget, watch)
     }
 
-    /// The temperature under a pressure of which so much heat flows into the body; all of it if this is not known.
+    /// Recomputes the temperature under a pressure; `into_body` is the heat flux into the body, all of it if `None`.
     pub(super) fn certify(
         &self,
         grid: &Grid,
@@ -102,23 +102,5 @@ impl Source {
     ) -> Result<Heated, HeatError> {
         let flux = self.flux(velocity, pressure);
         self.flash(grid, velocity)?.certify(&flux, into_body.unwrap_or(&flux))
-    }
-}
-
-/// The flash temperature, as printed.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Heat {
-    pub mean_flux: f64,
-    pub fraction: f64,
-    pub max_rise: f64,
-    pub mean_rise: f64,
-    pub residual: f64,
-}
-
-impl From<&Heated> for Heat {
-    fn from(state: &Heated) -> Self {
-        let Heated { mean_flux, fraction, max_rise, mean_rise, residual, .. } = *state;
-        Self { mean_flux, fraction, max_rise, mean_rise, residual }
     }
 }

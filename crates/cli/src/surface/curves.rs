@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 
 use gfmd_report::surface::unit_of;
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 /// Curves and the numbers of their groups, in the order of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -119,7 +120,7 @@ impl Curves {
             number: Number {
                 name: "sal",
                 value: lengths.sal,
-                power: 1,
+                unit: "length",
                 meaning: "Sal of ISO 25178: shortest distance at which the autocorrelation is 0.2",
             },
             undefined: none,
@@ -136,7 +137,7 @@ impl Curves {
                 number: Number {
                     name: "str",
                     value: lengths.aspect(),
-                    power: 0,
+                    unit: "1",
                     meaning: "Str of ISO 25178: shortest over longest distance at which the autocorrelation is 0.2",
                 },
                 undefined: none,
@@ -150,12 +151,14 @@ impl Curves {
         let mut made = Self::default();
         let is_line = grid.is_line();
         let parts = [
-            ("distributions/height", &found.height, 1, "height above the mean, at the middle of the bin"),
-            ("distributions/slope_x", &found.slope_x, 0, "slope along x, at the middle of the bin"),
-            ("distributions/slope_y", &found.slope_y, 0, "slope along y, at the middle of the bin"),
-            ("distributions/curvature", &found.curvature, -1, "curvature, at the middle of the bin"),
+            ("distributions/height", &found.height, (1, "length"), "height above the mean, at the middle of the bin"),
+            ("distributions/slope_x", &found.slope_x, (0, "1"), "slope along x, at the middle of the bin"),
+            ("distributions/slope_y", &found.slope_y, (0, "1"), "slope along y, at the middle of the bin"),
+            ("distributions/curvature", &found.curvature, (-1, "1/length"), "curvature, at the middle of the bin"),
         ];
-        for (path, part, power, meaning) in parts.into_iter().filter(|(path, ..)| !(is_line && path.ends_with('y'))) {
+        for (path, part, (power, unit), meaning) in
+            parts.into_iter().filter(|(path, ..)| !(is_line && path.ends_with('y')))
+        {
             let (values, densities, gaussian) = match part {
                 Some(Density { middles, densities, .. }) => (middles.clone(), densities.clone(), Density::gaussian),
                 None => continue,
@@ -171,16 +174,16 @@ impl Curves {
                 ),
             ];
             made.curves.push(Curve { path, columns });
-            let number = |name, value, power, meaning| Found {
+            let number = |name, value, unit, meaning| Found {
                 group: path,
-                number: Number { name, value, power, meaning },
+                number: Number { name, value, unit, meaning },
                 undefined: "all values are equal",
             };
             made.numbers.extend(part.iter().flat_map(|part| {
                 [
-                    number("mean", Some(part.mean), power, "mean value"),
-                    number("deviation", Some(part.deviation), power, "standard deviation"),
-                    number("outside", Some(part.outside), 0, "share of values beyond the bins"),
+                    number("mean", Some(part.mean), unit, "mean value"),
+                    number("deviation", Some(part.deviation), unit, "standard deviation"),
+                    number("outside", Some(part.outside), "1", "share of values beyond the bins"),
                 ]
             }));
         }
@@ -219,15 +222,25 @@ impl Curves {
         ];
         let core = found.core;
         let numbers = [
-            ("sk", core.map(|core| core.sk), 1, "Sk of ISO 25178: height of the core of the bearing curve"),
-            ("spk", core.map(|core| core.spk), 1, "Spk of ISO 25178: reduced height of the peaks above the core"),
-            ("svk", core.map(|core| core.svk), 1, "Svk of ISO 25178: reduced depth of the valleys below the core"),
-            ("smr1", core.map(|core| core.smr1), 0, "Smr1 of ISO 25178: material ratio between peaks and core"),
-            ("smr2", core.map(|core| core.smr2), 0, "Smr2 of ISO 25178: material ratio between core and valleys"),
+            ("sk", core.map(|core| core.sk), "length", "Sk of ISO 25178: height of the core of the bearing curve"),
+            (
+                "spk",
+                core.map(|core| core.spk),
+                "length",
+                "Spk of ISO 25178: reduced height of the peaks above the core",
+            ),
+            (
+                "svk",
+                core.map(|core| core.svk),
+                "length",
+                "Svk of ISO 25178: reduced depth of the valleys below the core",
+            ),
+            ("smr1", core.map(|core| core.smr1), "1", "Smr1 of ISO 25178: material ratio between peaks and core"),
+            ("smr2", core.map(|core| core.smr2), "1", "Smr2 of ISO 25178: material ratio between core and valleys"),
         ];
-        let number = |(name, value, power, meaning)| Found {
+        let number = |(name, value, unit, meaning)| Found {
             group: "bearing_curve",
-            number: Number { name, value, power, meaning },
+            number: Number { name, value, unit, meaning },
             undefined: "the surface is flat",
         };
         Self {
@@ -247,15 +260,16 @@ impl Curves {
                 archive.write(&format!("/{path}/{name}"), &variable, values)?;
             }
         }
-        for Found { group, number: Number { name, value, power, meaning }, .. } in &self.numbers {
-            let units = unit_of(unit, *power);
+        let units = Units::new(Some(unit).filter(|unit| *unit != "length"), None);
+        for Found { group, number: Number { name, value, unit, meaning }, .. } in &self.numbers {
+            let units = units.name(unit);
             let variable = Variable { dimensions: &[], units: &units, long_name: meaning };
             archive.write(&format!("/{group}/{name}"), &variable, &[value.unwrap_or(f64::NAN)])?;
         }
         Ok(())
     }
 
-    /// The curves and numbers as nested JSON; `undefined` has the reasons why numbers are null.
+    /// Returns the curves and numbers as nested JSON.
     fn json(&self) -> Map<String, Value> {
         let numbers_of = |path: &str| -> Map<String, Value> {
             let own = self.numbers.iter().filter(|found| found.group == path);
@@ -277,21 +291,31 @@ impl Curves {
             }
             all.insert(group.into(), inner.into());
         }
+        all
+    }
+
+    /// Returns the numbers without a value, each with its reason.
+    pub(super) fn undefined(&self) -> impl Iterator<Item = (String, &'static str)> + '_ {
         let none = self.numbers.iter().filter(|found| found.number.value.is_none());
-        let reason = |found: &Found| (format!("{}.{}", found.group, found.number.name), found.undefined);
-        let named: Vec<(String, &str)> = none.map(reason).collect();
+        none.map(|found| (format!("{}.{}", found.group, found.number.name), found.undefined))
+    }
+}
+
+/// Serializes the curves of a report, which has the reasons of all its numbers in one place.
+pub(super) fn numbers<S: Serializer>(curves: &Option<Curves>, serializer: S) -> Result<S::Ok, S::Error> {
+    curves.as_ref().map(Curves::json).unwrap_or_default().serialize(serializer)
+}
+
+impl Serialize for Curves {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut all = self.json();
+        let named: Vec<(String, &str)> = self.undefined().collect();
         let reasons = by_reason(named.iter().map(|(name, reason)| (&**name, *reason)));
         let undefined: Map<String, Value> =
             reasons.into_iter().map(|(reason, names)| (reason.to_owned(), names.into())).collect();
         if !undefined.is_empty() {
             all.insert("undefined".into(), undefined.into());
         }
-        all
-    }
-}
-
-impl Serialize for Curves {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.json().serialize(serializer)
+        all.serialize(serializer)
     }
 }

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, X3p, axes, contiguous, npy};
-use gfmd_report::surface::Number;
 use gfmd_surface::RadialBin;
 use ndarray::{Array2, Axis};
 
 use super::Report;
+use gfmd_record::Cell;
 use gfmd_run::failure::Failure;
+use gfmd_unit::Units;
 
 /// The output file and its format, claimed before the heights are made.
 pub(super) struct Target {
@@ -97,10 +98,14 @@ impl Target {
         archive.write("/surface/height", &height, &contiguous(heights))?;
         archive.attribute("/surface", "source", report.source.as_str())?;
         report.scan.iter().try_for_each(|scan| scan.write(&mut archive, "/surface"))?;
-        for Number { name, value, power, meaning } in report.scalars() {
-            let units = report.unit_of(power);
-            let scalar = Variable { dimensions: &[], units: &units, long_name: meaning };
-            archive.write(&format!("/statistics/{name}"), &scalar, &[value.unwrap_or(f64::NAN)])?;
+        let units = Units::new(report.unit.as_deref(), None);
+        for (column, cell) in report.numbers.cells() {
+            let (units, path) = (units.name(column.unit), format!("/statistics/{}", column.name));
+            let long_name = column.meaning(&report.facts);
+            archive.write(&path, &Variable { dimensions: &[], units: &units, long_name }, &[cell.number()])?;
+            if let Cell::Undefined(reason) = cell {
+                archive.attribute(&path, "undefined", &**reason)?;
+            }
         }
         let wavenumbers = spectrum.iter().map(|bin| bin.wavenumber).collect();
         let per_length = report.unit_of(-1);

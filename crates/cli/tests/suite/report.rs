@@ -461,14 +461,14 @@ fn punches_bodies_and_slides_have_pages() {
             9,
             3,
         ),
-        // Temperature against velocity, and its map; pressure, gap, section, heights.
+        // Temperature against velocity, and its map; pressure, gap, section, heights. A table of the heat.
         (
             "slide --n 32 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 0.1,1,10 \
              --out h.h5",
             "h",
             &certified,
             6,
-            2,
+            3,
         ),
     ] {
         assert_eq!(make(folder, &format!("{words} -q")), Some(0), "{words}");

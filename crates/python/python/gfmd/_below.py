@@ -14,6 +14,7 @@ from . import _command
 from ._body import Body, as_body
 from ._check import Array, Quantity, array, flag, integer, number, numbers, quantity, shown, texts, word
 from ._check import quantities as lengths
+from ._columns import PunchNumbers
 from ._contact import Contact
 from ._errors import InputError
 from ._hints import hinted
@@ -24,18 +25,15 @@ from ._result import Computed
 _QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
 
 
-class Punch(Computed):
+class Punch(Computed, PunchNumbers):
     """A flat punch on a body. `components` are x, y, z (x, z of a strip).
 
     Attributes:
         displacement, traction: on the elastic surface [x, y, component], length and stress; a strip has
             [x, 1, component].
         under_punch: 1 under the punch, else 0 [x, y].
-        mean_pressure, max_pressure: stress; mean_traction: by component, stress.
-        elastic_energy: per area, stress * length.
-        punch_width, effective_width, depth, height: length; the height is infinite for a half-space.
-        contact_nodes, n, length, young, poisson, contact, nodes, dim, components: the problem.
-        residual, converged, iterations, transform_pairs, seconds: the solve; the residual is over the depth.
+        height: of the body, length; infinite for a half-space.
+        n, length, young, poisson, contact, nodes, dim, components: the problem.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
         history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and `modes` and `points` if
@@ -49,15 +47,7 @@ class Punch(Computed):
     displacement: Array
     traction: Array
     under_punch: Array
-    mean_pressure: float
-    max_pressure: float
-    mean_traction: list[float]
-    elastic_energy: float
-    punch_width: float
-    effective_width: float
-    depth: float
     height: float
-    contact_nodes: int
     n: list[int]
     length: list[float]
     young: float
@@ -66,11 +56,6 @@ class Punch(Computed):
     nodes: str
     dim: int
     components: list[str]
-    residual: float
-    converged: bool
-    iterations: int
-    transform_pairs: int
-    seconds: float
     warnings: list[Record]
 
     def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:

@@ -77,8 +77,9 @@ class Record(Mapping[str, Any]):
     @classmethod
     def _declared(cls) -> list[str]:
         """The values that records of this class may have, by the made classes."""
-        files = (f"{__package__}._columns", f"{__package__}._states")
-        made = [kind for kind in cls.__mro__ if kind.__module__ in files and issubclass(kind, Record)]
+        made = [
+            kind for kind in cls.__mro__ if kind.__module__ == f"{__package__}._columns" and issubclass(kind, Record)
+        ]
         return [name for kind in made for name, value in vars(kind).items() if isinstance(value, property)]
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -14,10 +14,10 @@ from ._body import Body, as_body
 from ._check import integer, number, quantities, quantity, shown, word
 from ._errors import InputError
 from ._hints import hinted
+from ._columns import StateFields, States
 from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
-from ._states import StateFields, States
 from ._surface import Surface, as_surface
 
 
@@ -154,6 +154,7 @@ def slide(
     values, failure, fields, file = _command.solve("slide", problem, {"surface": made.heights}, threads, out, made)
     rows = []
     for state in values.pop("states"):
+        state.pop("undefined", None)
         theory = {f"persson_{name}": value for name, value in state.pop("persson").items()}
         warm = {f"heat_{name}": np.nan if value is None else value for name, value in state.pop("heat", {}).items()}
         parts = {f"residual_{name}": value for name, value in state.pop("residual").items()}

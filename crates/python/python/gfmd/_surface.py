@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from . import _check, _gfmd
 from ._check import Array, frozen, in_units, integer, number, numbers, optional, quantities, quantity, word
+from ._columns import SurfaceNumbers
 from ._hints import attribute, hinted
 from ._errors import InputError
-from ._record import Record, parsed, without_null
+from ._record import Record, by_name, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
@@ -20,23 +21,16 @@ Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 Boundary = Optional[Literal["periodic", "free"]]
 
 
-class Statistics(Record):
+class Statistics(SurfaceNumbers):
     """The numbers of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
+
+    Height parameters of ISO 25178 (Sa, Sp, Sv, Ssk, Sku, Sdr) count from the mean height, without filter; Sq is
+    `rms_height`, Sz is `peak_to_valley`. Gradients, curvatures and moments come from the spectrum; names that end in
+    `_inside` come from differences without the periodic seam.
 
     Attributes:
         n, length: points and lengths along x and y.
-        mean, rms_height, lowest, highest, peak_to_valley: of the heights, length; rms_height is about the mean.
-        sa, sp, sv, ssk, sku, sdr: height parameters of ISO 25178 about the mean height, without filter: mean distance,
-            highest and lowest distance (length), skewness, kurtosis, developed area less 1; Sq is rms_height, Sz is
-            peak_to_valley.
-        rms_gradient: of the full gradient, from the spectrum; rms_gradient_central, rms_gradient_forward by
-            differences, rms_gradient_inside without the periodic seam.
-        rms_curvature, rms_laplacian: 1/length; rms_curvature_inside by differences without the seam.
-        m0, m2, m4: moments of the spectrum, length², 1, 1/length²; nayak: m0 m4/m2²; m4_inside, nayak_inside by
-            differences without the seam.
-        hurst, hurst_error: fitted Hurst exponent and its standard error, over the wavelengths hurst_range.
-        longest_wavelength, shortest_wavelength: cut-offs found in the spectrum, length.
-        seam: along x and y, rms step across the edge of the cell over that inside.
+        undefined: the reasons why numbers are NaN, by name; there only if one is.
 
     Example:
         >>> round(s.statistics().nayak, 1)
@@ -45,36 +39,7 @@ class Statistics(Record):
 
     n: list[int]
     length: list[float]
-    mean: float
-    rms_height: float
-    lowest: float
-    highest: float
-    peak_to_valley: float
-    sa: float
-    sp: float
-    sv: float
-    ssk: float
-    sku: float
-    sdr: float
-    rms_gradient: float
-    rms_gradient_central: float
-    rms_gradient_forward: float
-    rms_gradient_inside: float
-    rms_curvature: float
-    rms_curvature_inside: float
-    rms_laplacian: float
-    m0: float
-    m2: float
-    m4: float
-    m4_inside: float
-    nayak: float
-    nayak_inside: float
-    hurst: float
-    hurst_error: float
-    hurst_range: list[float]
-    longest_wavelength: float
-    shortest_wavelength: float
-    seam: list[float]
+    undefined: dict[str, str]
 
 
 class _Origin(NamedTuple):
@@ -264,7 +229,8 @@ class Surface:
         values = parsed(_gfmd.statistics(self._heights, self._size, given))
         for name in ("source", "unit", "asked", "out"):
             del values[name]
-        found = Statistics(without_null(values))
+        reasons = {"undefined": by_name(values.pop("undefined"))} if "undefined" in values else {}
+        found = Statistics({**without_null(values), **reasons})
         if fit_range is None:
             object.__setattr__(self, "_statistics", found)
         return found

@@ -1,7 +1,7 @@
 //! Area, pressure in contact, gap and wear of a state.
 
-use super::undefined::reduced;
-use crate::column::{Column, Form};
+use super::{Column, undefined::reduced};
+use crate::column::Form;
 use crate::when::{any, friction, law, loads, path, relaxing, wears};
 use crate::{At, Cell};
 

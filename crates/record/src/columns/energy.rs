@@ -2,8 +2,11 @@
 
 use gfmd_interface::Loss;
 
-use super::undefined::{NO_LEVEL, imbalance, level, lost, without_law};
-use crate::column::{Column, Form, Origin, Table};
+use super::{
+    Column,
+    undefined::{NO_LEVEL, imbalance, level, lost, without_law},
+};
+use crate::column::{Form, Origin, Table};
 use crate::when::{any, between, law, loads, path, relaxing, wears};
 use crate::{At, Cell};
 

@@ -1,7 +1,7 @@
 //! Flow through the gap.
 
-use super::undefined::flag;
-use crate::column::{Column, Form, Origin, Table};
+use super::{Column, undefined::flag};
+use crate::column::{Form, Origin, Table};
 use crate::when::{any, flow};
 use crate::{At, Cell};
 

@@ -6,9 +6,9 @@ use gfmd_contact::Boundary;
 use gfmd_measure::{GridLimit, GridLimits, NoLimit, Refined};
 use gfmd_problem::{Facts, GridError, Support, Unknown};
 
-use super::measured::MEASURED;
 use super::undefined::lost;
-use crate::column::{Column, LIMIT, Origin};
+use super::{Column, measured::MEASURED};
+use crate::column::{LIMIT, Origin};
 use crate::when::{
     any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, prescribed, relaxing,
     sheared, statistics, steep, wears,
@@ -153,7 +153,7 @@ fn limit(
     of: fn(&GridLimit, f64) -> f64,
 ) -> Cell {
     let column = MEASURED.iter().copied().flatten().find(|column| column.name == name);
-    let value = column.map_or(f64::NAN, |column| column.cell(at).number());
+    let value = column.map_or(f64::NAN, |column| column.cell(at.facts, at).number());
     if value.is_nan() {
         return Cell::undefined("the number itself has no value");
     }

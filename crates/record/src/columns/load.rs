@@ -1,7 +1,10 @@
 //! Load, approach, time and lateral displacement of a state.
 
-use super::undefined::{level, reduced};
-use crate::column::{Column, Form};
+use super::{
+    Column,
+    undefined::{level, reduced},
+};
+use crate::column::Form;
 use crate::when::{any, between, path, relaxing, steep, wears};
 use crate::{At, Cell};
 

@@ -2,8 +2,9 @@
 
 use gfmd_contact::Fields as _;
 
+use super::Column;
 use crate::Cell;
-use crate::column::{Column, Form, Origin, Table};
+use crate::column::{Form, Origin, Table};
 use crate::when::{any, between};
 
 /// Column of the lower face of a slab between two surfaces.

@@ -1,7 +1,6 @@
 //! Measured columns by subject.
 
-use super::{contact, energy, flow, load, lower, patches, search, special};
-use crate::column::Column;
+use super::{Column, contact, energy, flow, load, lower, patches, search, special};
 
 /// Column tables of the subjects, in print order.
 pub(super) const MEASURED: &[&[Column]] = &[

@@ -1,8 +1,8 @@
 //! Patches of points in contact, and their conductance.
 
-use super::undefined::flag;
+use super::{Column, undefined::flag};
 use crate::Cell;
-use crate::column::{Column, Form, Table};
+use crate::column::{Form, Table};
 use crate::when::{any, statistics};
 
 /// Columns of the patches.

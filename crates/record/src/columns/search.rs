@@ -2,8 +2,9 @@
 
 use gfmd_problem::Unknown;
 
+use super::Column;
 use crate::Cell;
-use crate::column::{Column, Form, Origin};
+use crate::column::{Form, Origin};
 use crate::when::{any, between, friction, hardness, law, loads, of_a_law, path, steep, wall_on_path};
 
 /// Definition of a residual under a law, with its stress scale.

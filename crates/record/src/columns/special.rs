@@ -1,6 +1,7 @@
 //! Numbers of special contacts: patches, hardness, finite slopes.
 
-use crate::column::{Column, Form};
+use super::Column;
+use crate::column::Form;
 use crate::when::{any, free, hardness, path, steep};
 use crate::{At, Cell};
 

@@ -1,34 +1,55 @@
-//! Python classes with documented properties, for the tests of `gfmd-record` and `gfmd-cli`.
+//! Classes of Python made from tables: a stub with types and definitions, and the definitions as JSON.
 
-/// Longest line of the file.
+use serde_json::{Map, Value, json};
+
+/// Longest line of a file.
 const WIDTH: usize = 120;
 
-/// Property of a class: name, type, definition, and the expression of its value.
+/// Attribute of a class.
 pub(crate) struct Property {
     pub(crate) name: String,
+    /// Type in Python.
     pub(crate) of: &'static str,
+    /// Definition.
     pub(crate) text: String,
-    pub(crate) value: String,
 }
 
-impl Property {
-    /// Returns a property that reads its value from a record.
-    pub(crate) fn of_record(name: String, of: &'static str, text: String) -> Self {
-        let value = format!("self._value(\"{name}\")");
-        Self { name, of, text, value }
+/// Class of attributes that stand in a record, or are fields of a result.
+pub(crate) struct Class {
+    pub(crate) name: &'static str,
+    pub(crate) text: &'static str,
+    /// Mapping that has the values of a class that is not a record.
+    pub(crate) held_in: Option<&'static str>,
+    pub(crate) properties: Vec<Property>,
+}
+
+impl Class {
+    pub(crate) fn record(name: &'static str, text: &'static str, properties: Vec<Property>) -> Self {
+        Self { name, text, held_in: None, properties }
+    }
+
+    /// Returns the class of a stub.
+    pub(crate) fn stub(&self) -> String {
+        let Self { name, text, held_in, properties } = self;
+        let (base, held) = match held_in {
+            Some(mapping) => ("", format!("\n    {mapping}: dict[str, Array]\n")),
+            None => ("(Record)", String::new()),
+        };
+        let head = format!("\nclass {name}{base}:\n    \"\"\"{text}\"\"\"\n{held}");
+        properties.iter().fold(head, |class, Property { name, of, text }| {
+            let text = filled(&format!("\"\"\"{text}"), 8);
+            class + &format!("\n    @property\n    def {name}(self) -> {of}:\n{text}\n")
+        })
+    }
+
+    /// Returns the definitions of the attributes.
+    pub(crate) fn definitions(&self) -> Value {
+        let texts = self.properties.iter().map(|property| (property.name.clone(), property.text.clone().into()));
+        json!({"text": self.text, "held_in": self.held_in, "attributes": texts.collect::<Map<_, _>>()})
     }
 }
 
-/// Returns the source text of a class.
-pub(crate) fn class(name: &str, base: &str, text: &str, properties: &[Property]) -> String {
-    let head = format!("\n\nclass {name}{base}:\n    \"\"\"{text}\"\"\"\n");
-    properties.iter().fold(head, |class, Property { name, of, text, value }| {
-        let text = filled(&format!("\"\"\"{text}"), 8);
-        class + &format!("\n    @property\n    def {name}(self) -> {of}:\n{text}\n        return {value}\n")
-    })
-}
-
-/// Wraps a docstring that begins with its quotes. The closing quotes follow below if there are several lines.
+/// Returns the lines of a docstring that begins with its quotes. Quotes close it below the last of several lines.
 fn filled(text: &str, indent: usize) -> String {
     let margin = " ".repeat(indent);
     let mut lines = vec![margin.clone()];
@@ -46,21 +67,20 @@ fn filled(text: &str, indent: usize) -> String {
     lines.join("\n") + &end
 }
 
-/// Returns the kind of quantity for the beginning of a definition.
+/// Returns the kind of quantity for the start of a definition.
 pub(crate) fn quantity(unit: &str) -> String {
     let words = match unit {
         "1" => "without unit".to_owned(),
         "s" => "seconds".to_owned(),
-        unit => unit.replace('*', " * "),
+        unit => unit.replacen("1/", "per ", 1).replace('*', " * "),
     };
     words[..1].to_uppercase() + &words[1..]
 }
 
-/// Writes a generated file if requested, and compares it with `text`.
+/// Writes a generated file if `GFMD_DOCS` says so, and compares it.
 pub(crate) fn compare(file: &str, text: &str) {
     if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
         std::fs::write(file, text).unwrap();
     }
-    assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
     assert_eq!(std::fs::read_to_string(file).unwrap(), text);
 }

@@ -2,43 +2,40 @@
 //! `GFMD_DOCS=write cargo test -p gfmd-record` writes them.
 
 use gfmd_problem::{Facts, Part, Task};
-use gfmd_record::{ARRAYS, COLUMNS, Column, Number, STATISTICS};
+use gfmd_record::{
+    ARRAYS, COLUMNS, Column, Number, Punch, PunchFacts, SLIDING_FIELDS, STATISTICS, Sliding, SlidingFacts, State,
+    Subject, Surface, SurfaceFacts,
+};
 
-use crate::classes::{Property, class, compare, quantity};
+use crate::classes::{Class, Property, compare, quantity};
 use crate::parts::all_facts;
 
-const HEAD: &str = r#""""The numbers and fields of states, with their units and definitions.
+const HEAD: &str = r#""""The numbers and fields of results, with their units and definitions.
 
 Made from crates/record/src by `GFMD_DOCS=write cargo test -p gfmd-record`.
 """
 
-# mypy: no-warn-return-any
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any, Optional
+from typing import Any, Optional
 
 import numpy.typing as npt
 
 from ._check import Array
+from ._load import Residual
 from ._record import Record
-
-if TYPE_CHECKING:
-    from ._load import Residual
 "#;
 
 /// Words for problems that no parts distinguish from the others.
 const SOME: &str = "In some problems";
 
 /// Describes the problems in which `holds` is true by their Python options; `None` if it is true in all of them.
-fn condition(facts: &[Facts], holds: impl Fn(&Facts) -> bool) -> Option<String> {
-    if facts.iter().all(&holds) {
+fn condition(facts: &[Facts], holds: Holds<Facts>) -> Option<String> {
+    if facts.iter().all(holds) {
         return None;
     }
     let alone = Part::ALL.iter().map(|part| vec![*part]).collect();
     let both = |(place, part): (usize, &Part)| Part::ALL[..place].iter().map(|other| vec![*other, *part]).collect();
     let pairs = Part::ALL.iter().enumerate().flat_map(|entry| -> Vec<Vec<Part>> { both(entry) }).collect();
-    let words = [alone, pairs].into_iter().find_map(|choices: Vec<Vec<Part>>| widest(facts, &choices, &holds));
+    let words = [alone, pairs].into_iter().find_map(|choices: Vec<Vec<Part>>| widest(facts, &choices, holds));
     Some(words.map_or_else(|| SOME.into(), |words| format!("With {words}")))
 }
 
@@ -73,16 +70,22 @@ fn option(part: Part) -> String {
     }
 }
 
+/// Words for the problems that satisfy a predicate; `None` for all of them.
+type Condition<'a, F> = &'a dyn Fn(&[F], Holds<F>) -> Option<String>;
+
+/// Predicate of problems.
+type Holds<'a, F> = &'a dyn Fn(&F) -> bool;
+
 /// Returns the definitions that occur in some of the problems, the general one first, each with its problems.
-fn definitions(facts: &[Facts], meanings: &[&str], of: impl Fn(&Facts) -> &'static str) -> String {
-    let place = |f: &Facts| meanings.iter().position(|text| *text == of(f));
+fn definitions<F>(facts: &[F], meanings: &[&str], of: impl Fn(&F) -> &'static str, condition: Condition<F>) -> String {
+    let place = |f: &F| meanings.iter().position(|text| *text == of(f));
     let there = meanings.iter().enumerate().rev();
     let mut there = there.filter(|(place_of, _)| facts.iter().any(|f| place(f) == Some(*place_of)));
     let general = there.next().map_or_else(String::new, |(_, text)| (*text).to_owned());
     there.fold(general, |texts, (place_of, text)| {
-        let own = condition(facts, |f| place(f) == Some(place_of)).filter(|words| words != SOME);
+        let own = condition(facts, &|f| place(f) == Some(place_of)).filter(|words| words != SOME);
         // A definition that parts cannot separate from a more special one is described together with it.
-        let words = own.or_else(|| condition(facts, |f| place(f) <= Some(place_of))).unwrap_or_default();
+        let words = own.or_else(|| condition(facts, &|f| place(f) <= Some(place_of))).unwrap_or_default();
         format!("{texts}. {words}: {text}")
     })
 }
@@ -100,26 +103,29 @@ const OF_STEPS: Shape =
 
 /// Returns properties for the columns that some of the problems have. `place` gives the key of a column in a record,
 /// and its part inside that value. Type and definition of objects are in `parts`.
-fn numbers(
-    facts: &[Facts],
-    shape: &Shape,
-    place: impl Fn(&Column) -> Option<(String, Option<String>)>,
+fn numbers_of<S: Subject>(
+    facts: &[S::Facts],
+    (shape, condition): (&Shape, Condition<S::Facts>),
+    place: impl Fn(&Column<S>) -> Option<(String, Option<String>)>,
     parts: &[(&str, &'static str, &str)],
-) -> Vec<Property> {
+) -> Vec<Property>
+where
+    S::Facts: Copy,
+{
     let mut properties: Vec<Property> = Vec::new();
-    for column in COLUMNS.iter().filter(|column| facts.iter().any(|f| (column.present)(f))) {
+    for column in S::COLUMNS.iter().filter(|column| facts.iter().any(|f| (column.present)(f))) {
         let Some((key, part)) = place(column) else { continue };
         if properties.iter().any(|property| property.name == key) {
             continue;
         }
-        let present: Vec<Facts> = facts.iter().copied().filter(|f| (column.present)(f)).collect();
-        let only = condition(facts, column.present).map_or_else(String::new, |words| format!(". {words} only"));
+        let present: Vec<S::Facts> = facts.iter().copied().filter(|f| (column.present)(f)).collect();
+        let only = condition(facts, &column.present).map_or_else(String::new, |words| format!(". {words} only"));
         if let Some((_, of, text)) = parts.iter().find(|(name, ..)| *name == key) {
-            properties.push(Property::of_record(key, of, format!("{text}{only}.")));
+            properties.push(Property { name: key, of, text: format!("{text}{only}.") });
             continue;
         }
         let meanings: Vec<&str> = column.meanings.iter().map(|(_, meaning)| *meaning).collect();
-        let text = definitions(&present, &meanings, |f| column.meaning(f));
+        let text = definitions(&present, &meanings, |f| column.meaning(f), condition);
         let (of, text) = match (column.number, part) {
             (_, Some(_)) => {
                 let text = text.replace(" along x", "");
@@ -129,9 +135,24 @@ fn numbers(
             (Number::Count, None) => (shape.types[1], format!("Count{}: {text}", shape.one)),
             (Number::Flag, None) => (shape.types[2], format!("Flag{}: {}", shape.one, text.replace("1 if", "true if"))),
         };
-        properties.push(Property::of_record(key, of, format!("{text}{only}.")));
+        properties.push(Property { name: key, of, text: format!("{text}{only}.") });
     }
     properties
+}
+
+/// Returns properties for the columns of states.
+fn numbers(
+    facts: &[Facts],
+    shape: &Shape,
+    place: impl Fn(&Column) -> Option<(String, Option<String>)>,
+    parts: &[(&str, &'static str, &str)],
+) -> Vec<Property> {
+    numbers_of::<State>(facts, (shape, &condition), place, parts)
+}
+
+/// Returns the condition of a predicate that holds in some problems only because of one option.
+fn only<F>(words: &str) -> impl Fn(&[F], Holds<F>) -> Option<String> {
+    move |facts, holds| (!facts.iter().all(holds)).then(|| words.to_owned())
 }
 
 /// Returns key and part of a place in a JSON record.
@@ -152,19 +173,18 @@ fn of_step(column: &Column) -> Option<(String, Option<String>)> {
 }
 
 /// Returns the fields that some of the problems have.
-fn fields(facts: &[Facts], dimension: &str, value: impl Fn(&str, bool) -> String) -> Vec<Property> {
+fn fields(facts: &[Facts], dimension: &str, is_optional: bool) -> Vec<Property> {
     let there = ARRAYS.iter().filter(|array| facts.iter().any(|f| (array.present)(f)));
     let property = |array: &gfmd_record::Array| {
         let present: Vec<Facts> = facts.iter().copied().filter(|f| (array.present)(f)).collect();
         let meanings: Vec<&str> = array.meanings.iter().map(|(_, meaning)| *meaning).collect();
-        let text = definitions(&present, &meanings, |f| array.meaning(f));
-        let only = condition(facts, array.present);
-        let value = value(array.name, only.is_some());
-        let of = if value.contains(".get(") { "Optional[Array]" } else { "Array" };
+        let text = definitions(&present, &meanings, |f| array.meaning(f), &condition);
+        let only = condition(facts, &array.present);
+        let of = if is_optional && only.is_some() { "Optional[Array]" } else { "Array" };
         let otherwise = if of == "Array" { "" } else { ", otherwise None" };
         let only = only.map_or_else(String::new, |words| format!(". {words} only{otherwise}"));
         let text = format!("{} {dimension}: {text}{only}. Read-only.", quantity(array.unit));
-        Property { name: array.name.to_owned(), of, text, value }
+        Property { name: array.name.to_owned(), of, text }
     };
     there.map(property).collect()
 }
@@ -174,7 +194,7 @@ fn statistics(group: &str, shape: &str, name: impl Fn(&str) -> String) -> Vec<Pr
     let there = STATISTICS.iter().filter_map(|array| Some((array.path.strip_prefix(group)?, array)));
     let property = |(path, array): (&str, &gfmd_record::Statistic)| {
         let text = format!("{} {shape}: {}.", quantity(array.unit.unwrap_or("length")), array.meaning);
-        Property::of_record(name(path), "Array", text)
+        Property { name: name(path), of: "Array", text }
     };
     // The load number belongs to a file with several loads.
     there.filter(|(path, _)| *path != "load").map(property).collect()
@@ -195,55 +215,94 @@ fn the_classes_of_python_have_the_columns() {
         ("residual", "Residual", "Residuals, recomputed from the final fields; `float(...)` is the largest"),
         ("lower", "LowerFace", "Numbers of the lower face"),
     ];
-    let lent = |name: &str, may_lack: bool| match may_lack {
-        true => format!("self._fields.get(\"{name}\")"),
-        false => format!("self._fields[\"{name}\"]"),
-    };
-    let kept = |name: &str, _: bool| format!("self._value(\"{name}\")");
     let (points, waypoints) = ("[x, y]", "[waypoint, x, y]");
-    let record = "(Record)";
     let classes = [
-        class(
+        Class::record(
             "Residuals",
-            record,
             "The residuals of a load.",
-            &numbers(&loads, &OF_STATE, |c| inside("residual", c.json), &[]),
+            numbers(&loads, &OF_STATE, |c| inside("residual", c.json), &[]),
         ),
-        class(
+        Class::record(
             "LowerFace",
-            record,
             "The numbers of the lower face of a slab between two surfaces.",
-            &numbers(&of_lower(&loads), &OF_STATE, |c| inside("lower", c.json), &parts),
+            numbers(&of_lower(&loads), &OF_STATE, |c| inside("lower", c.json), &parts),
         ),
-        class("Numbers", record, "The numbers of a load.", &numbers(&loads, &OF_STATE, |c| at(c.json), &parts)),
-        class("Fields", "", "The fields of a load.", &fields(&loads, points, lent)).replacen(
-            "\n\n    @property",
-            "\n\n    _fields: dict[str, Array]\n\n    @property",
-            1,
-        ),
-        class("Steps", record, "The numbers of the steps of a path.", &numbers(&steps, &OF_STEPS, of_step, &[])),
-        class("StepFields", record, "The fields of a path.", &fields(&path, waypoints, kept)),
-        class("WearFields", record, "The fields of wear.", &fields(&worn, waypoints, kept)),
-        class(
+        Class::record("Numbers", "The numbers of a load.", numbers(&loads, &OF_STATE, |c| at(c.json), &parts)),
+        Class {
+            name: "Fields",
+            text: "The fields of a load.",
+            held_in: Some("_fields"),
+            properties: fields(&loads, points, true),
+        },
+        Class::record("Steps", "The numbers of the steps of a path.", numbers(&steps, &OF_STEPS, of_step, &[])),
+        Class::record("StepFields", "The fields of a path.", fields(&path, waypoints, false)),
+        Class::record("WearFields", "The fields of wear.", fields(&worn, waypoints, false)),
+        Class::record(
             "Patches",
-            record,
             "The patches of points in contact, as `gfmd contact --statistics` measures them.",
-            &statistics("/patches/", "[patch]", str::to_owned),
+            statistics("/patches/", "[patch]", str::to_owned),
         ),
+        Class::record("States", "The numbers of states that slide steadily.", states()),
+        Class::record("StateFields", "The fields of states that slide steadily.", state_fields()),
+        Class::record("PunchNumbers", "The numbers of a punch.", punch()),
+        Class::record("SurfaceNumbers", "The statistics of a surface.", surface()),
     ];
-    let text = format!(
-        "{HEAD}\n# The places of the numbers of a flow in its object, by their names.\nFLOW = {{\n{}}}\n{}",
-        flow(),
-        classes.concat()
-    );
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/python/gfmd/_columns.py");
-    compare(file, &text);
+    let stub = classes.iter().fold(HEAD.to_owned(), |text, class| text + &class.stub());
+    assert!(stub.lines().all(|line| line.chars().count() <= 120));
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/python/gfmd");
+    compare(&format!("{folder}/_columns.pyi"), &(stub + FLOW));
+    let definitions: serde_json::Map<_, _> =
+        classes.iter().map(|class| (class.name.to_owned(), class.definitions())).collect();
+    let data = serde_json::json!({"classes": definitions, "flow": flow()});
+    compare(&format!("{folder}/_columns.json"), &(serde_json::to_string_pretty(&data).unwrap() + "\n"));
+}
+
+/// Places of the numbers of a flow in its object, by name.
+const FLOW: &str = "\nFLOW: dict[str, str]\n";
+
+/// Returns the numbers of sliding states. Python has their residuals one by one.
+fn states() -> Vec<Property> {
+    let facts = [SlidingFacts::default(), SlidingFacts { heat: true, shared: true }];
+    let place = |column: &Column<Sliding>| {
+        let is_listed = !column.json.is_empty() && !column.json.starts_with("residual.");
+        is_listed.then(|| (column.name.to_owned(), None))
+    };
+    let shape = Shape { one: " [state]", ..OF_STEPS };
+    numbers_of::<Sliding>(&facts, (&shape, &only("With `heat`")), place, &[])
+}
+
+fn state_fields() -> Vec<Property> {
+    let words = |present: fn(&SlidingFacts) -> bool| match [false, true]
+        .map(|heat| present(&SlidingFacts { heat, shared: false }))
+    {
+        [true, _] => "",
+        [false, true] => ". With `heat` only",
+        [false, false] => ". With `heat` of both bodies only",
+    };
+    let property = |field: &gfmd_record::SlidingField| Property {
+        name: field.name.to_owned(),
+        of: "Array",
+        text: format!("{} [state, x, y]: {}{}. Read-only.", quantity(field.unit), field.meaning, words(field.present)),
+    };
+    SLIDING_FIELDS.iter().map(property).collect()
+}
+
+fn punch() -> Vec<Property> {
+    let facts = [PunchFacts::default(), PunchFacts { mask: true, line: false }];
+    let shape = Shape { two: " by component", ..OF_STATE };
+    numbers_of::<Punch>(&facts, (&shape, &only("Without `mask`")), |column| at(column.json), &[])
+}
+
+fn surface() -> Vec<Property> {
+    let facts = [SurfaceFacts::default()];
+    let range = ("hurst_range", "list[float]", "Length: longest and shortest wavelength of the fit of `hurst`");
+    numbers_of::<Surface>(&facts, (&OF_STATE, &only("")), |column| at(column.json), &[range])
 }
 
 /// Returns the numbers of a flow by name, with their places in its object.
-fn flow() -> String {
-    let places = COLUMNS.iter().filter_map(|column| Some((column.name, column.json.strip_prefix("flow.")?)));
-    places.map(|(name, place)| format!("    \"{name}\": \"{place}\",\n")).collect()
+fn flow() -> serde_json::Map<String, serde_json::Value> {
+    let place = |column: &'static Column| Some((column.name.to_owned(), column.json.strip_prefix("flow.")?.into()));
+    COLUMNS.iter().filter_map(place).collect()
 }
 
 /// Returns the problems with a lower surface.

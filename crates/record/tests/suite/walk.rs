@@ -5,7 +5,9 @@ use crate::parts::{Parts, all_facts};
 use gfmd_contact::{Drive, Equilibrium, Fields, Load};
 use gfmd_interface::{Path, Quasistatic, Refinement, Step};
 use gfmd_problem::{Facts, Posed, Rest, Task, pose};
-use gfmd_record::{ARRAYS, Along, At, COLUMNS, Cell, Column, Origin, Record, arrays, columns, page};
+use gfmd_record::{
+    ARRAYS, Along, At, COLUMNS, Cell, Column, Origin, Punch, Record, Sliding, State, Surface, arrays, columns, page,
+};
 use gfmd_relax::Budget;
 
 /// Checks the state of a problem under one load, or after one step of a path.
@@ -55,9 +57,9 @@ fn check(parts: &Parts, problem: &Posed, rest: &Rest, step: Option<&Step>) {
         }
         assert!(!column.meaning(&facts).is_empty(), "{name}");
     }
-    let back = Record::from_line(&facts, &record.to_line().unwrap()).unwrap();
+    let back: Record = Record::from_line(&facts, &record.to_line().unwrap()).unwrap();
     let printed = serde_json::to_value(&record).unwrap();
-    let nested = Record::from_json(&facts, &printed).unwrap();
+    let nested: Record = Record::from_json(&facts, &printed).unwrap();
     for (((column, cell), (_, line)), (_, json)) in record.cells().zip(back.cells()).zip(nested.cells()) {
         assert!(same(cell, line), "{} {cell:?} {line:?}", column.name);
         assert!(column.json.is_empty() || same(cell, json), "{} {cell:?} {json:?}", column.name);
@@ -93,8 +95,9 @@ fn numbers_are_those_of_the_state() {
 #[test]
 fn columns_are_declared_once_and_in_full() {
     for facts in all_facts() {
-        let names: Vec<&str> = columns(&facts).map(|column| column.name).collect();
-        let places: Vec<&str> = columns(&facts).map(|column| column.json).filter(|json| !json.is_empty()).collect();
+        let names: Vec<&str> = columns::<State>(&facts).map(|column| column.name).collect();
+        let places: Vec<&str> =
+            columns::<State>(&facts).map(|column| column.json).filter(|json| !json.is_empty()).collect();
         for list in [names, places] {
             let unique: std::collections::BTreeSet<_> = list.iter().collect();
             assert_eq!(unique.len(), list.len(), "{list:?}");
@@ -103,8 +106,8 @@ fn columns_are_declared_once_and_in_full() {
     assert!(COLUMNS.iter().all(|column: &Column| !column.unit.is_empty() && !column.meanings.is_empty()));
     assert!(COLUMNS.iter().any(|column| column.origin == Origin::Clock));
     assert!(ARRAYS.iter().all(|array| !array.unit.is_empty() && !array.meanings.is_empty()));
-    assert!(Record::from_json(&Facts::default(), &serde_json::json!({ "kappa": "two" })).is_err());
-    assert!(Record::from_line(&Facts::default(), "kappa").is_err());
+    assert!(Record::<State>::from_json(&Facts::default(), &serde_json::json!({ "kappa": "two" })).is_err());
+    assert!(Record::<State>::from_line(&Facts::default(), "kappa").is_err());
 }
 
 /// Compares the page of the columns. `GFMD_DOCS=write cargo test -p gfmd-record` writes it.
@@ -122,10 +125,16 @@ fn the_page_has_the_columns() {
          Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}\n\
          With `--statistics` the loads of a contact also have these arrays. Those of patches follow each other load \
          by load; all\n\
-         others have one row per load.\n\n{}",
-        page(),
+         others have one row per load.\n\n{}\n\
+         ## States of `slide`\n\nIn HDF5 `/states/<name>[state]`; in JSON entries of `states`.\n\n{}\n\
+         ## Punches\n\nIn HDF5 `/punch/<name>`; in JSON keys of the result.\n\n{}\n\
+         ## Statistics of a surface\n\nIn HDF5 `/statistics/<name>`; in JSON keys of the result.\n\n{}",
+        page::<State>(),
         fields(),
-        statistics()
+        statistics(),
+        page::<Sliding>(),
+        page::<Punch>(),
+        page::<Surface>(),
     );
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/columns.md");
     if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {

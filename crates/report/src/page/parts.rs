@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use gfmd_contact::Hardness;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Panel, Series};
-use gfmd_record::{Form, Head, Table as RecordTable, heads, with_limit};
+use gfmd_record::{Form, Head, Subject, Table as RecordTable, heads, with_limit};
 use maud::html;
 
 use super::about::body;
@@ -133,22 +133,24 @@ impl Page {
     }
 
     /// Adds tables of the first `rows` states, in readable units. Columns without a number are left out.
-    pub(crate) fn numbers(&mut self, stored: &Stored, rows: usize, state: &str) {
+    pub(crate) fn numbers<S: Subject>(&mut self, stored: &Stored, rows: usize, state: &str) {
         let tables = [
             (RecordTable::State, ""),
             (RecordTable::Energy, ", energies per area"),
             (RecordTable::LowerFace, ", the lower face"),
             (RecordTable::Patches, ", patches and conductance"),
             (RecordTable::Flow, ", flow through the gap"),
+            (RecordTable::Heat, ", flash temperature"),
         ];
         for (table, part) in tables {
-            let columns = heads(table).map(|(column, head)| (column.name, head, stored.read(column)));
+            let columns = heads::<S>(table).map(|(column, head)| (column.name, head, stored.read(column)));
             let shown: Vec<_> = columns.filter(|(_, head, (values, _))| is_shown(head.form, &values[..rows])).collect();
             if !shown.iter().any(|(_, head, _)| head.table == table) {
                 continue;
             }
             let cell = |(name, head, (values, unit)): &(&str, Head, InUnit), row: usize| match head.form {
                 Form::Whole => whole(values[row]),
+                Form::Unsure => powers(&with_limit(values[row], f64::NAN, f64::NAN)),
                 Form::Flag => html! { (if values[row] == 0.0 { "no" } else { "yes" }) },
                 _ if stored.has(&format!("{name}_limit")) => {
                     let factor = unit.as_ref().map_or(1.0, |unit| unit.factor);

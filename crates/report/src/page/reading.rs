@@ -1,8 +1,10 @@
 //! Reads the parts of a file for its page: columns by name, the configuration, fields of the expected shape.
 
+use std::collections::HashMap;
+
 use gfmd_field::Grid;
 use gfmd_files::Reader;
-use gfmd_record::{COLUMNS, Column, with_limit};
+use gfmd_record::{COLUMNS, Column, Record, Subject, columns, with_limit};
 use gfmd_unit::{Shown as Readable, Units};
 use maud::{Markup, html};
 
@@ -49,8 +51,16 @@ impl<'a> Stored<'a> {
         if values.len() == self.length { values } else { vec![f64::NAN; self.length] }
     }
 
+    /// Returns the rows as records of a problem.
+    pub(crate) fn records<S: Subject>(&self, facts: &S::Facts) -> Vec<Record<S>> {
+        let columns: HashMap<&str, Vec<f64>> =
+            columns::<S>(facts).map(|column| (column.name, self.column(column.name))).collect();
+        let of = |row: usize| Record::stored(facts, |column: &Column<S>| (columns[column.name][row], None));
+        (0..self.length).map(of).collect()
+    }
+
     /// Returns a column in a readable unit, if the unit of the file is known.
-    pub(crate) fn read(&self, column: &Column) -> InUnit {
+    pub(crate) fn read<S: Subject>(&self, column: &Column<S>) -> InUnit {
         let mut values = self.column(column.name);
         let finite = values.iter().filter(|value| value.is_finite());
         let highest = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));

@@ -6,7 +6,7 @@ use gfmd_plot::{Axis, Chart, Colours, Level, Map, Mark, Panel, Scale, Series};
 use gfmd_surface::{Density, RadialBin, Texture};
 use gfmd_unit::{Shown, Units};
 
-use super::{Subject, kind, unit_of};
+use super::{Subject, unit_of};
 use crate::figures::{largest, length, short, sides};
 
 /// Largest number of points of a line; longer profiles are thinned to their lowest and highest values.
@@ -256,7 +256,7 @@ impl Subject<'_> {
 
     /// Returns the readable unit for a power of length up to `highest`.
     fn read(&self, power: i32, highest: f64) -> Shown {
-        let known = Units::new(self.unit, None).shown(&kind(power), highest);
+        let known = Units::new(self.unit, None).shown(&unit_of("length", power), highest);
         let name = if power == 0 { String::new() } else { unit_of(self.unit(), power) };
         known.filter(|_| power != 0).unwrap_or(Shown { factor: 1.0, name })
     }

@@ -6,7 +6,7 @@ use std::fmt;
 use gfmd_contact::{Boundary, RigidSurface};
 use gfmd_law::Limit;
 use gfmd_problem::{Facts, GridError, Task, Unknown};
-use gfmd_record::{Record, columns};
+use gfmd_record::{Record, State, columns};
 use gfmd_unit::Units;
 use serde::Serialize;
 
@@ -96,7 +96,7 @@ impl FoundBy {
             _ => [nx, ny],
         };
         let assumes = if surface.is_read() { "nothing rougher than the pixels" } else { "band-limited" };
-        let orders = columns(facts).filter_map(|column| Some((column.limit_of()?, column.order?)));
+        let orders = columns::<State>(facts).filter_map(|column| Some((column.limit_of()?, column.order?)));
         let mode = facts.grid_error;
         (mode != GridError::None).then(|| Self { mode, n, assumes, orders: orders.collect() })
     }

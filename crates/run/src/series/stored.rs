@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use gfmd_files::Reader;
 use gfmd_problem::Facts;
-use gfmd_record::{Record, columns, reason_of};
+use gfmd_record::{Record, State, columns, reason_of};
 
 use super::Parts;
 use crate::failure::Failure;
@@ -24,7 +24,7 @@ pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure
         )));
     };
     let mut found = BTreeMap::new();
-    for column in columns(facts) {
+    for column in columns::<State>(facts) {
         let path = format!("{group}/{}", column.name);
         let values = if reader.contains(&path) { reader.values::<f64>(&path).map_err(refuse)? } else { Vec::new() };
         if !values.is_empty() && values.len() != count {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gfmd_files::Reader;
-use gfmd_record::{COLUMNS, Column, Form, Table, heads};
+use gfmd_record::{COLUMNS, Column, Form, State, Table, heads};
 use serde_json::Value;
 
 use super::draw::{Case, Control};
@@ -135,7 +135,7 @@ pub(crate) fn limits(found: &mut Found, record: &Value) {
 /// Checks the rows of the printed table, cell by cell below the heads. Rows of a path begin with their number.
 pub(crate) fn table(found: &mut Found, text: &str, records: &[Value], is_path: bool) {
     let tables: &[Table] = if is_path { &[Table::State, Table::Energy] } else { &[Table::State] };
-    let all: Vec<_> = tables.iter().flat_map(|table| heads(*table)).collect();
+    let all: Vec<_> = tables.iter().flat_map(|table| heads::<State>(*table)).collect();
     let joined = |word: &str| word.replace(' ', "-");
     let join =
         |line: &str| all.iter().fold(line.to_owned(), |line, (_, head)| line.replace(head.word, &joined(head.word)));

@@ -1,0 +1,1233 @@
+"""The numbers and fields of results, with their units and definitions.
+
+Made from crates/record/src by `GFMD_DOCS=write cargo test -p gfmd-record`.
+"""
+
+from typing import Any, Optional
+
+import numpy.typing as npt
+
+from ._check import Array
+from ._load import Residual
+from ._record import Record
+
+class Residuals(Record):
+    """The residuals of a load."""
+
+    @property
+    def complementarity(self) -> float:
+        """Without unit: sum(p gap) / (sum(p) h_rms), from the final fields. With `lower_surface`: sum(p gap) /
+        (sum(p) h_rms), from the final fields, the larger of the two faces. With `law`: sum(p gap) / (sum(p) h_rms)
+        with p the pressure of the wall, from the final fields.
+        """
+
+    @property
+    def penetration(self) -> float:
+        """Without unit: max(0, -min gap) / h_rms, from the final fields. With `lower_surface`: max(0, -min gap) /
+        h_rms, from the final fields, the larger of the two faces.
+        """
+
+    @property
+    def negative_pressure(self) -> float:
+        """Without unit: max(0, -min p) / mean p, from the final fields. With `lower_surface`: max(0, -min p) / mean
+        p, from the final fields, the larger of the two faces. With `law`: largest tension that the wall would have
+        to hold, from the final fields, / the stress scale (the largest traction, or the softest stiffness times
+        h_rms if more).
+        """
+
+    @property
+    def load(self) -> float:
+        """Without unit: |mean p - asked| / asked, from the final fields. With `lower_surface`: |mean p - asked| /
+        asked, the larger of the two faces; if the approach is prescribed the difference of their mean pressures over
+        its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed, / the stress
+        scale (the largest traction, or the softest stiffness times h_rms if more).
+        """
+
+    @property
+    def saturation(self) -> float:
+        """Without unit: largest gap / h_rms where the pressure is the hardness. With `hardness` only."""
+
+    @property
+    def lateral_traction(self) -> float:
+        """Without unit: largest lateral traction that the dynamics left / largest pressure. With `components="all"`
+        only.
+        """
+
+    @property
+    def lateral_displacement(self) -> float:
+        """Without unit: last change of the lateral displacement over h_rms, which is consistent with the pressure to
+        that extent. With `finite_slope` only.
+        """
+
+class LowerFace(Record):
+    """The numbers of the lower face of a slab between two surfaces."""
+
+    @property
+    def mean_pressure(self) -> float:
+        """Stress: mean pressure over the whole lower surface."""
+
+    @property
+    def displacement(self) -> float:
+        """Length: part of the approach at the lower face."""
+
+    @property
+    def area_fraction(self) -> float:
+        """Without unit: contact area fraction of the lower face."""
+
+    @property
+    def area_fraction_corrected(self) -> float:
+        """Without unit: contact area fraction of the lower face less the excess of the pixels along the perimeter."""
+
+    @property
+    def contact_nodes(self) -> int:
+        """Count: number of points in contact at the lower face."""
+
+    @property
+    def boundary_links(self) -> int:
+        """Count: neighbouring pairs with one point in contact and one not, at the lower face."""
+
+    @property
+    def mean_gap(self) -> float:
+        """Length: mean distance between lower face and lower surface."""
+
+    @property
+    def max_pressure(self) -> float:
+        """Stress: largest pressure on the lower face."""
+
+    @property
+    def mean_pressure_in_contact(self) -> float:
+        """Stress: mean pressure over the points in contact at the lower face."""
+
+    @property
+    def residual(self) -> Residual:
+        """Residuals, recomputed from the final fields; `float(...)` is the largest."""
+
+class Numbers(Record):
+    """The numbers of a load."""
+
+    @property
+    def mean_pressure(self) -> float:
+        """Stress: mean pressure over the whole surface."""
+
+    @property
+    def p_star(self) -> float:
+        """Without unit: reduced pressure p/(E* g)."""
+
+    @property
+    def displacement(self) -> float:
+        """Length: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces beyond
+        the distance at which both touch the undeformed slab.
+        """
+
+    @property
+    def mean_shear(self) -> list[float]:
+        """Stress along x and y: mean traction that holds the rigid surface in its place. With `finite_slope` only."""
+
+    @property
+    def area_fraction(self) -> float:
+        """Without unit: contact area fraction, points in contact over all points. With `law`: contact area fraction,
+        points that are repelled over all points.
+        """
+
+    @property
+    def area_fraction_corrected(self) -> float:
+        """Without unit: contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al.
+        2017).
+        """
+
+    @property
+    def kappa(self) -> float:
+        """Without unit: area_fraction / p_star. With `law`: area_fraction / p_star; NaN if attraction carries the
+        load.
+        """
+
+    @property
+    def kappa_corrected(self) -> float:
+        """Without unit: area_fraction_corrected / p_star. With `law`: area_fraction_corrected / p_star; NaN if
+        attraction carries the load.
+        """
+
+    @property
+    def contact_nodes(self) -> int:
+        """Count: number of points in contact. With `law`: number of points that are repelled."""
+
+    @property
+    def boundary_links(self) -> int:
+        """Count: neighbouring pairs with one point in contact and one not. With `law`: neighbouring pairs with one
+        point repelled and one not.
+        """
+
+    @property
+    def mean_gap(self) -> float:
+        """Length: mean distance between the surfaces."""
+
+    @property
+    def max_pressure(self) -> float:
+        """Stress: largest pressure. With `law`: largest repulsive pressure."""
+
+    @property
+    def mean_pressure_in_contact(self) -> float:
+        """Stress: mean pressure over the points in contact. With `law`: mean repulsive pressure over the points that
+        are repelled.
+        """
+
+    @property
+    def pressure_deviation_in_contact(self) -> float:
+        """Stress: standard deviation of the pressure over the points in contact. With `law`: standard deviation of
+        the repulsive pressure over the points that are repelled.
+        """
+
+    @property
+    def pressure_moment_2(self) -> float:
+        """Stress^2: mean square pressure over the whole surface. With `law`: mean square repulsive pressure over the
+        whole surface.
+        """
+
+    @property
+    def elastic_energy(self) -> float:
+        """Stress * length: elastic energy per area of the surface. With `lower_surface`: elastic energy of the slab
+        per area, by the pressures on both faces.
+        """
+
+    @property
+    def interface_energy(self) -> float:
+        """Stress * length: energy of the contact law per area of the surface, zero far away. With `law` only."""
+
+    @property
+    def passed_instability(self) -> bool:
+        """Flag: true if directions of negative curvature were met on the way from the last load. With `law` only."""
+
+    @property
+    def lowest_curvature(self) -> float:
+        """Without unit: lowest curvature met in the last search for a step, over the elastic curvature. With `law`
+        only.
+        """
+
+    @property
+    def stiffness(self) -> float:
+        """Stress/length: d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness
+        with their pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the
+        attribute undefined says why.
+        """
+
+    @property
+    def stiffness_error(self) -> float:
+        """Without unit: relative error of the stiffness, from the residual of its linear problem."""
+
+    @property
+    def iterations(self) -> int:
+        """Count: iterations or time steps of the solver."""
+
+    @property
+    def transform_pairs(self) -> float:
+        """Without unit: forward and inverse real transforms of the full grid, in pairs."""
+
+    @property
+    def converged(self) -> bool:
+        """Flag: true if all residuals of this load are at most the tolerance. With `law`: true if all five residuals
+        are at most the tolerance.
+        """
+
+    @property
+    def residual(self) -> Residual:
+        """Residuals, recomputed from the final fields; `float(...)` is the largest."""
+
+    @property
+    def seconds(self) -> float:
+        """Seconds: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without finer
+        grids.
+        """
+
+    @property
+    def force(self) -> float:
+        """Stress * length^2: force, of a line per length across it (stress*length). With `boundary="free"` only."""
+
+    @property
+    def plastic_fraction(self) -> float:
+        """Without unit: points whose pressure is the hardness over all points. With `hardness` only."""
+
+    @property
+    def plastic_volume(self) -> float:
+        """Length: mean plastic depth over the whole surface. With `hardness` only."""
+
+    @property
+    def projected_area_fraction(self) -> float:
+        """Without unit: contact area of the deformed surface, projected onto the plane of the rigid one, over the
+        area of the cell. With `finite_slope` only.
+        """
+
+    @property
+    def lower(self) -> LowerFace:
+        """Numbers of the lower face. With `lower_surface` only."""
+
+    @property
+    def residual_equilibrium(self) -> float:
+        """Without unit: largest unbalanced force per area, from the final fields, / the stress scale (the largest
+        traction, or the softest stiffness times h_rms if more). With `law` only.
+        """
+
+    @property
+    def mean_pressure_limit(self) -> float:
+        """Stress: estimate of mean_pressure on an infinitely fine grid at the same approach. With `approach` only."""
+
+    @property
+    def mean_pressure_limit_error(self) -> float:
+        """Stress: 95 % of the errors of mean_pressure_limit are smaller. With `approach` only."""
+
+    @property
+    def mean_pressure_grid_error(self) -> float:
+        """Stress: error of mean_pressure by the finite grid: |mean_pressure - limit| + limit_error. With `approach`
+        only.
+        """
+
+    @property
+    def displacement_limit(self) -> float:
+        """Length: estimate of displacement on an infinitely fine grid under the same mean pressure. In some problems
+        only.
+        """
+
+    @property
+    def displacement_limit_error(self) -> float:
+        """Length: 95 % of the errors of displacement_limit are smaller. In some problems only."""
+
+    @property
+    def displacement_grid_error(self) -> float:
+        """Length: error of displacement by the finite grid: |displacement - limit| + limit_error. In some problems
+        only.
+        """
+
+    @property
+    def area_fraction_limit(self) -> float:
+        """Without unit: estimate of area_fraction on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def area_fraction_limit_error(self) -> float:
+        """Without unit: 95 % of the errors of area_fraction_limit are smaller."""
+
+    @property
+    def area_fraction_grid_error(self) -> float:
+        """Without unit: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error."""
+
+    @property
+    def kappa_limit(self) -> float:
+        """Without unit: estimate of kappa on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def kappa_limit_error(self) -> float:
+        """Without unit: 95 % of the errors of kappa_limit are smaller."""
+
+    @property
+    def kappa_grid_error(self) -> float:
+        """Without unit: error of kappa by the finite grid: |kappa - limit| + limit_error."""
+
+    @property
+    def boundary_links_limit(self) -> float:
+        """Without unit: estimate of the length of the boundary on an infinitely fine grid, in steps of this grid."""
+
+    @property
+    def boundary_links_limit_error(self) -> float:
+        """Without unit: 95 % of the errors of boundary_links_limit are smaller."""
+
+    @property
+    def boundary_links_grid_error(self) -> float:
+        """Without unit: error of boundary_links by the finite grid: |boundary_links - limit| + limit_error."""
+
+    @property
+    def mean_gap_limit(self) -> float:
+        """Length: estimate of mean_gap on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def mean_gap_limit_error(self) -> float:
+        """Length: 95 % of the errors of mean_gap_limit are smaller."""
+
+    @property
+    def mean_gap_grid_error(self) -> float:
+        """Length: error of mean_gap by the finite grid: |mean_gap - limit| + limit_error."""
+
+    @property
+    def max_pressure_limit(self) -> float:
+        """Stress: estimate of max_pressure on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def max_pressure_limit_error(self) -> float:
+        """Stress: 95 % of the errors of max_pressure_limit are smaller."""
+
+    @property
+    def max_pressure_grid_error(self) -> float:
+        """Stress: error of max_pressure by the finite grid: |max_pressure - limit| + limit_error."""
+
+    @property
+    def mean_pressure_in_contact_limit(self) -> float:
+        """Stress: estimate of mean_pressure_in_contact on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def mean_pressure_in_contact_limit_error(self) -> float:
+        """Stress: 95 % of the errors of mean_pressure_in_contact_limit are smaller."""
+
+    @property
+    def mean_pressure_in_contact_grid_error(self) -> float:
+        """Stress: error of mean_pressure_in_contact by the finite grid: |mean_pressure_in_contact - limit| +
+        limit_error.
+        """
+
+    @property
+    def pressure_deviation_in_contact_limit(self) -> float:
+        """Stress: estimate of pressure_deviation_in_contact on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def pressure_deviation_in_contact_limit_error(self) -> float:
+        """Stress: 95 % of the errors of pressure_deviation_in_contact_limit are smaller."""
+
+    @property
+    def pressure_deviation_in_contact_grid_error(self) -> float:
+        """Stress: error of pressure_deviation_in_contact by the finite grid: |pressure_deviation_in_contact - limit|
+        + limit_error.
+        """
+
+    @property
+    def pressure_moment_2_limit(self) -> float:
+        """Stress^2: estimate of pressure_moment_2 on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def pressure_moment_2_limit_error(self) -> float:
+        """Stress^2: 95 % of the errors of pressure_moment_2_limit are smaller."""
+
+    @property
+    def pressure_moment_2_grid_error(self) -> float:
+        """Stress^2: error of pressure_moment_2 by the finite grid: |pressure_moment_2 - limit| + limit_error."""
+
+    @property
+    def elastic_energy_limit(self) -> float:
+        """Stress * length: estimate of elastic_energy on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def elastic_energy_limit_error(self) -> float:
+        """Stress * length: 95 % of the errors of elastic_energy_limit are smaller."""
+
+    @property
+    def elastic_energy_grid_error(self) -> float:
+        """Stress * length: error of elastic_energy by the finite grid: |elastic_energy - limit| + limit_error."""
+
+    @property
+    def interface_energy_limit(self) -> float:
+        """Stress * length: estimate of interface_energy on an infinitely fine grid under the same mean pressure.
+        With `law` only.
+        """
+
+    @property
+    def interface_energy_limit_error(self) -> float:
+        """Stress * length: 95 % of the errors of interface_energy_limit are smaller. With `law` only."""
+
+    @property
+    def interface_energy_grid_error(self) -> float:
+        """Stress * length: error of interface_energy by the finite grid: |interface_energy - limit| + limit_error.
+        With `law` only.
+        """
+
+    @property
+    def stiffness_limit(self) -> float:
+        """Stress/length: estimate of stiffness on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def stiffness_limit_error(self) -> float:
+        """Stress/length: 95 % of the errors of stiffness_limit are smaller."""
+
+    @property
+    def stiffness_grid_error(self) -> float:
+        """Stress/length: error of stiffness by the finite grid: |stiffness - limit| + limit_error."""
+
+class Fields:
+    """The fields of a load."""
+
+    _fields: dict[str, Array]
+
+    @property
+    def pressure(self) -> Array:
+        """Stress [x, y]: pressure on the elastic surface, compression positive; attraction is negative. Read-only."""
+
+    @property
+    def displacement_z(self) -> Array:
+        """Length [x, y]: normal displacement of the elastic surface, negative downwards. Read-only."""
+
+    @property
+    def gap(self) -> Array:
+        """Length [x, y]: distance between the surfaces. Read-only."""
+
+    @property
+    def plastic_depth(self) -> Optional[Array]:
+        """Length [x, y]: depth by which the surfaces are pressed into each other beyond touching. With `hardness`
+        only, otherwise None. Read-only.
+        """
+
+    @property
+    def displacement_x(self) -> Optional[Array]:
+        """Length [x, y]: displacement of the elastic surface along x. With `components="all"` or `finite_slope`
+        only, otherwise None. Read-only.
+        """
+
+    @property
+    def displacement_y(self) -> Optional[Array]:
+        """Length [x, y]: displacement of the elastic surface along y. In some problems only, otherwise None.
+        Read-only.
+        """
+
+    @property
+    def lower_pressure(self) -> Optional[Array]:
+        """Stress [x, y]: pressure on the lower face of the slab. With `lower_surface` only, otherwise None.
+        Read-only.
+        """
+
+    @property
+    def lower_displacement_z(self) -> Optional[Array]:
+        """Length [x, y]: normal displacement of the lower face of the slab, positive upwards. With `lower_surface`
+        only, otherwise None. Read-only.
+        """
+
+    @property
+    def lower_gap(self) -> Optional[Array]:
+        """Length [x, y]: distance between the lower face of the slab and the lower surface. With `lower_surface`
+        only, otherwise None. Read-only.
+        """
+
+    @property
+    def repulsion(self) -> Optional[Array]:
+        """Stress [x, y]: repulsive pressure, without attraction; positive at the points in contact. With `law` only,
+        otherwise None. Read-only.
+        """
+
+class Steps(Record):
+    """The numbers of the steps of a path."""
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Stress [step]: mean pressure over the whole surface; negative if it is pulled."""
+
+    @property
+    def p_star(self) -> Array:
+        """Without unit [step]: reduced pressure p/(E* g)."""
+
+    @property
+    def displacement(self) -> Array:
+        """Length [step]: rigid approach beyond first touch."""
+
+    @property
+    def time(self) -> Array:
+        """Time [step]: time since first touch, in the unit of the relaxation times. With `prony` only."""
+
+    @property
+    def distance(self) -> Array:
+        """Length [step]: sliding distance since first touch. With `coefficient` only."""
+
+    @property
+    def lateral(self) -> Array:
+        """Length [step, 2]: lateral displacement of the rigid surface."""
+
+    @property
+    def mean_shear(self) -> Array:
+        """Stress [step, 2]: mean shear traction on the elastic surface."""
+
+    @property
+    def area_fraction(self) -> Array:
+        """Without unit [step]: points that are repelled over all points."""
+
+    @property
+    def stick_fraction(self) -> Array:
+        """Without unit [step]: points in contact whose shear is below its limit, over all points; NaN without
+        friction.
+        """
+
+    @property
+    def mean_gap(self) -> Array:
+        """Length [step]: mean distance between the surfaces."""
+
+    @property
+    def max_pressure(self) -> Array:
+        """Stress [step]: largest pressure. With `law`: largest repulsive pressure. With `prony` or `coefficient`
+        only.
+        """
+
+    @property
+    def wear_volume(self) -> Array:
+        """Length [step]: mean over the whole surface of the depth lost so far, the volume over the area. With
+        `coefficient` only.
+        """
+
+    @property
+    def max_wear(self) -> Array:
+        """Length [step]: largest depth lost so far. With `coefficient` only."""
+
+    @property
+    def elastic_energy(self) -> Array:
+        """Stress * length [step]: elastic energy per area of the surface. With `prony`: energy stored in the springs
+        of all branches, per area of the surface.
+        """
+
+    @property
+    def interface_energy(self) -> Array:
+        """Stress * length [step]: energy of the law per area of the surface, zero far away; NaN if it has none."""
+
+    @property
+    def dissipated(self) -> Array:
+        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With
+        `coefficient`: work of the pressure on the depth lost in this step, per area, without the work of friction.
+        With `prony`: energy lost in the dashpots in this step, per area. With `law` and `prony`: energy lost in the
+        dashpots and in jumps in this step, per area; in the first one without jumps.
+        """
+
+    @property
+    def dissipated_error(self) -> Array:
+        """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
+        unknown. With `prony`: estimated error of dissipated: twice its difference from a path in half as many
+        increments; 0 in a step of no time without a law; NaN if that path was not followed. With `coefficient`:
+        estimated error of dissipated: 0 in a step of no distance, else NaN.
+        """
+
+    @property
+    def work_imbalance(self) -> Array:
+        """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
+        lost, in magnitude. With `law`: work of the rigid surface by the trapezoidal rule less the energies gained
+        and lost, in magnitude; in a step with a jump the largest error of that rule; 0 in the first step of no time.
+        With `prony` or `coefficient` only.
+        """
+
+    @property
+    def passed_instability(self) -> npt.NDArray[Any]:
+        """Flag [step]: true if more energy was lost in a jump of this step than its error; NaN if no energy tells."""
+
+    @property
+    def lowest_curvature(self) -> Array:
+        """Without unit [step]: lowest curvature met in the last search for a step, over the elastic curvature."""
+
+    @property
+    def extra_solves(self) -> npt.NDArray[Any]:
+        """Count [step]: further solves to find the energy lost in the step."""
+
+    @property
+    def increments(self) -> npt.NDArray[Any]:
+        """Count [step]: equal increments in which the step was made until they changed nothing. With `friction`
+        only.
+        """
+
+    @property
+    def iterations(self) -> npt.NDArray[Any]:
+        """Count [step]: steps of the solver, extra solves included."""
+
+    @property
+    def transform_pairs(self) -> Array:
+        """Without unit [step]: forward and inverse transforms of one component, in pairs, extra solves included."""
+
+    @property
+    def converged(self) -> npt.NDArray[Any]:
+        """Flag [step]: true if all residuals are at most the tolerance."""
+
+    @property
+    def residual_equilibrium(self) -> Array:
+        """Without unit [step]: largest unbalanced force per area, from the final fields, / the stress scale (the
+        largest traction, or the softest stiffness times h_rms if more). In some problems only.
+        """
+
+    @property
+    def residual_complementarity(self) -> Array:
+        """Without unit [step]: sum(p gap) / (sum(p) h_rms), from the final fields. In some problems only."""
+
+    @property
+    def residual_penetration(self) -> Array:
+        """Without unit [step]: max(0, -min gap) / h_rms, from the final fields."""
+
+    @property
+    def residual_negative_pressure(self) -> Array:
+        """Without unit [step]: max(0, -min p) / mean p, from the final fields. In some problems only."""
+
+    @property
+    def residual_wall_tension(self) -> Array:
+        """Without unit [step]: largest tension that the wall would have to hold. In some problems only."""
+
+    @property
+    def residual_load(self) -> Array:
+        """Without unit [step]: |mean p - asked| / asked, from the final fields. With `law`: |mean p - asked| from
+        the final fields, 0 if the approach is prescribed, / the stress scale (the largest traction, or the softest
+        stiffness times h_rms if more).
+        """
+
+    @property
+    def residual_friction(self) -> Array:
+        """Without unit [step]: largest distance of the shear from its law / the largest limit. With `friction` only."""
+
+    @property
+    def residual_excess(self) -> Array:
+        """Without unit [step]: largest excess of the shear over its limit / the largest limit. With `friction` only."""
+
+    @property
+    def residual_saturation(self) -> Array:
+        """Without unit [step]: largest gap / h_rms where the pressure is the hardness. With `hardness` only."""
+
+    @property
+    def seconds(self) -> Array:
+        """Seconds [step]: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without
+        finer grids.
+        """
+
+    @property
+    def plastic_fraction(self) -> Array:
+        """Without unit [step]: points whose pressure is the hardness, to its accuracy, over all points. With
+        `hardness` only.
+        """
+
+    @property
+    def plastic_volume(self) -> Array:
+        """Length [step]: mean plastic depth so far. With `hardness` only."""
+
+    @property
+    def flow_xx(self) -> Array:
+        """Without unit [step]: mean flux along x by a mean pressure gradient along x, over that of a uniform gap
+        equal to the mean gap. With `flow` only.
+        """
+
+    @property
+    def flow_xy(self) -> Array:
+        """Without unit [step]: mean flux along x by a mean pressure gradient along y, over that of a uniform gap
+        equal to the mean gap. With `flow` only.
+        """
+
+    @property
+    def flow_yx(self) -> Array:
+        """Without unit [step]: mean flux along y by a mean pressure gradient along x, over that of a uniform gap
+        equal to the mean gap. With `flow` only.
+        """
+
+    @property
+    def flow_yy(self) -> Array:
+        """Without unit [step]: mean flux along y by a mean pressure gradient along y, over that of a uniform gap
+        equal to the mean gap. With `flow` only.
+        """
+
+    @property
+    def flow_percolates_x(self) -> npt.NDArray[Any]:
+        """Flag [step]: true if the gap lets a fluid through along x. With `flow` only."""
+
+    @property
+    def flow_percolates_y(self) -> npt.NDArray[Any]:
+        """Flag [step]: true if the gap lets a fluid through along y. With `flow` only."""
+
+    @property
+    def flow_residual(self) -> Array:
+        """Without unit [step]: largest of what is missing in a cell and the deviations of sections and power, over
+        the mean flow. With `flow` only.
+        """
+
+    @property
+    def mean_pressure_limit(self) -> Array:
+        """Stress [step]: estimate of mean_pressure on an infinitely fine grid at the same approach. With `approach`
+        only.
+        """
+
+    @property
+    def mean_pressure_limit_error(self) -> Array:
+        """Stress [step]: 95 % of the errors of mean_pressure_limit are smaller. With `approach` only."""
+
+    @property
+    def mean_pressure_grid_error(self) -> Array:
+        """Stress [step]: error of mean_pressure by the finite grid: |mean_pressure - limit| + limit_error. With
+        `approach` only.
+        """
+
+    @property
+    def mean_shear_limit(self) -> Array:
+        """Stress [step, 2]: estimate of mean_shear_x on an infinitely fine grid under the same mean pressure. With
+        `friction` or `lateral` only.
+        """
+
+    @property
+    def mean_shear_limit_error(self) -> Array:
+        """Stress [step, 2]: 95 % of the errors of mean_shear_x_limit are smaller. With `friction` or `lateral` only."""
+
+    @property
+    def mean_shear_grid_error(self) -> Array:
+        """Stress [step, 2]: error of mean_shear_x by the finite grid: |mean_shear_x - limit| + limit_error. With
+        `friction` or `lateral` only.
+        """
+
+    @property
+    def displacement_limit(self) -> Array:
+        """Length [step]: estimate of displacement on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def displacement_limit_error(self) -> Array:
+        """Length [step]: 95 % of the errors of displacement_limit are smaller."""
+
+    @property
+    def displacement_grid_error(self) -> Array:
+        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error."""
+
+    @property
+    def area_fraction_limit(self) -> Array:
+        """Without unit [step]: estimate of area_fraction on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def area_fraction_limit_error(self) -> Array:
+        """Without unit [step]: 95 % of the errors of area_fraction_limit are smaller."""
+
+    @property
+    def area_fraction_grid_error(self) -> Array:
+        """Without unit [step]: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error."""
+
+    @property
+    def mean_gap_limit(self) -> Array:
+        """Length [step]: estimate of mean_gap on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def mean_gap_limit_error(self) -> Array:
+        """Length [step]: 95 % of the errors of mean_gap_limit are smaller."""
+
+    @property
+    def mean_gap_grid_error(self) -> Array:
+        """Length [step]: error of mean_gap by the finite grid: |mean_gap - limit| + limit_error."""
+
+    @property
+    def elastic_energy_limit(self) -> Array:
+        """Stress * length [step]: estimate of elastic_energy on an infinitely fine grid under the same mean
+        pressure.
+        """
+
+    @property
+    def elastic_energy_limit_error(self) -> Array:
+        """Stress * length [step]: 95 % of the errors of elastic_energy_limit are smaller."""
+
+    @property
+    def elastic_energy_grid_error(self) -> Array:
+        """Stress * length [step]: error of elastic_energy by the finite grid: |elastic_energy - limit| +
+        limit_error.
+        """
+
+    @property
+    def interface_energy_limit(self) -> Array:
+        """Stress * length [step]: estimate of interface_energy on an infinitely fine grid under the same mean
+        pressure. In some problems only.
+        """
+
+    @property
+    def interface_energy_limit_error(self) -> Array:
+        """Stress * length [step]: 95 % of the errors of interface_energy_limit are smaller. In some problems only."""
+
+    @property
+    def interface_energy_grid_error(self) -> Array:
+        """Stress * length [step]: error of interface_energy by the finite grid: |interface_energy - limit| +
+        limit_error. In some problems only.
+        """
+
+    @property
+    def dissipated_limit(self) -> Array:
+        """Stress * length [step]: estimate of dissipated on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def dissipated_limit_error(self) -> Array:
+        """Stress * length [step]: 95 % of the errors of dissipated_limit are smaller."""
+
+    @property
+    def dissipated_grid_error(self) -> Array:
+        """Stress * length [step]: error of dissipated by the finite grid: |dissipated - limit| + limit_error."""
+
+    @property
+    def flow_xx_limit(self) -> Array:
+        """Without unit [step]: estimate of flow_xx on an infinitely fine grid under the same mean pressure. With
+        `flow` only.
+        """
+
+    @property
+    def flow_xx_limit_error(self) -> Array:
+        """Without unit [step]: 95 % of the errors of flow_xx_limit are smaller. With `flow` only."""
+
+    @property
+    def flow_xx_grid_error(self) -> Array:
+        """Without unit [step]: error of flow_xx by the finite grid: |flow_xx - limit| + limit_error. With `flow`
+        only.
+        """
+
+    @property
+    def flow_yy_limit(self) -> Array:
+        """Without unit [step]: estimate of flow_yy on an infinitely fine grid under the same mean pressure. With
+        `flow` only.
+        """
+
+    @property
+    def flow_yy_limit_error(self) -> Array:
+        """Without unit [step]: 95 % of the errors of flow_yy_limit are smaller. With `flow` only."""
+
+    @property
+    def flow_yy_grid_error(self) -> Array:
+        """Without unit [step]: error of flow_yy by the finite grid: |flow_yy - limit| + limit_error. With `flow`
+        only.
+        """
+
+class StepFields(Record):
+    """The fields of a path."""
+
+    @property
+    def pressure(self) -> Array:
+        """Stress [waypoint, x, y]: pressure on the elastic surface, compression positive; attraction is negative.
+        Read-only.
+        """
+
+    @property
+    def displacement_z(self) -> Array:
+        """Length [waypoint, x, y]: normal displacement of the elastic surface, negative downwards. Read-only."""
+
+    @property
+    def gap(self) -> Array:
+        """Length [waypoint, x, y]: distance between the surfaces. Read-only."""
+
+    @property
+    def plastic_depth(self) -> Array:
+        """Length [waypoint, x, y]: depth by which the surfaces were pressed into each other so far. With `hardness`
+        only. Read-only.
+        """
+
+    @property
+    def shear_x(self) -> Array:
+        """Stress [waypoint, x, y]: shear traction on the elastic surface along x. With `friction` or `lateral` only.
+        Read-only.
+        """
+
+    @property
+    def shear_y(self) -> Array:
+        """Stress [waypoint, x, y]: shear traction on the elastic surface along y. In some problems only. Read-only."""
+
+class WearFields(Record):
+    """The fields of wear."""
+
+    @property
+    def pressure(self) -> Array:
+        """Stress [waypoint, x, y]: pressure on the elastic surface, compression positive; attraction is negative.
+        Read-only.
+        """
+
+    @property
+    def displacement_z(self) -> Array:
+        """Length [waypoint, x, y]: normal displacement of the elastic surface, negative downwards. Read-only."""
+
+    @property
+    def gap(self) -> Array:
+        """Length [waypoint, x, y]: distance between the surfaces. Read-only."""
+
+    @property
+    def wear_depth(self) -> Array:
+        """Length [waypoint, x, y]: depth that both surfaces have lost so far. Read-only."""
+
+class Patches(Record):
+    """The patches of points in contact, as `gfmd contact --statistics` measures them."""
+
+    @property
+    def area(self) -> Array:
+        """Length^2 [patch]: area: number of points times that of a cell."""
+
+    @property
+    def perimeter(self) -> Array:
+        """Length [patch]: length of the edges between points in contact and points not in contact; the edge of a
+        patch with free boundaries has no part in it.
+        """
+
+    @property
+    def force(self) -> Array:
+        """Stress * length^2 [patch]: force on the patch."""
+
+    @property
+    def x(self) -> Array:
+        """Length [patch]: x of the centre of area; NaN if the patch winds around the cell along x."""
+
+    @property
+    def y(self) -> Array:
+        """Length [patch]: y of the centre of area; NaN if the patch winds around the cell along y."""
+
+class States(Record):
+    """The numbers of states that slide steadily."""
+
+    @property
+    def velocity(self) -> Array:
+        """Length/time [state]: velocity of the rigid surface relative to the body."""
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Stress [state]: mean pressure over the whole surface."""
+
+    @property
+    def p_star(self) -> Array:
+        """Without unit [state]: reduced pressure p/(E* g)."""
+
+    @property
+    def displacement(self) -> Array:
+        """Length [state]: rigid approach beyond first touch."""
+
+    @property
+    def area_fraction(self) -> Array:
+        """Without unit [state]: points with pressure over all points."""
+
+    @property
+    def mean_gap(self) -> Array:
+        """Length [state]: mean distance between the surfaces."""
+
+    @property
+    def max_pressure(self) -> Array:
+        """Stress [state]: largest pressure."""
+
+    @property
+    def friction(self) -> Array:
+        """Without unit [state]: coefficient of friction, by the power lost in the body."""
+
+    @property
+    def friction_slope(self) -> Array:
+        """Without unit [state]: coefficient of friction, by the pressure on the slopes."""
+
+    @property
+    def dissipated_power(self) -> Array:
+        """Stress * length/time [state]: power lost in the body, per area."""
+
+    @property
+    def persson_friction(self) -> Array:
+        """Without unit [state]: coefficient of friction by Persson's theory."""
+
+    @property
+    def persson_area_fraction(self) -> Array:
+        """Without unit [state]: contact area by Persson's theory."""
+
+    @property
+    def heat_mean_flux(self) -> Array:
+        """Stress * length/time [state]: mean heat of friction, per area and time. With `heat` only."""
+
+    @property
+    def heat_fraction(self) -> Array:
+        """Without unit [state]: part of the heat that flows into the body. With `heat` only."""
+
+    @property
+    def heat_max_rise(self) -> Array:
+        """Temperature [state]: largest temperature in contact, above the mean of the surface. With `heat` only."""
+
+    @property
+    def heat_mean_rise(self) -> Array:
+        """Temperature [state]: mean temperature in contact, above the mean of the surface. With `heat` only."""
+
+    @property
+    def heat_residual(self) -> Array:
+        """Without unit [state]: largest difference between the temperatures of both bodies over the largest rise.
+        With `heat` only.
+        """
+
+    @property
+    def iterations(self) -> npt.NDArray[Any]:
+        """Count [state]: iterations of the search."""
+
+    @property
+    def transform_pairs(self) -> Array:
+        """Without unit [state]: pairs of transforms of the search."""
+
+    @property
+    def converged(self) -> npt.NDArray[Any]:
+        """Flag [state]: true if the residual is at most the tolerance."""
+
+    @property
+    def seconds(self) -> Array:
+        """Seconds [state]: wall time."""
+
+class StateFields(Record):
+    """The fields of states that slide steadily."""
+
+    @property
+    def pressure(self) -> Array:
+        """Stress [state, x, y]: pressure on the surface of the body. Read-only."""
+
+    @property
+    def displacement_z(self) -> Array:
+        """Length [state, x, y]: normal displacement of the surface of the body, negative downwards. Read-only."""
+
+    @property
+    def gap(self) -> Array:
+        """Length [state, x, y]: distance between the surfaces. Read-only."""
+
+    @property
+    def temperature(self) -> Array:
+        """Temperature [state, x, y]: temperature of the body's surface, above its mean. With `heat` only. Read-only."""
+
+    @property
+    def heat_flux(self) -> Array:
+        """Stress * length/time [state, x, y]: heat that flows into the body, per area and time. With `heat` of both
+        bodies only. Read-only.
+        """
+
+class PunchNumbers(Record):
+    """The numbers of a punch."""
+
+    @property
+    def punch_width(self) -> float:
+        """Length: width of the punch. Without `mask` only."""
+
+    @property
+    def effective_width(self) -> float:
+        """Length: width as which its points act, N - 1/3 spacings. Without `mask` only."""
+
+    @property
+    def depth(self) -> float:
+        """Length: depth to which the punch is pressed."""
+
+    @property
+    def contact_nodes(self) -> int:
+        """Count: points under the punch."""
+
+    @property
+    def mean_pressure(self) -> float:
+        """Stress: mean pressure over the whole surface."""
+
+    @property
+    def mean_traction(self) -> list[float]:
+        """Stress by component: mean traction over the whole surface."""
+
+    @property
+    def max_pressure(self) -> float:
+        """Stress: largest pressure, at the edge of the punch."""
+
+    @property
+    def elastic_energy(self) -> float:
+        """Stress * length: elastic energy per area of the surface."""
+
+    @property
+    def residual(self) -> float:
+        """Without unit: largest error of the prescribed displacement over the depth."""
+
+    @property
+    def converged(self) -> bool:
+        """Flag: true if the residual is within the tolerance."""
+
+    @property
+    def iterations(self) -> int:
+        """Count: iterations, or time steps."""
+
+    @property
+    def transform_pairs(self) -> int:
+        """Count: transform pairs of one component."""
+
+    @property
+    def seconds(self) -> float:
+        """Seconds: wall time."""
+
+class SurfaceNumbers(Record):
+    """The statistics of a surface."""
+
+    @property
+    def mean(self) -> float:
+        """Length: mean height."""
+
+    @property
+    def rms_height(self) -> float:
+        """Length: root-mean-square height about the mean: Sq of ISO 25178."""
+
+    @property
+    def lowest(self) -> float:
+        """Length: lowest height."""
+
+    @property
+    def highest(self) -> float:
+        """Length: highest height."""
+
+    @property
+    def peak_to_valley(self) -> float:
+        """Length: highest less lowest height: Sz of ISO 25178."""
+
+    @property
+    def sa(self) -> float:
+        """Length: Sa of ISO 25178: mean distance from the mean height."""
+
+    @property
+    def sp(self) -> float:
+        """Length: Sp of ISO 25178: highest height above the mean."""
+
+    @property
+    def sv(self) -> float:
+        """Length: Sv of ISO 25178: depth of the lowest one below the mean."""
+
+    @property
+    def ssk(self) -> float:
+        """Without unit: Ssk of ISO 25178: skewness."""
+
+    @property
+    def sku(self) -> float:
+        """Without unit: Sku of ISO 25178: kurtosis, 3 of a Gaussian surface."""
+
+    @property
+    def sdr(self) -> float:
+        """Without unit: Sdr of ISO 25178: developed area over that of the plane, less 1."""
+
+    @property
+    def rms_gradient(self) -> float:
+        """Without unit: rms of the full gradient, spectral."""
+
+    @property
+    def rms_gradient_central(self) -> float:
+        """Without unit: rms gradient by central differences."""
+
+    @property
+    def rms_gradient_forward(self) -> float:
+        """Without unit: rms gradient by forward differences."""
+
+    @property
+    def rms_gradient_inside(self) -> float:
+        """Without unit: rms gradient by forward differences, without the periodic seam."""
+
+    @property
+    def rms_curvature(self) -> float:
+        """Per length: rms of the mean curvature (h'' of a profile)."""
+
+    @property
+    def rms_curvature_inside(self) -> float:
+        """Per length: rms of the mean curvature by second differences, without the periodic seam."""
+
+    @property
+    def rms_laplacian(self) -> float:
+        """Per length: rms of the Laplacian."""
+
+    @property
+    def m0(self) -> float:
+        """Length^2: zeroth profile moment."""
+
+    @property
+    def m2(self) -> float:
+        """Without unit: second profile moment."""
+
+    @property
+    def m4(self) -> float:
+        """Per length^2: fourth profile moment."""
+
+    @property
+    def m4_inside(self) -> float:
+        """Per length^2: fourth profile moment by second differences, without the periodic seam."""
+
+    @property
+    def nayak(self) -> float:
+        """Without unit: Nayak's parameter m0 m4/m2^2."""
+
+    @property
+    def nayak_inside(self) -> float:
+        """Without unit: Nayak's parameter by differences, without the periodic seam."""
+
+    @property
+    def hurst(self) -> float:
+        """Without unit: fitted Hurst exponent."""
+
+    @property
+    def hurst_error(self) -> float:
+        """Without unit: standard error of the fitted Hurst exponent."""
+
+    @property
+    def hurst_range(self) -> list[float]:
+        """Length: longest and shortest wavelength of the fit of `hurst`."""
+
+    @property
+    def longest_wavelength(self) -> float:
+        """Length: longest wavelength with power."""
+
+    @property
+    def shortest_wavelength(self) -> float:
+        """Length: shortest wavelength with power."""
+
+    @property
+    def seam(self) -> list[float]:
+        """Without unit along x and y: rms step across the periodic seam over those inside."""
+
+FLOW: dict[str, str]

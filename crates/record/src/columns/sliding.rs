@@ -1,0 +1,239 @@
+//! Numbers of a state that slides steadily.
+
+use gfmd_contact::{Effort, Fields as _};
+use gfmd_heat::Heated;
+use gfmd_measure::{Scales, Summary};
+use gfmd_relax::worst;
+use gfmd_viscoelastic::{Persson, SlidingState};
+
+use crate::Cell;
+use crate::column::{Form, Origin, Subject, Table};
+
+/// States that slide steadily.
+#[derive(Clone, Copy, Debug)]
+pub struct Sliding;
+
+/// Features of a problem of steady sliding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SlidingFacts {
+    /// True if friction heats the surfaces.
+    pub heat: bool,
+    /// True if both bodies share the heat.
+    pub shared: bool,
+}
+
+/// Field of a state that slides steadily.
+#[derive(Clone, Copy, Debug)]
+pub struct SlidingField {
+    /// Name in a file.
+    pub name: &'static str,
+    /// Kind of quantity.
+    pub unit: &'static str,
+    /// Definition.
+    pub meaning: &'static str,
+    /// True if the states of a problem have the field.
+    pub present: fn(&SlidingFacts) -> bool,
+}
+
+/// Fields of a state, in the order of a file.
+pub const SLIDING_FIELDS: &[SlidingField] = &[
+    SlidingField { name: "pressure", unit: "stress", meaning: "pressure on the surface of the body", present: any },
+    SlidingField {
+        name: "displacement_z",
+        unit: "length",
+        meaning: "normal displacement of the surface of the body, negative downwards",
+        present: any,
+    },
+    SlidingField { name: "gap", unit: "length", meaning: "distance between the surfaces", present: any },
+    SlidingField {
+        name: "temperature",
+        unit: "temperature",
+        meaning: "temperature of the body's surface, above its mean",
+        present: heat,
+    },
+    SlidingField {
+        name: "heat_flux",
+        unit: "stress*length/time",
+        meaning: "heat that flows into the body, per area and time",
+        present: |facts| facts.shared,
+    },
+];
+
+/// Input from which the columns of a sliding state are computed.
+#[derive(Clone, Debug)]
+pub struct SlidingAt<'a> {
+    speed: f64,
+    state: &'a SlidingState,
+    heated: Option<&'a Heated>,
+    persson: Persson,
+    summary: Summary,
+    tolerance: f64,
+    seconds: f64,
+}
+
+impl<'a> SlidingAt<'a> {
+    /// Measures a state at a `speed`, with the temperature of its surface and its friction by Persson's theory.
+    pub fn new(
+        speed: f64,
+        (state, heated): (&'a SlidingState, Option<&'a Heated>),
+        persson: Persson,
+        (scales, tolerance): (&Scales, f64),
+        seconds: f64,
+    ) -> Self {
+        Self { speed, state, heated, persson, summary: state.summary_in(scales), tolerance, seconds }
+    }
+
+    fn effort(&self) -> Effort {
+        let Effort { iterations, transform_pairs } = self.state.effort();
+        let [more, pairs] = self.heated.map_or([0.0; 2], |heated| [heated.iterations as f64, heated.transform_pairs]);
+        Effort { iterations: iterations + more as u64, transform_pairs: transform_pairs + pairs }
+    }
+
+    fn residual(&self, name: &str) -> Cell {
+        let found = self.state.residuals().into_iter().find(|(other, _)| *other == name);
+        found.map_or(f64::NAN, |(_, residual)| residual).into()
+    }
+
+    fn worst(&self) -> f64 {
+        worst(self.state.residuals().into_iter().map(|(_, residual)| residual))
+    }
+
+    fn has_converged(&self) -> bool {
+        self.worst() <= self.tolerance && self.heated.is_none_or(|heated| heated.residual <= self.tolerance)
+    }
+}
+
+impl Subject for Sliding {
+    type Facts = SlidingFacts;
+    type At<'a> = SlidingAt<'a>;
+    const COLUMNS: &'static [Column] = COLUMNS;
+    const KEY: &'static str = "velocity";
+}
+
+type Column = crate::Column<Sliding>;
+
+fn any(_: &SlidingFacts) -> bool {
+    true
+}
+
+fn heat(facts: &SlidingFacts) -> bool {
+    facts.heat
+}
+
+/// A number of the flash temperature, or the reason why nothing is heated.
+fn of_heat(at: &SlidingAt, of: fn(&Heated) -> f64) -> Cell {
+    at.heated.map_or_else(|| Cell::undefined("the temperature was not found"), |heated| of(heated).into())
+}
+
+macro_rules! residual {
+    ($name:literal, $meaning:literal) => {
+        Column::new(concat!("residual_", $name), "1", &[(any, $meaning)], |at| at.residual($name))
+            .at(concat!("residual.", $name))
+            .in_file(|_| false)
+            .by(Origin::Residual)
+    };
+}
+
+/// Numbers of a state, in the order in which they are printed.
+const COLUMNS: &[Column] = &[
+    Column::new("velocity", "length/time", &[(any, "velocity of the rigid surface relative to the body")], |at| {
+        at.speed.into()
+    })
+    .head("velocity", Form::Size),
+    Column::new("mean_pressure", "stress", &[(any, "mean pressure over the whole surface")], |at| {
+        at.state.solution.mean_pressure.into()
+    })
+    .head("pressure", Form::Size),
+    Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| at.summary.p_star.into())
+        .head("p*", Form::Size),
+    Column::new("displacement", "length", &[(any, "rigid approach beyond first touch")], |at| {
+        at.state.solution.approach.into()
+    })
+    .head("approach", Form::Size),
+    Column::new("area_fraction", "1", &[(any, "points with pressure over all points")], |at| {
+        at.summary.area_fraction.into()
+    })
+    .head("area", Form::Unsure),
+    Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into()),
+    Column::new("max_pressure", "stress", &[(any, "largest pressure")], |at| at.summary.max_pressure.into()),
+    Column::new("friction", "1", &[(any, "coefficient of friction, by the power lost in the body")], |at| {
+        at.state.friction.into()
+    })
+    .head("friction", Form::Unsure),
+    Column::new("friction_slope", "1", &[(any, "coefficient of friction, by the pressure on the slopes")], |at| {
+        at.state.friction_slope.into()
+    })
+    .head("by slopes", Form::Unsure),
+    Column::new("dissipated_power", "stress*length/time", &[(any, "power lost in the body, per area")], |at| {
+        at.state.dissipated_power.into()
+    }),
+    Column::new("persson_friction", "1", &[(any, "coefficient of friction by Persson's theory")], |at| {
+        at.persson.friction.into()
+    })
+    .at("persson.friction")
+    .head("Persson", Form::Size),
+    Column::new("persson_area_fraction", "1", &[(any, "contact area by Persson's theory")], |at| {
+        at.persson.area_fraction.into()
+    })
+    .at("persson.area_fraction"),
+    Column::new("heat_mean_flux", "stress*length/time", &[(any, "mean heat of friction, per area and time")], |at| {
+        of_heat(at, |heated| heated.mean_flux)
+    })
+    .at("heat.mean_flux")
+    .with(heat)
+    .on(Table::Heat, "heat", Form::Size),
+    Column::new("heat_fraction", "1", &[(any, "part of the heat that flows into the body")], |at| {
+        of_heat(at, |heated| heated.fraction)
+    })
+    .at("heat.fraction")
+    .with(heat)
+    .on(Table::Heat, "into body", Form::Unsure),
+    Column::new(
+        "heat_max_rise",
+        "temperature",
+        &[(any, "largest temperature in contact, above the mean of the surface")],
+        |at| of_heat(at, |heated| heated.max_rise),
+    )
+    .at("heat.max_rise")
+    .with(heat)
+    .on(Table::Heat, "max rise", Form::Unsure),
+    Column::new(
+        "heat_mean_rise",
+        "temperature",
+        &[(any, "mean temperature in contact, above the mean of the surface")],
+        |at| of_heat(at, |heated| heated.mean_rise),
+    )
+    .at("heat.mean_rise")
+    .with(heat)
+    .on(Table::Heat, "mean rise", Form::Unsure),
+    Column::new(
+        "heat_residual",
+        "1",
+        &[(any, "largest difference between the temperatures of both bodies over the largest rise")],
+        |at| of_heat(at, |heated| heated.residual),
+    )
+    .at("heat.residual")
+    .with(heat)
+    .by(Origin::Residual),
+    Column::new("iterations", "1", &[(any, "iterations of the search")], |at| at.effort().iterations.into())
+        .count()
+        .by(Origin::Way)
+        .head("steps", Form::Whole),
+    Column::new("transform_pairs", "1", &[(any, "pairs of transforms of the search")], |at| {
+        at.effort().transform_pairs.into()
+    })
+    .by(Origin::Way)
+    .head("pairs", Form::Whole),
+    Column::new("converged", "1", &[(any, "1 if the residual is at most the tolerance")], |at| {
+        at.has_converged().into()
+    })
+    .flag(),
+    Column::new("residual", "1", &[(any, "largest residual, recomputed from the pressure")], |at| at.worst().into())
+        .at("")
+        .by(Origin::Residual),
+    residual!("complementarity", "sum(p gap) / (sum(p) h_rms), from the final fields"),
+    residual!("load", "|mean p - asked| / asked, from the final fields"),
+    residual!("negative_pressure", "max(0, -min p) / mean p, from the final fields"),
+    residual!("penetration", "max(0, -min gap) / h_rms, from the final fields"),
+    Column::new("seconds", "s", &[(any, "wall time")], |at| at.seconds.into()).by(Origin::Clock),
+];
