@@ -4,6 +4,7 @@ use gfmd_relax::{Variables, Visit};
 
 /// Effort of a solve, independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effort {
     /// Number of iterations or time steps.
     pub iterations: u64,

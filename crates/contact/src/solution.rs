@@ -55,6 +55,7 @@ pub struct Plastic {
 /// [under a very small approach](RigidSurface::length_scale) or [of a very small
 /// displacement](RigidSurface::finer_scale).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Residual {
     /// Σ p g / (Σ p · h_rms), in magnitude; 1 if a prescribed approach is positive and there is no pressure.
     pub complementarity: f64,

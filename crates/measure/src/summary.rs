@@ -18,6 +18,7 @@ pub struct Scales {
 
 /// Measured quantities of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Summary {
     /// Mean pressure over the whole surface, in stress.
     pub mean_pressure: f64,

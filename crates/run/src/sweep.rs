@@ -1,13 +1,55 @@
 //! The contacts in the file of a sweep, verified as they are read.
 
-use gfmd_contact::{Contact, Effort, Load, Residual};
+use std::collections::HashMap;
+
+use gfmd_contact::{Contact, Load};
 use gfmd_files::Reader;
 use gfmd_measure::Summary;
+use gfmd_problem::Facts;
+use gfmd_record::{At, COLUMNS, Column, Origin, Record};
 use gfmd_sweep::{Example, Plan, Pressed};
 use ndarray::Array2;
 
 use crate::failure::Failure;
 use crate::result::Comparison;
+
+/// Returns the columns of a run: the columns of a hard wall without numbers that a sweep does not measure or that
+/// differ between identical runs.
+pub fn columns() -> impl Iterator<Item = &'static Column> {
+    let facts = Facts::default();
+    COLUMNS.iter().filter(move |column| {
+        (column.present)(&facts)
+            && column.origin != Origin::Grid
+            && !["stiffness", "stiffness_error", "seconds"].contains(&column.name)
+    })
+}
+
+/// Returns the record of a load, as in files of `contact`. A load that does not converge ends a sweep, so that all
+/// loads of a sweep have converged.
+pub fn record(load: &Pressed) -> Record {
+    Record::of(&At {
+        approach: load.approach,
+        effort: load.effort,
+        residuals: load.residual.parts().into(),
+        ..At::of_summary(&Facts::default(), load.summary)
+    })
+}
+
+/// Returns the load of a record.
+///
+/// # Errors
+/// Returns an error if a number is missing or not finite.
+fn pressed(record: &Record) -> serde_json::Result<Pressed> {
+    let mut value = serde_json::to_value(record)?;
+    let residual = serde_json::from_value(value["residual"].take())?;
+    let (summary, effort) = (value.clone(), value);
+    Ok(Pressed {
+        summary: serde_json::from_value(summary)?,
+        approach: record.number("displacement"),
+        residual,
+        effort: serde_json::from_value(effort)?,
+    })
+}
 
 /// The loads of all runs, from the table of the file; their residuals are compared with the tolerance.
 ///
@@ -16,63 +58,20 @@ use crate::result::Comparison;
 pub fn runs(reader: &Reader, plan: &Plan, comparison: &mut Comparison) -> Result<Vec<Vec<Pressed>>, Failure> {
     let column = |name: &str| -> Result<Vec<f64>, Failure> { Ok(reader.values(&format!("/runs/{name}"))?) };
     let loads = plan.config.loads.p_star.len();
-    let names = [
-        "mean_pressure",
-        "p_star",
-        "area_fraction",
-        "area_fraction_corrected",
-        "kappa",
-        "kappa_corrected",
-        "contact_nodes",
-        "boundary_links",
-        "mean_gap",
-        "max_pressure",
-        "mean_pressure_in_contact",
-        "pressure_deviation_in_contact",
-        "pressure_moment_2",
-        "elastic_energy",
-        "displacement",
-        "iterations",
-        "transform_pairs",
-        "residual_complementarity",
-        "residual_penetration",
-        "residual_negative_pressure",
-        "residual_load",
-    ];
-    let columns = names.iter().map(|name| column(name)).collect::<Result<Vec<_>, _>>()?;
+    let columns = columns().map(|of| Ok((of.name, column(of.name)?))).collect::<Result<HashMap<_, _>, Failure>>()?;
     let rows = plan.runs.len() * loads;
-    if let Some((name, found)) = names.iter().zip(&columns).find(|(_, values)| values.len() != rows) {
+    if let Some((name, found)) = columns.iter().find(|(_, values)| values.len() != rows) {
         let name = format!("/runs/{name}");
         return Err(Failure::Input(format!("{name} has {} values; it must have {rows}", found.len())));
     }
-    let at = |row: usize| {
-        let mut values = columns.iter().map(|values| values[row]);
-        let mut next = || values.next().unwrap_or(f64::NAN);
-        let summary = Summary {
-            mean_pressure: next(),
-            p_star: next(),
-            area_fraction: next(),
-            area_fraction_corrected: next(),
-            kappa: next(),
-            kappa_corrected: next(),
-            contact_nodes: next() as u64,
-            boundary_links: next() as u64,
-            mean_gap: next(),
-            max_pressure: next(),
-            mean_pressure_in_contact: next(),
-            pressure_deviation_in_contact: next(),
-            pressure_moment_2: next(),
-            elastic_energy: next(),
-        };
-        let approach = next();
-        let effort = Effort { iterations: next() as u64, transform_pairs: next() };
-        let residual =
-            Residual { complementarity: next(), penetration: next(), negative_pressure: next(), load: next() };
-        Pressed { summary, approach, residual, effort }
+    let of_row = |row: usize| {
+        let value = |column: &Column| columns.get(column.name).map_or(f64::NAN, |values| values[row]);
+        let record: Record = Record::stored(&Facts::default(), |column| (value(column), None));
+        pressed(&record).map_err(|error| Failure::Input(format!("/runs, row {row}: {error}")))
     };
     let tolerance = plan.config.solver.budget().tolerance;
-    let runs: Vec<Vec<Pressed>> =
-        (0..plan.runs.len()).map(|run| (0..loads).map(|load| at(run * loads + load)).collect()).collect();
+    let of_run = |run: usize| (0..loads).map(|load| of_row(run * loads + load)).collect::<Result<Vec<_>, Failure>>();
+    let runs = (0..plan.runs.len()).map(of_run).collect::<Result<Vec<_>, Failure>>()?;
     for (run, pressed) in runs.iter().enumerate().flat_map(|(run, loads)| loads.iter().map(move |load| (run, load))) {
         comparison.at_most(&format!("residual of run {run}"), pressed.residual.worst(), tolerance);
         let Summary { kappa, area_fraction, p_star, .. } = pressed.summary;

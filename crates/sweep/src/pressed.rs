@@ -1,8 +1,9 @@
 use gfmd_contact::{Effort, Fields, Residual, Solution};
 use gfmd_measure::{Scales, Summary};
+use serde::{Deserialize, Serialize};
 
 /// Numbers of one converged load of a run. The unit of length is the cell; stresses have the unit of Young's modulus.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pressed {
     /// Area, pressure, gap, energy.
     pub summary: Summary,

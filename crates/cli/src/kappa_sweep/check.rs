@@ -10,7 +10,7 @@ use super::file;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{Against, Comparison, Folder, Kind, Pair};
 use gfmd_run::session::Session;
-use gfmd_run::sweep::{example, runs};
+use gfmd_run::sweep::{columns, example, record, runs};
 
 /// Reads the loads of all runs from the file of an earlier sweep. Its configuration may differ from `plan` only in the
 /// fit.
@@ -74,8 +74,8 @@ fn again(study: &Study, sample: Option<u64>, comparison: &mut Comparison, sessio
         }
         let loads = run_one(&study.plan, run, &())?;
         for (stored, found) in study.runs[run].iter().zip(&loads) {
-            let [stored, found] = [stored, found].map(file::record);
-            for column in file::scalars() {
+            let [stored, found] = [stored, found].map(record);
+            for column in columns() {
                 let floor = if column.origin == Origin::Residual { 1e-3 } else { 0.0 };
                 let [stored, found] = [&stored, &found].map(|record| record.number(column.name));
                 comparison.number(&format!("/runs/{} of run {run}", column.name), stored, found, floor);

@@ -6,7 +6,7 @@ use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_fit::{Axis, Datum, Estimate, Parameters, Term};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA, persson_area};
 use gfmd_problem::Facts;
-use gfmd_record::{At, COLUMNS, Origin, Record};
+use gfmd_record::Record;
 use gfmd_sweep::{
     Analysis, Area, Config, Control, Example, Extrapolation, Form, Key, Plan, Point, Pressed, Run, Study,
 };
@@ -14,6 +14,7 @@ use ndarray::Array2;
 
 use super::protocol;
 use gfmd_run::failure::Failure;
+use gfmd_run::sweep::{columns, record};
 
 /// Writes a study; the file appears under its name when it is complete.
 ///
@@ -76,18 +77,18 @@ fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Resu
         plan.runs.iter().flat_map(|run| (0..loads.len()).map(move |load| (run, asked(load)))).collect();
     let points: Vec<&Point> = rows.iter().map(|(run, _)| &plan.points[run.point]).collect();
     write_surfaces(archive, "/runs", &run, &points)?;
-    let columns: [Column<(&Run, f64)>; 3] = [
+    let places: [Column<(&Run, f64)>; 3] = [
         ("point", "index of the point in /points at the first load", &|(run, _)| run.point as f64),
         ("realisation", "number of the realisation", &|(run, _)| run.realisation as f64),
         ("p_star_asked", "reduced pressure asked for", &|(_, p_star)| *p_star),
     ];
-    write_columns(archive, "/runs", &run, &rows, &columns)?;
+    write_columns(archive, "/runs", &run, &rows, &places)?;
     let seed = Variable { dimensions: &[&run], units: "1", long_name: "seed of the surface" };
     let seeds: Vec<i64> = rows.iter().map(|(run, _)| exact(run.seed)).collect();
     archive.write("/runs/seed", &seed, &seeds)?;
     let records: Vec<Record> = runs.iter().flatten().map(record).collect();
     let facts = Facts::default();
-    for column in scalars() {
+    for column in columns() {
         let values: Vec<f64> = records.iter().map(|record| record.number(column.name)).collect();
         let variable = Variable { dimensions: &[&run], units: column.unit, long_name: column.meaning(&facts) };
         archive.write(&format!("/runs/{}", column.name), &variable, &values)?;
@@ -98,29 +99,6 @@ fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Resu
 /// A seed as a file stores it. Every seed of a plan fits an `i64`.
 fn exact(seed: u64) -> i64 {
     seed as i64
-}
-
-/// Returns the columns of a run: the columns of a hard wall without numbers that a sweep does not measure or that
-/// differ between identical runs.
-pub(super) fn scalars() -> impl Iterator<Item = &'static gfmd_record::Column> {
-    let facts = Facts::default();
-    COLUMNS.iter().filter(move |column| {
-        (column.present)(&facts)
-            && column.origin != Origin::Grid
-            && !["stiffness", "stiffness_error", "seconds"].contains(&column.name)
-    })
-}
-
-/// The record of a load, as in files of `contact`. A load that does not converge ends the sweep, so every load here
-/// has.
-pub(super) fn record(load: &Pressed) -> Record {
-    let facts = Facts::default();
-    Record::of(&At {
-        approach: load.approach,
-        effort: load.effort,
-        residuals: load.residual.parts().into(),
-        ..At::of_summary(&facts, load.summary)
-    })
 }
 
 fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Result<(), Failure> {

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry as Slot;
 use std::path::Path;
 
-use gfmd_contact::{Effort, Residual};
 use gfmd_files::Journal as Records;
-use gfmd_measure::Summary;
 use gfmd_sweep::Pressed;
 use serde::{Deserialize, Serialize};
 
@@ -27,65 +25,7 @@ struct Head {
 #[derive(Serialize, Deserialize)]
 struct Entry {
     run: usize,
-    loads: Vec<Load>,
-}
-
-/// The format of a load in a record. The types of the library know no file format, so their fields are repeated here;
-/// an incomplete list does not compile.
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Pressed")]
-struct PressedFields {
-    #[serde(with = "SummaryFields")]
-    summary: Summary,
-    approach: f64,
-    #[serde(with = "ResidualFields")]
-    residual: Residual,
-    #[serde(with = "EffortFields")]
-    effort: Effort,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Load(#[serde(with = "PressedFields")] Pressed);
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Summary")]
-struct SummaryFields {
-    mean_pressure: f64,
-    p_star: f64,
-    area_fraction: f64,
-    area_fraction_corrected: f64,
-    kappa: f64,
-    kappa_corrected: f64,
-    contact_nodes: u64,
-    boundary_links: u64,
-    mean_gap: f64,
-    max_pressure: f64,
-    mean_pressure_in_contact: f64,
-    pressure_deviation_in_contact: f64,
-    pressure_moment_2: f64,
-    elastic_energy: f64,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Residual")]
-struct ResidualFields {
-    complementarity: f64,
-    penetration: f64,
-    negative_pressure: f64,
-    load: f64,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Effort")]
-struct EffortFields {
-    iterations: u64,
-    transform_pairs: f64,
-}
-
-impl Entry {
-    fn new(run: usize, loads: &[Pressed]) -> Self {
-        Self { run, loads: loads.iter().map(|load| Load(*load)).collect() }
-    }
+    loads: Vec<Pressed>,
 }
 
 /// Number of runs of the sweep and of loads of each run.
@@ -130,7 +70,8 @@ impl Journal {
     /// # Errors
     /// A number that is not finite, which could not be read again; a file that cannot be written.
     pub(super) fn record(&self, run: usize, loads: &[Pressed]) -> Result<(), Failure> {
-        let text = json::to_string(&Entry::new(run, loads)).map_err(|error| Failure::Computation(error.to_string()))?;
+        let text = json::to_string(&Entry { run, loads: loads.to_vec() })
+            .map_err(|error| Failure::Computation(error.to_string()))?;
         if text.contains("null") {
             return Err(Failure::Computation(format!("run {run} has a number that is not finite: {text}")));
         }
@@ -173,7 +114,9 @@ fn runs(records: &Records, size: Size) -> Result<Finished, Failure> {
             Slot::Occupied(_) => {
                 return Err(refuse(format!("run {run} is in an earlier record; it must be in the journal once")));
             }
-            Slot::Vacant(slot) => drop(slot.insert(loads.into_iter().map(|Load(load)| load).collect())),
+            Slot::Vacant(slot) => {
+                slot.insert(loads);
+            }
         }
     }
     Ok(finished)
@@ -181,6 +124,9 @@ fn runs(records: &Records, size: Size) -> Result<Finished, Failure> {
 
 #[cfg(test)]
 mod tests {
+    use gfmd_contact::{Effort, Residual};
+    use gfmd_measure::Summary;
+
     use super::*;
 
     const SIZE: Size = Size { runs: 6, loads: 2 };
@@ -232,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_record_that_is_no_run_of_the_sweep_is_named() {
-        let entry = |run: usize, loads: &[Pressed]| json::to_string(&Entry::new(run, loads)).unwrap();
+        let entry = |run: usize, loads: &[Pressed]| json::to_string(&Entry { run, loads: loads.to_vec() }).unwrap();
         let mut null: serde_json::Value = serde_json::from_str(&entry(0, &loads(0))).unwrap();
         null["loads"][0]["summary"]["kappa"] = serde_json::Value::Null;
         for (bad, words) in [
