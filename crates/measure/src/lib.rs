@@ -43,7 +43,7 @@ pub use peak::{Peak, top};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, ShapesDiffer, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;
 pub use self_affine::SelfAffineArea;
-pub use summary::{Column, Scales, Summary};
+pub use summary::{Scales, Summary};
 
 /// Returns the reduced pressure p* = p̄/(E* ḡ). `mean_pressure` and `contact_modulus` are in stress; `rms_gradient` is
 /// the root mean square of |∇h| over the whole surface (theory.md, section 10).

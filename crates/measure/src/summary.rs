@@ -111,34 +111,6 @@ impl Summary {
     }
 }
 
-/// Scalar of `T` as a column of a table or a variable of a file.
-#[derive(Debug)]
-pub struct Column<T> {
-    /// Name of the variable.
-    pub name: &'static str,
-    /// Dimension, such as "stress*length"; "1" if dimensionless.
-    pub units: &'static str,
-    /// Meaning.
-    pub long_name: &'static str,
-    /// Value of the column.
-    pub value: fn(&T) -> f64,
-}
-
-impl<T> Clone for Column<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Column<T> {}
-
-impl<T> Column<T> {
-    /// Makes a column of the table.
-    pub const fn new(name: &'static str, units: &'static str, long_name: &'static str, value: fn(&T) -> f64) -> Self {
-        Self { name, units, long_name, value }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,9 +14,7 @@ pub mod quantities;
 mod solver;
 pub mod values;
 
-pub use body::{
-    BodyArgs, HEIGHTS, Layer, OtherArgs, RecordedBodyArgs, body_of, height, height_if, parse_height, sides,
-};
+pub use body::{BodyArgs, HEIGHTS, Layer, OtherArgs, RecordedBodyArgs, height, height_if, parse_height, sides};
 pub use choice::{Choice, named, named_if, parse_choice};
 pub use compliance::{ComplianceArgs, Row, check_wavenumbers};
 pub use dynamics::{DampedBy, DynamicsArgs};

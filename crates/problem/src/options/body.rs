@@ -11,8 +11,6 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::choice::{named, named_if, parse_choice};
-use super::flags::of_keys;
-use super::given::Arrays;
 use crate::{Facts, SIZES, Support, Unusable, check_size};
 
 /// Flags that describe the elastic body.
@@ -252,14 +250,6 @@ impl BodyArgs {
         let reason = format!("E* times the rms gradient is {unit:e}; it must be between 1e-140 and 1e140");
         Err(Unusable::input(flag, reason + ", which another unit of stress makes it"))
     }
-}
-
-/// Reads a body from a configuration with the keys of a result.
-///
-/// # Errors
-/// Returns an error for an unknown key, or a value of another type.
-pub fn body_of(table: toml::Table) -> Result<BodyArgs, Unusable> {
-    of_keys(table, Arrays::new())
 }
 
 impl OtherArgs {
