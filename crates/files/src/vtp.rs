@@ -164,7 +164,9 @@ mod tests {
     #[test]
     fn a_profile_is_one_line() {
         let (header, bytes) = written([4, 1]);
-        assert!(header.contains("NumberOfLines=\"1\"") && header.contains("<Lines>") && !header.contains("Polys>"));
+        assert!(header.contains("NumberOfLines=\"1\""));
+        assert!(header.contains("<Lines>"));
+        assert!(!header.contains("Polys>"));
         let integers = |offset| array(&bytes, offset).into_iter().map(i64::from_le_bytes).collect::<Vec<_>>();
         let points = 8 + 4 * 8;
         let corners = points + 8 + 12 * 8;

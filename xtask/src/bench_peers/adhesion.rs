@@ -329,6 +329,8 @@ mod tests {
         std::fs::write(&page, format!("{}## Method\n", places.concat())).unwrap();
         made().write(&page).unwrap();
         let text = std::fs::read_to_string(&page).unwrap();
-        assert!(text.starts_with(&places[0]) && text.ends_with("## Method\n") && text.contains("| 120.0 |"), "{text}");
+        assert!(text.starts_with(&places[0]), "{text}");
+        assert!(text.ends_with("## Method\n"), "{text}");
+        assert!(text.contains("| 120.0 |"), "{text}");
     }
 }

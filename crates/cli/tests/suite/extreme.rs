@@ -749,10 +749,9 @@ resamples = 20
         std::fs::write(folder.path().join("s.toml"), toml::to_string(&config).unwrap()).unwrap();
         let (status, _, stderr) = limited(folder.path(), &["kappa-sweep", "--config", "s.toml"].map(str::to_owned));
         let named = stderr.contains(field) || stderr.contains(table) || stderr.contains("p* =");
-        assert!(
-            status == Some(2) && stderr.trim_end().lines().count() == 1 && named,
-            "{field} = {value}: {status:?} {stderr}"
-        );
+        assert!(status == Some(2), "{field} = {value}: {status:?} {stderr}");
+        assert!(stderr.trim_end().lines().count() == 1, "{field} = {value}: {status:?} {stderr}");
+        assert!(named, "{field} = {value}: {status:?} {stderr}");
         assert!(stderr.len() < 500, "{field} = {value}: {stderr}");
     }
 }

@@ -44,7 +44,9 @@ fn keeps(folder: &Path, line: &str, flag: &str, input: &str) {
     let output = gfmd(folder, &words(line));
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{line}: {text}");
-    assert!(text.contains(flag) && text.contains("another file than the input") && text.contains(input), "{text}");
+    assert!(text.contains(flag), "{text}");
+    assert!(text.contains("another file than the input"), "{text}");
+    assert!(text.contains(input), "{text}");
     assert_eq!(text.trim_end().lines().count(), 1, "{text}");
     assert!(contents() == before, "{line}");
 }
@@ -105,7 +107,9 @@ fn an_output_has_the_permissions_of_the_file_that_it_replaces() {
     let before = fs::read(&out).unwrap();
     let output = gfmd(folder.path(), &words(line));
     let text = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(2) && text.contains("--out") && text.contains("it is read-only"), "{text}");
+    assert!(output.status.code() == Some(2), "{text}");
+    assert!(text.contains("--out"), "{text}");
+    assert!(text.contains("it is read-only"), "{text}");
     assert_eq!(fs::read(&out).unwrap(), before);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }

@@ -37,7 +37,9 @@ fn the_case_of_the_source_in_json_and_in_the_file() {
     };
     let [displacement, traction] = ["/fields/displacement", "/fields/traction"].map(field);
     assert_relative_eq!(displacement[[64, 64, 2]], -0.005, max_relative = 1e-9);
-    assert!(traction[[64, 64, 2]] < 0.0 && traction[[48, 64, 2]] == 0.0 && traction[[49, 64, 2]] < 0.0);
+    assert!(traction[[64, 64, 2]] < 0.0);
+    assert!(traction[[48, 64, 2]] == 0.0);
+    assert!(traction[[49, 64, 2]] < 0.0);
     let mean: f64 = traction.slice(ndarray::s![.., .., 2]).mean().unwrap();
     assert_relative_eq!(-mean, number(&report, "mean_pressure"), max_relative = 1e-12);
     assert_eq!(file.texts("/fields/component").unwrap(), ["x", "y", "z"]);
@@ -270,7 +272,9 @@ fn a_deep_punch_is_pressed_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let output = gfmd(folder.path(), &words("punch --n 16 --depth 0.1 --json"));
     let text = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && text.contains("--depth") && text.contains("width of the punch"), "{text}");
+    assert!(output.status.success(), "{text}");
+    assert!(text.contains("--depth"), "{text}");
+    assert!(text.contains("width of the punch"), "{text}");
     let output = gfmd(folder.path(), &words("punch --n 16 --depth 0.01 --height 0.05 --json"));
     assert!(String::from_utf8_lossy(&output.stderr).contains("height of the slab"));
     let output = gfmd(folder.path(), &words("punch --n 16 --json"));

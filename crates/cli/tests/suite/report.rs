@@ -26,7 +26,9 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
 fn check_page(page: &str) {
     assert!(page.starts_with("<!DOCTYPE html><html lang=\"en\">") && page.ends_with("</html>"));
     let lower = page.to_lowercase();
-    assert!(!lower.contains("<script") && !lower.contains("javascript:") && !lower.contains("@import"));
+    assert!(!lower.contains("<script"));
+    assert!(!lower.contains("javascript:"));
+    assert!(!lower.contains("@import"));
     for source in values(page, "src").into_iter().chain(values(page, "href")) {
         assert!(source.starts_with('#') || source.starts_with("data:image/png;base64,"), "{source}");
     }

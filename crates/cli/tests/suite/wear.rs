@@ -100,7 +100,10 @@ fn wear_is_written_checked_drawn_and_told() {
         let checked = json(folder.path(), &["check", &format!("{name}.h5"), "--rerun", "--json"]);
         assert_eq!((&checked["kind"], &checked["differing"]), (&"wear".into(), &0.into()), "{name}");
         let has = |figure: &str| folder.path().join(format!("{name}-{figure}.svg")).exists();
-        assert!(has("wear") && has("profile") && has("section") && has("depth") == (points > 1), "{name}");
+        assert!(has("wear"), "{name}");
+        assert!(has("profile"), "{name}");
+        assert!(has("section"), "{name}");
+        assert!(has("depth") == (points > 1), "{name}");
         assert!(gfmd(folder.path(), &["report", &format!("{name}.h5")]).status.success());
     }
 }
@@ -205,7 +208,9 @@ fn rounding_of_full_contact_is_neither_a_gap_nor_a_figure() {
     assert!(closed.len() > 4 && closed.iter().all(|step| step["mean_gap"] == 0.0), "{report}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let section = read("w-section.svg");
-    assert!(section.contains("nm") && !section.contains("fm") && !folder.path().join("w-gap.svg").exists());
+    assert!(section.contains("nm"));
+    assert!(!section.contains("fm"));
+    assert!(!folder.path().join("w-gap.svg").exists());
     assert_eq!(json(folder.path(), &words("check w.h5 --json"))["differing"], 0);
     // An open gap keeps its map and its size.
     let run = "wear --n 32 --eps-f-inv 4 --p-star 0.2 --coefficient 1e-15/Pa --distance 0,1e-4 --steps 1 --unit m \

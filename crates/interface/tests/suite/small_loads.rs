@@ -124,7 +124,9 @@ fn a_load_that_the_tractions_hide_is_refused() {
     for mean in [2e-13, -2e-13, 1e-11] {
         match interface.press(Load::MeanPressure(mean)).solve() {
             Err(SolveError::Refused(Refusal::Hidden { found, least, traction })) => {
-                assert!(found == mean && mean.abs() < least && least == 1e-8 * traction, "{mean:e} {least:e}");
+                assert!(found == mean, "{mean:e} {least:e}");
+                assert!(mean.abs() < least, "{mean:e} {least:e}");
+                assert!(least == 1e-8 * traction, "{mean:e} {least:e}");
                 let message = Refusal::Hidden { found, least, traction }.to_string();
                 assert!(message.contains("must be 0, or at least") && !message.contains('\n'), "{message}");
             }

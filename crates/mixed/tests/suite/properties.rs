@@ -246,7 +246,9 @@ fn what_was_reached_is_kept() {
         let Err(MixedError::NotConverged { solution, .. }) = solve(&response, held.clone(), method, few) else {
             panic!("{method:?}")
         };
-        assert!(solution.iterations == 3 && solution.residual > 1e-8 && solution.residual < 1.0);
+        assert!(solution.iterations == 3);
+        assert!(solution.residual > 1e-8);
+        assert!(solution.residual < 1.0);
         let problem = MixedProblem::on(Arc::clone(&response), held.clone()).unwrap();
         let mut seen = 0;
         let mut watch = |_: &Progress| {

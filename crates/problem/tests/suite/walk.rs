@@ -46,7 +46,9 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let squeezed = SqueezedContact::new(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
     let state = solved(facts);
     same(&state, &squeezed.press(load).solve().unwrap());
-    assert!(state.lower().is_some() && state.steep().is_none() && state.plastic_depth().is_none());
+    assert!(state.lower().is_some());
+    assert!(state.steep().is_none());
+    assert!(state.plastic_depth().is_none());
 }
 
 #[test]
@@ -260,7 +262,9 @@ fn every_combination_is_refused_by_the_table_or_solved() {
 #[test]
 fn rules_name_their_parts_and_reasons() {
     for rule in RULES {
-        assert!(!rule.why.is_empty() && !rule.allowed.is_empty() && rule.part != rule.with);
+        assert!(!rule.why.is_empty());
+        assert!(!rule.allowed.is_empty());
+        assert!(rule.part != rule.with);
         let twice = RULES.iter().filter(|other| (other.part, other.with) == (rule.part, rule.with)).count();
         let reversed = RULES.iter().filter(|other| (other.part, other.with) == (rule.with, rule.part)).count();
         assert_eq!((twice, reversed), (1, 0), "{:?} with {:?}", rule.part, rule.with);

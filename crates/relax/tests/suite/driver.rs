@@ -277,7 +277,9 @@ fn the_natural_residual_sees_all_three_kinds_of_error() {
     let above = Bounds::Upper(&upper);
     assert_eq!(above.natural_residual(&[-9.0; 4], &[0.0, 0.0, -1.0, 0.0], 8.0, 2.0), 0.125);
     assert_eq!(Bounds::Free.natural_residual(&[9.0; 2], &[1.0, -3.0], 8.0, 2.0), 0.375);
-    assert!(above.holds(1, 1.0, 0.2) && !above.holds(1, 1.0, -0.2) && !above.holds(1, 0.9, 0.2));
+    assert!(above.holds(1, 1.0, 0.2));
+    assert!(!above.holds(1, 1.0, -0.2));
+    assert!(!above.holds(1, 0.9, 0.2));
     assert!(Bounds::Between { lower: &lower, upper: &upper }.holds(2, -1.0, -0.1));
     assert!(!Bounds::Free.holds(0, 1.0, 1.0));
 }

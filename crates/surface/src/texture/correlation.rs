@@ -347,7 +347,9 @@ mod tests {
         // Grooves have no end along y.
         let grid = Grid::new([256, 32], [4.0, 4.0]).unwrap();
         let lengths = Autocorrelation::of(&wave(256, 32), &grid, true).unwrap().lengths();
-        assert!((lengths.sal.unwrap() - end).abs() < 1e-3 && lengths.longest.is_none() && lengths.aspect().is_none());
+        assert!((lengths.sal.unwrap() - end).abs() < 1e-3);
+        assert!(lengths.longest.is_none());
+        assert!(lengths.aspect().is_none());
         let flat = Autocorrelation::of(&Array2::zeros((8, 8)), &Grid::square(8, 1.0).unwrap(), false).unwrap();
         assert!(flat.lengths().sal.is_none() && flat.relative(0.0).is_nan());
         // A tilt over n steps has A = d²/2 and Sq² = (n² − 1)/12.
