@@ -1,4 +1,4 @@
-"""Loading and unloading with adhesion: the loop, and the energy that jumps lose."""
+"""Loading and unloading with adhesion: the hysteresis loop and the energy lost in jumps."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Contact area against load, with Persson's theory and its limit, and that of Bush, Gibson and Thomas."""
+"""Contact area against load, with Persson's theory and its limit, and the limit of Bush, Gibson and Thomas."""
 
 import math
 import sys

@@ -1,4 +1,4 @@
-"""A soft coating on a rigid substrate: the thinner it is, the less area one load makes."""
+"""A soft coating on a rigid substrate: at one load, a thinner coating has a smaller contact area."""
 
 import sys
 

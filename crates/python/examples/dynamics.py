@@ -1,6 +1,4 @@
-"""Relaxation by dynamics: the residual of Verlet and FIRE after so many steps, from the states of searches cut
-short.
-"""
+"""Relaxation by dynamics: the residual of Verlet and FIRE against the number of steps, from runs with a step limit."""
 
 import sys
 

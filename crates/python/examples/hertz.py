@@ -1,4 +1,4 @@
-"""A sphere on a half-space: the pressure of Hertz."""
+"""A sphere on a half-space, compared with the Hertz pressure."""
 
 import sys
 
@@ -11,7 +11,7 @@ x = (np.arange(n) - n / 2) * length / n
 distance = np.hypot(*np.meshgrid(x, x, indexing="ij"))
 sphere = gfmd.Surface(-(distance**2) / (2 * radius), size=length)
 
-a = 0.1  # radius of contact, small beside the cell
+a = 0.1  # contact radius, small compared with the cell
 force = 4 * e_star * a**3 / (3 * radius)
 c = gfmd.contact(sphere, gfmd.Body(e_star=e_star), mean_pressure=force / length**2)
 

@@ -1,11 +1,11 @@
-"""A small kappa sweep: area over load in the limit of an infinitely fine, infinitely large, fractal surface."""
+"""A small kappa sweep: contact area per load in the limit of an infinitely fine, infinitely large, fractal surface."""
 
 import sys
 
 import gfmd
 import matplotlib.pyplot as plt
 
-# Small grids, which take a second or two; gfmd.kappa_sweep("default") is a result to quote.
+# Small grids, which take a second or two; use gfmd.kappa_sweep("default") for a result to quote.
 points = {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8, 16], "eps_c_inv": [4, 8], "centre": [2, 8, 4]}
 k = gfmd.kappa_sweep({"points": points, "statistics": {"realisations": 4}, "fit": {"resamples": 500}})
 ax = k.plot()

@@ -1,4 +1,4 @@
-"""A sticking flat punch, and the stress below it."""
+"""A sticking flat punch and the stress below it."""
 
 import sys
 

@@ -21,6 +21,6 @@ right.set_xlabel("point along x")
 right.set_ylabel("height left")
 right.legend()
 plt.savefig(sys.argv[1] if len(sys.argv) > 1 else "running_in.png", bbox_inches="tight")
-# The end of all running-in: full contact, and the pressure of the load everywhere.
+# Fully run in: full contact, with the mean pressure everywhere.
 assert worn.steps.area_fraction[-1] == 1.0
 assert worn.steps.max_pressure[-1] < 1.01 * worn.steps.mean_pressure[-1]

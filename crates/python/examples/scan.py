@@ -1,6 +1,6 @@
-"""A scan in the format of an instrument (X3P, ISO 25178-72): read, its holes filled, levelled, made periodic, pressed.
+"""A scan in an instrument format (X3P, ISO 25178-72): read, fill holes, level, make periodic, press.
 
-The file is our own: a generated surface, tilted, with some points that have no height.
+The file holds a generated surface, tilted, with some undefined points.
 """
 
 import sys

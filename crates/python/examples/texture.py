@@ -1,4 +1,4 @@
-"""A texture that is designed for a stiffness: the amplitudes of three waves by gradient descent through the contact."""
+"""A texture designed for a given stiffness: the amplitudes of three waves by gradient descent through the contact."""
 
 import sys
 
@@ -13,7 +13,7 @@ low, high, target = 0.002, 0.004, 0.8
 
 
 def secant(amplitudes: np.ndarray) -> tuple[float, np.ndarray]:
-    """The stiffness between two approaches, and its derivatives by the amplitudes."""
+    """Returns the secant stiffness between two approaches and its derivatives by the amplitudes."""
     heights = np.tensordot(amplitudes, waves, 1)
     ends = [gfmd.contact(heights, body, approach=approach) for approach in (low, high)]
     gradients = [end.vjp(mean_pressure=1.0).heights for end in ends]
@@ -27,7 +27,7 @@ for _ in range(30):
     history.append(stiffness)
     if abs(stiffness - target) < 1e-6:
         break
-    amplitudes = amplitudes - (stiffness - target) / (slope @ slope) * slope  # the step of Newton along the gradient
+    amplitudes = amplitudes - (stiffness - target) / (slope @ slope) * slope  # Newton step along the gradient
 
 plt.plot(history, "o-")
 plt.axhline(target, color="k", ls="--", label="target")

@@ -1,8 +1,8 @@
 """Contact mechanics of rough surfaces by Green's function molecular dynamics.
 
 Arrays are [x, y], first index x. Surface heights have their peaks towards the body. Pressure is normal traction on the
-body, compression positive, never a force. Any consistent set of units. Attributes have the names of the keys of
-docs/interface.md.
+body, compression positive, never a force. Any consistent set of units is valid. Attributes have the names of the keys
+in docs/interface.md.
 
 Example:
     >>> import gfmd

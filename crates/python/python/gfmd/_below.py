@@ -26,18 +26,19 @@ _QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density"
 
 
 class Punch(Computed, PunchNumbers):
-    """A flat punch on a body. `components` are x, y, z (x, z of a strip).
+    """A flat punch on a body. `components` are x, y, z (x, z for a strip).
 
     Attributes:
-        displacement, traction: on the elastic surface [x, y, component], length and stress; a strip has
-            [x, 1, component].
+        displacement, traction: fields on the elastic surface [x, y, component], length and stress; [x, 1, component]
+            for a strip.
         under_punch: 1 under the punch, else 0 [x, y].
-        height: of the body, length; infinite for a half-space.
-        n, length, young, poisson, contact, nodes, dim, components: the problem.
+        height: height of the body, length; infinite for a half-space.
+        n, length, young, poisson, contact, nodes, dim, components: parameters of the problem.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
-        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and `modes` and `points` if
-            asked for, each a Record with `mode` or `point`, `component`, and `re` and `im` (length) or `u` (length).
+        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and, if requested, lists
+            `modes` and `points` of Records with `mode` or `point`, `component`, and `re` and `im` (length) or `u`
+            (length).
 
     Example:
         >>> punch.displacement.shape, punch.components
@@ -63,10 +64,10 @@ class Punch(Computed, PunchNumbers):
 
         Args:
             depths: depths below the surface, length.
-            options: the rest as of `gfmd.interior`.
+            options: further arguments of `gfmd.interior`.
 
         Raises:
-            InputError: as `gfmd.interior`.
+            InputError: as in `gfmd.interior`.
 
         Example:
             >>> punch.interior(depths=[0.1]).stress.shape
@@ -76,22 +77,22 @@ class Punch(Computed, PunchNumbers):
 
 
 class FieldsBelow(Computed):
-    """Fields below a surface, those that were asked for.
+    """Fields below a surface; only the requested ones are present.
 
     Attributes:
         displacement: [depth, x, y, component], length.
         strain, stress: [depth, x, y, tensor] with xx, yy, zz, yz, xz, xy (xx, yy, zz, xz below a line); engineering
-            shear strains; stress.
+            shear strains without unit, and stress.
         von_mises: [depth, x, y], stress.
         energy_density: [depth, x, y], stress.
         levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
-        mean_traction: by component, stress: the mean of xz, yz, zz (xz, zz below a line) on the surface and at every
+        mean_traction: stress by component: the mean of xz, yz, zz (xz, zz below a line) on the surface and at every
             depth.
         n, length: points and lengths along x and y.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
-    If the surface of the contact has units, `unit` and `stress_unit` are their names. On a slice (along=), the axis
-    across it is missing; below a line, y is.
+    If the surface of the contact has units, `unit` and `stress_unit` are their names. A slice (along=) has no axis
+    across it; fields below a line have no y axis.
 
     Example:
         >>> gfmd.interior(punch, depths=[0.0, 0.1], along="y=0.5", quantities=["von-mises"]).von_mises.shape
@@ -111,14 +112,14 @@ class FieldsBelow(Computed):
 
 
 class Green(Record):
-    """The elasticity of one wave vector: traction = K u with u = exp(+i q r). Entries that are infinite are NaN.
+    """The elasticity of one wave vector: traction = K u with u = exp(+i q r). Infinite entries are NaN.
 
     Attributes:
         stiffness: complex [component, component], stress/length. compliance: its inverse, length/stress.
-        normal_compliance, normal_stiffness: without friction, length/stress and stress/length.
-        displacement_transfer: complex [component, component], displacement inside over that of the surface.
-        stress_transfer: complex [tensor, component], stress/length. stress_components: the names of its rows.
-        warnings: none.
+        normal_compliance, normal_stiffness: values without friction, length/stress and stress/length.
+        displacement_transfer: complex [component, component], displacement inside divided by surface displacement.
+        stress_transfer: complex [tensor, component], stress/length. stress_components: names of its rows.
+        warnings: always empty.
         q: wave vector, rad/length. components: x, y, z, or x, z in 2-D.
 
     Example:
@@ -164,38 +165,37 @@ def punch(
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Punch:
-    """Presses a flat rigid punch on a body: all components of displacement and traction.
+    """Presses a flat rigid punch on a body and solves for all components of displacement and traction.
 
     Args:
-        body: the body; by default that of `gfmd punch` (E = 70, Poisson's ratio 0.33, height = length).
+        body: the body; by default the one in `gfmd punch` (E = 70, Poisson's ratio 0.33, height = length).
         length: side of the cell, length.
-        n: points along a side; 128, or those of the mask.
+        n: number of points along a side; by default 128, or the size of the mask.
         dim: 3 for a square punch, 2 for a strip.
-        punch_fraction: width of the punch over that of the cell, 0.25 by default; or
-        mask: the points under a punch of any shape, [n, n], or [n] of a strip: those other than 0.
-        depth: depth to which it is pressed, length.
+        punch_fraction: punch width divided by cell width, 0.25 by default; or
+        mask: shape of the punch, [n, n], or [n] for a strip: nonzero at the points under it.
+        depth: depth of the indentation, length.
         contact: "sticking" or "frictionless".
-        nodes: "strict" (default) leaves out the points on its edge, "inclusive" takes them in.
-        shift: lateral displacement (x, y) of a sticking punch, length; (x,) of a strip.
-        traction: traction where the punch does not hold, stress, [n, n, 3], or [n, 2] of a strip.
+        nodes: "strict" (default) excludes the points on the edge of the punch, "inclusive" includes them.
+        shift: lateral displacement (x, y) of a sticking punch, length; (x,) for a strip.
+        traction: prescribed traction outside the punch, stress, [n, n, 3], or [n, 2] for a strip.
         solver: "auto", "cg", "verlet", "verlet-critical", "verlet-modes" or "fire".
-        dt: time step over its stability limit without damping, of "verlet-critical" and "verlet-modes".
-        damping: damping of "verlet-critical" over the critical one of the softest mode; or three numbers, that of each
-            component over the critical one of its own uniform mode.
-        history: record every step, in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves
+        dt: time step of "verlet-critical" and "verlet-modes", divided by its stability limit without damping.
+        damping: damping of "verlet-critical", divided by the critical damping of the softest mode; or three numbers,
+            one for each component, divided by the critical damping of its uniform mode.
+        history: record every step in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves
             no displacement).
-        history_modes: modes (m, n, component) of the displacement to record, in `history.modes`, as (1, 0, "x").
-        history_points: points (x, y, component) whose displacement to record, in `history.points`; lengths.
-        tolerance: largest residual, 1e-15 to 0.1.
-        max_iterations: iterations after which the search is given up.
-        refine: number of grids, each twice as fine, from which the mean pressure is extrapolated.
+        history_modes: modes (m, n, component) of the displacement to record in `history.modes`, such as (1, 0, "x").
+        history_points: points (x, y, component) to record the displacement at, in `history.points`; x, y in length.
+        tolerance: largest allowed residual, 1e-15 to 0.1.
+        max_iterations: largest number of iterations.
+        refine: number of grids, each twice as fine as the last, to extrapolate the mean pressure from.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd punch --out`; as `save`, but the name is checked before
-            the work begins.
+        out: HDF5 file to write, as with `gfmd punch --out`. Unlike in `save`, its name is checked first.
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
-        NotConverged, Interrupted: `.state` is the Punch as far as it came.
+        InputError: invalid arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Punch so far.
 
     Example:
         >>> punch = gfmd.punch(n=32, nodes="inclusive")
@@ -256,7 +256,7 @@ def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
 
 
 def _history(values: dict[str, Any]) -> dict[str, Any]:
-    """The record of a search, with arrays, and NaN in place of null."""
+    """Converts the history of a search to arrays, with NaN in place of null."""
 
     def reported(name: str, value: Any) -> Any:
         if name in ("modes", "points"):
@@ -277,22 +277,21 @@ def interior(
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> FieldsBelow:
-    """Displacement, strain and stress below the surface of a contact or a punch.
+    """Computes displacement, strain and stress below the surface of a contact or a punch.
 
     Args:
-        source: a contact (the lateral displacement of a surface without friction is added) or a punch.
-        depths: depths below the surface, length, or texts with a unit; or
-        levels: number of depths at equal distances, from the surface to the base or to the `deepest`.
+        source: a contact (its frictionless lateral surface displacement is added) or a punch.
+        depths: depths below the surface, length, or strings with a unit; or
+        levels: number of equally spaced depths from the surface to the base or to `deepest`.
         deepest: depth of the lowest level, length.
-        quantities: of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
-        along: "y=Y" or "x=X", the nearest row of points only.
+        quantities: any of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
+        along: "y=Y" or "x=X" for the nearest row of points only.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd body --out`; as `save`, but the name is checked before
-            the work begins.
+        out: HDF5 file to write, as with `gfmd body --out`. Unlike in `save`, its name is checked first.
 
     Raises:
         InputError: depths outside the body, an unknown quantity.
-        Interrupted: nothing is kept.
+        Interrupted: no partial result is kept.
 
     Example:
         >>> below = gfmd.interior(punch, depths=[0.1, 0.2])
@@ -320,22 +319,22 @@ def interior(
 
 
 def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
-    """The keys of the body of a record, and of the layers below its top one."""
+    """Returns the configuration keys of a body and of the layers below the top one."""
     given = getattr(values, "_given", (None, 0.0, None, None))
-    # A quantity with a unit is refused by its name: the lengths have none.
+    # Keeps a quantity with a unit, so that the error names it: the lengths have no unit.
     young = next((modulus for modulus in (given[0], given[2]) if isinstance(modulus, str)), values.young)
     elastic = {"young": young, "poisson": values.poisson, "height": _command.height_key(values.height)}
     return {**elastic, **_command.other_keys(values, layers)}
 
 
 def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
-    """The keys of the body and the cell, and the displacement of the surface."""
+    """Returns the configuration keys of the body and the cell, and the surface displacement."""
     if isinstance(source, Contact):
         shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", source.get("mean_shear", ()))}
         units = {"unit": source.surface.unit} if source.surface.unit else {}
         return {"length": list(source.surface.size)}, ({**config([source]), **units}, {**source._fields, **shear})
     if isinstance(source, Punch):
-        # Summed in the order of the program.
+        # Summed in the same order as in the program.
         columns = source.traction.reshape(-1, source.traction.shape[-1]).T
         mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
         keys = {"length": [source.length[0]], "mean_traction": mean_traction}
@@ -347,17 +346,17 @@ def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
 def green(
     body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[float] = None, depth: Optional[float] = None
 ) -> Green:
-    """The elasticity of one wave vector: `stiffness`, `compliance` (complex matrices), `normal_compliance`.
+    """Computes the elasticity of one wave vector: `stiffness`, `compliance` (complex matrices), `normal_compliance`.
 
     Args:
         body: the body, on any base.
         qx, qy: wave vector, rad/length.
         dim: 3, or 2 for plane strain.
         z: height above the base, length; or
-        depth: depth below the surface, length, at which `displacement_transfer` and `stress_transfer` are wanted.
+        depth: depth below the surface, length, of `displacement_transfer` and `stress_transfer`.
 
     Raises:
-        InputError: a value out of its range.
+        InputError: a value out of range.
 
     Example:
         >>> gfmd.green(gfmd.Body(), qx=3.0, qy=4.0).normal_compliance

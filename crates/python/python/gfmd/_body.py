@@ -1,4 +1,4 @@
-"""Elastic bodies, and laws of what acts across the gap."""
+"""Elastic bodies, and laws of adhesion and cohesion."""
 
 from __future__ import annotations
 
@@ -28,39 +28,40 @@ class Body(Record):
     """An elastic body: a half-space, or a slab or a stack of layers on a base; with `second_body` a pair of bodies.
 
     Args:
-        young: Young's modulus E, stress, or a text with a unit, such as "70GPa", as all stresses and lengths here; 1 by
-            default, and needed for a surface with a unit.
+        young: Young's modulus E, stress; 1 by default, required for a surface with a unit. All stresses and lengths may
+            be strings with a unit, such as "70GPa".
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
         height: height of the slab, or of the top layer, length; None or infinity for a half-space.
         base: support of the lowest layer: "bonded" (to a rigid base), "sliding" (on a rigid base without friction),
             "free" (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an
-            elastic one).
+            elastic half-space).
         base_young: Young's modulus of the half-space below, stress; with base="half-space" only.
         base_poisson: Poisson's ratio of the half-space below; with base="half-space" only.
-        layers: layers below the top one, from the top down: (Young's modulus, Poisson's ratio, height) of each.
-        second_body: (Young's modulus, Poisson's ratio) of a half-space, or with a height of a slab bonded at its back,
-            to which the rough surface belongs. Displacements are then relative: those of both bodies together.
+        layers: (Young's modulus, Poisson's ratio, height) of each layer below the top one, from the top down.
+        second_body: elastic body with the rough surface: (Young's modulus, Poisson's ratio) of a half-space, or
+            (Young's modulus, Poisson's ratio, height) of a slab bonded at its back. Displacements are then relative:
+            the sum over both bodies.
         prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the
             instantaneous modulus) of each branch.
-        moduli: the moduli that are given, "long-term" or "instantaneous"; with `prony` only.
+        moduli: kind of the given moduli, "long-term" or "instantaneous"; with `prony` only.
         relaxes: the moduli that relax, "both" or "shear" (with a constant bulk modulus); with `prony` only.
-        compliance: normal compliance of the whole body in place of that of its moduli, for graded and other bodies:
-            wavenumbers q, rad / length, in rising order, and either the compliance u_z/pressure at each, length /
-            stress, or a function of q that gives it. Four to 1000 wavenumbers from 2 pi over the longest side to pi
-            sqrt(2) over the spacing; between them ln G is a shape-preserving cubic of ln q. `young` or `e_star` is then
-            the modulus of p*, and needed. Of a body that is not isotropic (wavenumbers, M, G), with the compliance
+        compliance: normal compliance of the whole body, in place of its moduli, for graded and other bodies: a pair of
+            wavenumbers q, rad / length, in ascending order, and the compliance u_z/pressure at each, length / stress,
+            or a function of q that returns it. Four to 1000 wavenumbers, from 2 pi divided by the longest side to pi
+            sqrt(2) divided by the spacing; between them ln G is a shape-preserving cubic of ln q. `young` or `e_star`,
+            the modulus in p*, is then required. For an anisotropic body (wavenumbers, M, G), with the compliance
             [wavenumber, direction] in M directions of the wave vector, j pi/M from the x axis for j = 0 .. M-1, or a
-            function of q_x and q_y that gives it: between directions ln G is the trigonometric polynomial. An array
+            function of q_x and q_y that returns it; between directions ln G is the trigonometric polynomial. An array
             [n, 2] or [n, 3] has the rows of a table, (q, G) or (q_x, q_y, G).
-        uniform_compliance: compliance of the mean level of such a body, length / stress; None for a fixed mean level,
-            as that of a half-space.
+        uniform_compliance: compliance of the mean level for a body with `compliance`, length / stress; None for a fixed
+            mean level, as on a half-space.
 
-    `e_star` is the contact modulus of which p* is formed: that of the material of the top layer; with a second body
-    1/(1/E1* + 1/E2*). `young`, `poisson` are those of the top layer.
+    `e_star` is the contact modulus in p*: the contact modulus of the top layer, or 1/(1/E1* + 1/E2*) with a second
+    body. `young` and `poisson` belong to the top layer.
 
     Raises:
-        InputError: a value out of its range.
+        InputError: a value out of range.
 
     Example:
         >>> gfmd.Body(young=70e9, poisson=0.33).e_star
@@ -175,7 +176,7 @@ class Body(Record):
         return hash(self._same())
 
     def _same(self) -> tuple[Any, ...]:
-        """The arguments, with the modulus that is used where none is given."""
+        """Returns the arguments, with the default modulus filled in."""
         young, *others = self.__reduce__()[1]
         return 1.0 if young is None and self._given[2] is None else young, *others
 
@@ -195,7 +196,7 @@ def _ratio(name: str, value: object) -> float:
 
 
 def _sheet(name: str, value: object, form: str, lengths: tuple[int, ...]) -> tuple[Quantity, ...]:
-    """Young's modulus, Poisson's ratio, and perhaps the height of a layer or a slab."""
+    """Checks (Young's modulus, Poisson's ratio[, height]) of a half-space, a layer or a slab."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Sequence) or len(value) not in lengths:
         raise InputError(f"{name} is {shown(value)}; it must be {form}")
     found = [quantity(name, entry, kind) for entry, kind in zip(value, ("stress", "1", "length"))]
@@ -216,7 +217,7 @@ def _layers(value: object, height: Optional[Quantity]) -> tuple[tuple[Quantity, 
 
 
 def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
-    """The branches of a viscoelastic body, none of an elastic one."""
+    """Checks the Prony branches of a body; an elastic body has none."""
     form = "a list of (relaxation time, fraction of the instantaneous modulus)"
     if isinstance(prony, (str, bytes)) or not isinstance(prony, Sequence):
         raise InputError(f"prony is {shown(prony)}; it must be {form}")
@@ -247,7 +248,7 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
 
 
 def _compliance(given: object, uniform: object) -> dict[str, Any]:
-    """The rows of a table of compliances, and that of the mean level; nothing without a table."""
+    """Returns the rows of a compliance table and the uniform compliance; empty without a table."""
     if given is None:
         if uniform is not None:
             raise InputError(f"uniform_compliance is {shown(uniform)}; it must be left out without compliance")
@@ -274,7 +275,7 @@ def _compliance(given: object, uniform: object) -> dict[str, Any]:
 
 
 def _vectors(waves: Array, directions: int) -> list[Array]:
-    """The components of wave vectors [wavenumber, direction]."""
+    """Returns the x and y components of wave vectors [wavenumber, direction]."""
     angles = np.pi * np.arange(directions) / directions
     return [waves[:, None] * np.cos(angles), waves[:, None] * np.sin(angles)]
 
@@ -286,14 +287,14 @@ def _rows(rows: list[tuple[float, ...]], uniform: object) -> dict[str, Any]:
 
 
 def _composite(first: float, other: tuple[Quantity, ...]) -> float:
-    """The contact modulus of two bodies, as the program forms it."""
+    """Returns the composite contact modulus of two bodies, in the arithmetic of the program."""
     young, poisson = in_units("second_body", other[0], "stress"), number("second_body", other[1])
     small, large = sorted((first, young / ((1.0 - poisson) * (1.0 + poisson))))
     return small / (1.0 + small / large)
 
 
 def _below(base: str, height: Optional[Quantity], young: object, poisson: object) -> dict[str, Quantity]:
-    """The properties of an elastic base."""
+    """Returns the moduli of an elastic base."""
     if base not in get_args(_Base):
         raise InputError(f"base is {base!r}; it must be one of {', '.join(map(repr, get_args(_Base)))}")
     if height is None and base != "bonded":
@@ -341,7 +342,7 @@ def _body(
 
 
 def body_of(config: dict[str, Any]) -> Body:
-    """The body of a configuration."""
+    """Returns the body in a configuration."""
     e_star, height = config.get("e_star"), config.get("height", "inf")
     below: dict[str, Any] = {name: config.get(name) for name in ("base_young", "base_poisson", "second_body")}
     young = None if e_star is not None else config.get("young")
@@ -351,7 +352,7 @@ def body_of(config: dict[str, Any]) -> Body:
 
 
 def law_of(config: dict[str, Any]) -> Law:
-    """The law of a configuration."""
+    """Returns the law in a configuration."""
     parameters = {key: math.nan if value is None else value for key, value in config.get("param", [])}
     return Law(config.get("law", "hard-wall"), parameters, config.get("law_table", ()))
 
@@ -360,10 +361,10 @@ _PARAMETERS: dict[str, str] = dict(_gfmd.law_kinds())
 
 
 class Law(Record):
-    """A law of what acts across the gap: its `name`, and its parameters as attributes. `gfmd.law` makes one.
+    """A law of adhesion or cohesion across the gap: its `name`, and its parameters as attributes. See `gfmd.law`.
 
     Raises:
-        InputError: as `gfmd.law`.
+        InputError: as in `gfmd.law`.
 
     Example:
         >>> gfmd.law("dugdale", gamma=1e-4, range=2e-3).parameters
@@ -378,37 +379,37 @@ class Law(Record):
         _gfmd.check_law(name, self._plain(), self._rows())
 
     def _plain(self) -> list[tuple[str, float]]:
-        """The parameters as numbers."""
+        """Returns the parameters as numbers."""
         return [(key, in_units(key, value, _PARAMETERS.get(key, "1"))) for key, value in self.parameters.items()]
 
     def _rows(self) -> list[tuple[float, float]]:
-        """The table as numbers."""
+        """Returns the table as numbers."""
         return [
             (in_units("gap", gap, "length"), in_units("traction", traction, "stress")) for gap, traction in self.table
         ]
 
     @property
     def parameters(self) -> dict[str, Quantity]:
-        """The parameters by name, in the units of `gfmd.law`; none of a table."""
+        """The parameters by name, in the units of `gfmd.law`; empty for a law from a table."""
         return {name: value for name, value in self._values.items() if name not in ("name", "table")}
 
     @property
     def table(self) -> tuple[tuple[Quantity, Quantity], ...]:
-        """The rows of a table, (gap, traction) in length and stress, shape [rows, 2]; none of a law with parameters."""
+        """The rows (gap, traction) of a table, length and stress, shape [rows, 2]; empty for a law with parameters."""
         rows: tuple[tuple[Quantity, Quantity], ...] = self._values.get("table", ())
         return rows
 
     def traction(self, gap: npt.ArrayLike) -> Array:
-        """The normal traction without sliding, above zero where it attracts.
+        """Returns the normal traction without sliding, positive where it attracts.
 
         Args:
-            gap: gaps, length, a number or an array of any shape; of a law whose parameters are texts with units in m.
+            gap: gaps, length, a number or an array of any shape; in m if the parameters are strings with units.
 
         Returns:
-            The tractions, stress, in the shape of the gaps; of a law whose parameters are texts with units in Pa.
+            The tractions, stress, in the shape of the gaps; in Pa if the parameters are strings with units.
 
         Raises:
-            InputError: gaps that are no numbers.
+            InputError: gaps that are not numbers.
 
         Example:
             >>> gfmd.law("dugdale", gamma=1.0, range=0.5).traction([0.0, 0.4, 0.6])
@@ -436,22 +437,22 @@ def law(
     units: Optional[tuple[str, str]] = None,
     **parameters: Quantity,
 ) -> Law:
-    """A law of adhesion or cohesion: by its name and its parameters, or from a table.
+    """Creates a law of adhesion or cohesion, from its name and parameters or from a table.
 
     Args:
         name: "hard-wall"; "morse", "exponential", "dugdale" (`gamma`, `range`); "harmonic-cosine" (`gamma`,
             `curvature`); "xu-needleman", "bsg", "c3d", "npb", "npc" (`phi_n`, `phi_t`, `delta_n`, `delta_t`; the first
-            also `r`); or the gaps of a table, length, in rising order: at least four, from 0 (a hard wall stands there)
-            or a negative one (where the traction repels).
-        traction: of a table, the traction at each gap, stress, above zero where it attracts, and 0 at the last one; or
-            a function that gives the tractions at an array of gaps. It is sampled at the gaps, and refused where it
-            deviates from the law between them by more than 1 % of its largest value.
-        units: of a table, the units of gaps and tractions, such as ("nm", "MPa"); numbers of the problem by default.
+            also `r`); or the gaps of a table, length, in ascending order: at least four, starting at 0 (with a hard
+            wall there) or at a negative gap (where the traction repels).
+        traction: for a table, the traction at each gap, stress, positive where it attracts, and 0 at the last gap; or a
+            function that returns the tractions at an array of gaps. The function is sampled at the gaps; a deviation
+            from the law between them of more than 1 % of its largest value is an error.
+        units: for a table, the units of gaps and tractions, such as ("nm", "MPa"); by default the units of the problem.
         parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without
-            unit; or texts with a unit, such as gamma="0.05 J/m^2", range="2 nm".
+            unit; or strings with a unit, such as gamma="0.05 J/m^2", range="2 nm".
 
     Raises:
-        InputError: an unknown name or parameter, a missing one, a value out of its range; a table that is no law.
+        InputError: an unknown name or parameter, a missing parameter, a value out of range, an invalid table.
 
     Example:
         >>> gfmd.law("morse", gamma=2e-4, range=1.2e-3).range
@@ -474,12 +475,12 @@ def law(
     )
 
 
-# The largest deviation of a function from its table, over its largest value.
+# Largest relative deviation of a function from its table.
 _DEVIATION = 0.01
 
 
 def _tabulated(gap: Any, traction: Any, units: Optional[tuple[str, str]]) -> Law:
-    """The law of a table, or of a function that is sampled."""
+    """Creates a law from a table or a sampled function."""
     gaps = array("gap", gap)
     if gaps.ndim != 1:
         raise InputError(f"gap has the shape {list(gaps.shape)}; it must have one dimension")

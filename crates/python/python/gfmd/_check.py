@@ -1,4 +1,4 @@
-"""Arguments: what was found, what is allowed."""
+"""Checks of arguments. Errors name the value found and the values allowed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def shown(value: object) -> str:
 
 
 def number(name: str, value: object) -> float:
-    """A number that is not NaN: of Python or NumPy, not a text."""
+    """Checks a Python or NumPy number other than NaN; strings are refused."""
     if not isinstance(value, (str, bytes, bool, np.bool_)):
         try:
             array = np.asarray(value)
@@ -42,12 +42,12 @@ def optional(name: str, value: object) -> Optional[float]:
     return None if value is None else number(name, value)
 
 
-# A number, or a text with a unit, such as "70GPa".
+# A number, or a string with a unit, such as "70GPa".
 Quantity = Union[float, str]
 
 
 def in_units(name: str, value: object, kind: str, unit: Optional[str] = "m", stress: Optional[str] = "Pa") -> float:
-    """A number as it is, and a text with a unit of this kind as a number in these units, SI by default."""
+    """Returns a number unchanged, and converts a string with a unit of this kind to these units (default SI)."""
     if not isinstance(value, str):
         return number(name, value)
     found = _gfmd.in_units(name, word(name, value), kind, unit, stress)
@@ -57,13 +57,13 @@ def in_units(name: str, value: object, kind: str, unit: Optional[str] = "m", str
 
 
 def quantity(name: str, value: object, kind: str) -> Quantity:
-    """A number, or a text with a unit of this kind."""
+    """Checks a number, or a string with a unit of this kind."""
     found = in_units(name, value, kind)
     return value if isinstance(value, str) else found
 
 
 def quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """One quantity, or several."""
+    """Checks one or several quantities."""
     if (
         isinstance(value, str)
         or not isinstance(value, Iterable)
@@ -90,7 +90,7 @@ def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int
 
 
 def word(name: str, value: object) -> str:
-    """A text that UTF-8 can hold, which excludes halves of surrogate pairs."""
+    """Checks a string that UTF-8 can encode, which excludes lone surrogates."""
     try:
         if isinstance(value, str):
             value.encode()
@@ -101,7 +101,7 @@ def word(name: str, value: object) -> str:
 
 
 def path(name: str, value: Any) -> str:
-    """The path of a file."""
+    """Checks the path of a file."""
     try:
         return word(name, os.fsdecode(value))
     except (TypeError, ValueError) as error:
@@ -115,7 +115,7 @@ def flag(name: str, value: object) -> bool:
 
 
 def texts(name: str, value: Any) -> list[str]:
-    """One text, or several."""
+    """Checks one or several strings."""
     entries = [value] if isinstance(value, str) else value
     if not isinstance(entries, Iterable) or isinstance(entries, bytes):
         raise InputError(f"{name} is {shown(value)}; it must be texts")
@@ -126,7 +126,7 @@ def texts(name: str, value: Any) -> list[str]:
 
 
 def numbers(name: str, value: Any) -> list[float]:
-    """One number, or several."""
+    """Checks one or several numbers."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
         return [number(name, value)]
     try:
@@ -140,7 +140,7 @@ def numbers(name: str, value: Any) -> list[float]:
 
 
 def heights(value: Any) -> tuple[Array, int]:
-    """A copy of heights as [x, y], row-major, NaN where they are undefined, and the number of such points."""
+    """Copies heights to [x, y], row-major, with NaN at undefined points; also returns the number of these."""
     wanted = "an array of 1 or 2 dimensions of finite numbers"
     if isinstance(value, (str, bytes)):
         raise InputError(f"heights is the text {shown(value)}; it must be {wanted} (gfmd.read reads files)")
@@ -175,7 +175,7 @@ def heights(value: Any) -> tuple[Array, int]:
 
 
 def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float], fill: Optional[str]) -> Array:
-    """The heights with their undefined points filled."""
+    """Returns the heights with their undefined points filled."""
     how = None if fill is None else word("fill", fill)
     if how is not None and how not in ("harmonic", "nearest"):
         raise InputError(f"fill is {how!r}; it must be 'harmonic', 'nearest' or None")
@@ -192,7 +192,7 @@ def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float],
 
 
 def array(name: str, value: Any) -> Array:
-    """An array of real numbers, or of flags."""
+    """Converts an array of real numbers or flags to float64."""
     try:
         given = np.asarray(value)
         if given.dtype.kind in "fiub":
@@ -203,7 +203,7 @@ def array(name: str, value: Any) -> Array:
 
 
 def plain(name: str, value: Any) -> Any:
-    """The value of an option, as a description has it: a text, a flag, a number, a list of such, or an array."""
+    """Checks the value of an option: a string, a flag, a number, a list of these, or an array."""
     if isinstance(value, np.ndarray) and value.ndim > 0:
         return array(name, value)
     if isinstance(value, (bool, np.bool_)):
@@ -223,7 +223,7 @@ def frozen(array: Array) -> Array:
 
 
 def size(value: Any, shape: tuple[int, ...], unit: Optional[str] = None) -> tuple[float, float]:
-    """Lengths of the cell: nothing for 1, L along x, or Lx and Ly. One length gives equal spacing along both axes."""
+    """Returns the cell lengths for None (1), L along x, or (Lx, Ly). One length gives equal spacing along both axes."""
     nx, ny = shape
     given = (
         []

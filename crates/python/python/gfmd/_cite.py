@@ -1,4 +1,4 @@
-"""Papers behind the methods of a result."""
+"""References for the methods behind a result."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ _LAWS = {
 
 
 def cite(*results: Any) -> str:
-    """Returns what to cite for the methods of these results, a line each.
+    """Returns the references for the methods behind these results, one per line.
 
     Args:
         results: contacts, paths, punches, fields below a surface, sweeps.
 
     Raises:
-        InputError: something else.
+        InputError: an object that is not a result.
 
     Example:
         >>> "Polonsky" in gfmd.cite(c)

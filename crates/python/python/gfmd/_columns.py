@@ -1,4 +1,4 @@
-"""The numbers and fields of results: classes with the definitions in `_columns.json`, typed by `_columns.pyi`."""
+"""Classes of the numbers and fields of results, defined in `_columns.json` and typed in `_columns.pyi`."""
 
 from __future__ import annotations
 

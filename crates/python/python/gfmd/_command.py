@@ -1,4 +1,4 @@
-"""The commands of the program in this process: problems in, JSON and fields out."""
+"""Commands of the program, run in this process: they take a problem and return JSON and fields."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 
 
 def body_keys(body: Body) -> dict[str, Any]:
-    """The keys of a body, as it was given."""
+    """Returns the configuration keys of a body, as it was given."""
     young, poisson, e_star, height = body._given
     elastic: dict[str, Any] = {"young": young} if e_star is None else {"e_star": e_star}
     keys = {**elastic, "poisson": poisson, "height": height_key(height), **other_keys(body, body.layers)}
@@ -30,20 +30,20 @@ def body_keys(body: Body) -> dict[str, Any]:
 
 
 def relaxation_keys(body: Body) -> dict[str, Any]:
-    """The keys of the relaxation of a viscoelastic body; none of an elastic one."""
+    """Returns the configuration keys of viscoelastic relaxation; empty for an elastic body."""
     if not body.prony:
         return {}
     return {"prony": [list(branch) for branch in body.prony], "moduli": body.moduli, "relaxes": body.relaxes}
 
 
 def law_keys(law: Law) -> dict[str, Any]:
-    """The keys of a law."""
+    """Returns the configuration keys of a law."""
     table = {"law_table": [list(row) for row in law.table]} if law.table else {}
     return {"law": law.name, "param": [[name, value] for name, value in law.parameters.items()], **table}
 
 
 def other_keys(values: Mapping[str, Any], layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
-    """The keys of what lies below the top layer of a body, and of a second body."""
+    """Returns the configuration keys of the base, the layers below the top one, and the second body."""
     found = {name: values.get(name) for name in ("base", "base_young", "base_poisson", "second_body")}
     return {**found, "layer": [list(layer) for layer in layers]}
 
@@ -60,11 +60,10 @@ def solve(
     out: Any = None,
     surface: Optional[Surface] = None,
 ) -> tuple[dict[str, Any], Failure, dict[str, Array], File]:
-    """The report of a command, the kind and the text of its failure, the fields by name, and the file.
+    """Runs a command. Returns its report, the kind and text of its failure, the fields by name, and the file.
 
-    The problem has the keys of the flags of the command.
-
-    The file goes to `out`, too, if that is given, with the description of the `surface`.
+    The keys of the problem are the flags of the command. The file is also written to `out`, if given, with the
+    description of the `surface`.
     """
     count = 0 if threads is None else integer("threads", threads, 0, 4096)
     target = None if out is None else path("out", out)
@@ -74,21 +73,21 @@ def solve(
     with Progress(command) as progress:
         text, failure, fields, draft = _gfmd.solve(command, problem, arrays, count, progress.tick, target, words)
     values = parsed(text)
-    for name in ("out", "plots", "peak_bytes", "scan"):  # of the files of a sweep, of the process, and of an array
+    for name in ("out", "plots", "peak_bytes", "scan"):  # about the files of a sweep, the process, and an array
         values.pop(name, None)
     kept = {name: frozen(field) for name, field in fields.items()}
     return values, failure, kept, File(draft, kept)
 
 
 def ended(result: Result, failure: Failure) -> Result:
-    """The result, or the exception that carries it."""
+    """Returns the result, or raises the exception that carries it."""
     if failure is None:
         return result
     raise (Interrupted if failure[0] == "interrupted" else NotConverged)(failure[1], result)
 
 
 def records(value: Any) -> Any:
-    """Objects of JSON as Records, at any depth."""
+    """Converts JSON objects to Records, at any depth."""
     if isinstance(value, dict):
         return Record({name: records(entry) for name, entry in value.items()})
     if isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value):

@@ -1,4 +1,4 @@
-"""Contacts at rest, one and several."""
+"""Contacts at rest, single and in sequence."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
 
 
-# The numbers that a contact shows.
+# Numbers in the representation of a contact.
 _SHOWN = [
     "mean_pressure",
     "p_star",
@@ -45,33 +45,33 @@ _SHOWN = [
 
 
 class Settings(NamedTuple):
-    """What a contact was asked for, beside surface, body and law."""
+    """Options of a contact, besides surface, body and law."""
 
-    # The keys of its options, as a file has them, and the arrays among their values.
+    # Options by their keys in a file, and the values that are arrays.
     description: dict[str, Any]
     arrays: dict[str, Array]
     lower_surface: Optional[Surface] = None
-    # The prescribed quantity, by its key, and its value.
+    # Key and value of the prescribed quantity.
     load: Optional[tuple[str, float]] = None
 
 
-# The kinds of the numbers and fields, by their names.
+# Kinds of the numbers and fields, by name.
 KINDS: dict[str, str] = dict(_gfmd.kinds())
 
 
 def metre(unit: Optional[str]) -> float:
-    """The unit of lengths in metres; 1 if it is not known."""
+    """Returns the length unit in metres; 1 if it is unknown."""
     return 1.0 if unit is None else _gfmd.in_units("unit", f"1 {unit}", "length", "m") or 1.0
 
 
 class Gradient(Record):
-    """The derivatives of a number L of a contact with respect to what was given, by `Contact.vjp`.
+    """Derivatives of a number L of a contact with respect to its inputs, from `Contact.vjp`.
 
     Attributes:
-        heights: with respect to the height of each point [x, y], 1 / length times the unit of L; read-only.
-        load: with respect to the mean pressure, or to the approach if that is `fixed`.
-        modulus: with respect to E*, stress, with all moduli of the body in proportion.
-        fixed: the quantity that is prescribed, "mean_pressure" or "approach".
+        heights: derivative by the height of each point [x, y], 1 / length times the unit of L; read-only.
+        load: derivative by the mean pressure, or by the approach if that is `fixed`.
+        modulus: derivative by E* (stress), with all moduli of the body in proportion.
+        fixed: the prescribed quantity, "mean_pressure" or "approach".
         error: relative error of the linear problem, at most 1e-8.
 
     Example:
@@ -87,16 +87,16 @@ class Gradient(Record):
 
 
 class Contact(Result, Numbers, Fields):
-    """A contact at rest under one load. It cannot be changed, and it pickles.
+    """A contact at rest under one load. It is immutable and can be pickled.
 
-    Its numbers and fields are properties with their definitions; the numbers are also keys, as of a mapping. A number
+    Numbers and fields are properties, defined in their docstrings; the numbers are also keys of a mapping. A number
     that does not exist is NaN, and `undefined` has the reason. Lengths and stresses are in the units of the surface and
-    the body. With a law, `pressure` and `mean_pressure` include the attraction; with a lower surface, numbers and
-    fields are those of the upper face.
+    the body. With a law, `pressure` and `mean_pressure` include the attraction. With a lower surface, numbers and
+    fields belong to the upper face.
 
     Attributes:
-        surface, body, law: those given.
-        undefined: the reasons why numbers are NaN, by name; there only if one is.
+        surface, body, law: the arguments.
+        undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
 
     Example:
         >>> c = gfmd.contact(s, gfmd.Body(), p_star=0.05)
@@ -136,17 +136,17 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def hardness(self) -> Union[float, Array, None]:
-        """The largest pressure of a contact with a hardness (stress), a number or that of each point [x, y]."""
+        """The hardness, which limits the pressure (stress), a number or an array [x, y]; None without one."""
         return self._settings.arrays.get("hardness", self._settings.description.get("hardness"))
 
     @property
     def components(self) -> str:
-        """The components of the surface displacement that were unknown, by name ("normal", "all", "held")."""
+        """The unknown components of the surface displacement, by name ("normal", "all", "held")."""
         return str(self._settings.description.get("components", "normal"))
 
     @property
     def finite_slope(self) -> bool:
-        """True if slopes were not taken as small, and points of the body met the height at their displaced place."""
+        """True if slopes were not assumed small, and points of the body met the height at their displaced position."""
         return bool(self._settings.description.get("finite_slope"))
 
     @property
@@ -158,15 +158,15 @@ class Contact(Result, Numbers, Fields):
     def repulsion(self) -> Array:
         """Repulsive part of the pressure [x, y], stress. Read-only.
 
-        Under a law it is the pressure of its wall, or, where no wall presses, the pressure beyond what is left
-        unbalanced; without a law it is the pressure.
+        With a law, it is the wall pressure or, where no wall presses, the pressure in excess of the unbalanced rest.
+        Without a law, it is the pressure.
         """
         own = self._fields.get("repulsion")
         return frozen(np.maximum(self.pressure, 0.0)) if own is None else own
 
     @property
     def adhesion(self) -> Optional[Record]:
-        """The attraction on this surface and grid in numbers; None without one.
+        """Numbers of the attraction on this surface and grid, by name; None without attraction.
 
         A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`,
         `process_zone_needed`, `wang_zhou_muser`, `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
@@ -181,12 +181,12 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def approach(self) -> float:
-        """Rigid approach beyond first touch (length), which is also the key `displacement`."""
+        """Rigid approach beyond first touch (length); its key is `displacement`."""
         return self.displacement
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
-        """The points in contact [x, y], which are repelled, as `area_fraction` counts them."""
+        """True at the points in contact [x, y], where the surfaces repel; `area_fraction` counts them."""
         found: npt.NDArray[np.bool_] = np.asarray(self.repulsion > 0.0)
         found.flags.writeable = False
         return found
@@ -211,7 +211,7 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def units(self) -> tuple[Optional[str], Optional[str]]:
-        """The unit of lengths and the unit of stresses of all numbers, None where it is not known."""
+        """The length unit and the stress unit of all numbers, None where unknown."""
         stress = self._settings.description.get("stress_unit")
         return self.surface.unit, stress or ("Pa" if self.surface.unit == "m" else None)
 
@@ -242,7 +242,7 @@ class Contact(Result, Numbers, Fields):
         return f"Contact of {nx} x {ny} points{law}; value(error of the last digits), ~ if not known{rows}{rest}"
 
     def _with_error(self, name: str) -> str:
-        """A number as tables show it: its limit on fine grids with the digits that are certain."""
+        """Formats a number for tables: its grid-converged limit with the certain digits."""
         value, limit = self[name], self.get(f"{name}_limit")
         if limit is None or not math.isfinite(value):
             return self._text(name, value)
@@ -261,7 +261,7 @@ class Contact(Result, Numbers, Fields):
         return super()._text(name, value)
 
     def _posed(self) -> tuple[Any, Any]:
-        """The problem, posed again, and the state."""
+        """Returns the problem, set up again, and the state."""
         settings = self._settings
         problem = _gfmd.Problem(
             {**settings.description, "unit": self.surface.unit}, {**settings.arrays, "surface": self.surface.heights}, 0
@@ -269,7 +269,7 @@ class Contact(Result, Numbers, Fields):
         return problem, problem.recall(self._fields, self.approach) if self._state is None else self._state
 
     def _measured(self, **options: Any) -> tuple[dict[str, Any], dict[str, tuple[Array, Array]]]:
-        """The numbers of statistics and flow, and by their paths the arrays of the statistics with their axes."""
+        """Measures statistics and flow. Returns the numbers, and the arrays of statistics with their axes by path."""
         problem, state = self._posed()
         record, arrays = problem.measure(state, options)
         found = {
@@ -282,7 +282,7 @@ class Contact(Result, Numbers, Fields):
         """The patches of points in contact that `gfmd contact --statistics` measures, as a `Record` of arrays [patch].
 
         Raises:
-            InputError: with a lower surface, which has two faces.
+            InputError: a contact with a lower surface, which has two faces.
         """
         arrays = self._measured(statistics=True)[1]
         names = {path.split("/")[2]: values for path, (values, _) in arrays.items() if path.startswith("/patches/")}
@@ -292,13 +292,13 @@ class Contact(Result, Numbers, Fields):
     def distributions(self) -> Record:
         """Distributions and spectra that `gfmd contact --statistics` measures, as a `Record` of arrays.
 
-        `pressure` (1/stress) over `pressure_at` (stress), `gap` (1/length) over `gap_at` (length): densities over the
-        whole surface; with periodic boundaries `pressure_spectrum` (stress² length²) over `wavenumber` (rad/length),
-        and the autocorrelation of the pressure, `autocorrelation_x`, `autocorrelation_y`, over `lag_x`, `lag_y`
-        (length).
+        Probability densities over the whole surface: `pressure` (1/stress) against `pressure_at` (stress), `gap`
+        (1/length) against `gap_at` (length). With periodic boundaries, also `pressure_spectrum` (stress² length²)
+        against `wavenumber` (rad/length), and the autocorrelation of the pressure, `autocorrelation_x` and
+        `autocorrelation_y`, against `lag_x` and `lag_y` (length).
 
         Raises:
-            InputError: with a lower surface, which has two faces.
+            InputError: a contact with a lower surface, which has two faces.
         """
         found = {}
         axes = {
@@ -317,13 +317,13 @@ class Contact(Result, Numbers, Fields):
 
     @_hints.hinted
     def flow(self) -> Record:
-        """Returns the flow of a fluid through the gap by Reynolds' equation, that of `gfmd contact --flow`.
+        """Computes the flow of a fluid through the gap by Reynolds' equation, as `gfmd contact --flow` does.
 
         Returns:
-            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) by a pressure gradient
-            along x and y (columns) over that through a uniform gap of the height `mean_gap`; `percolates` along x and
-            y; `residual`; `transmissivity`, conductivity times mean_gap³/12, length³. `leak_rate` is the volume per
-            time.
+            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) under a pressure
+            gradient along x and y (columns), divided by the flux through a uniform gap of height `mean_gap`;
+            `percolates` along x and y; `residual`; `transmissivity`, conductivity times mean_gap³/12, length³. See
+            `leak_rate` for the volume per time.
 
         Raises:
             InputError: a profile, a lower surface.
@@ -344,17 +344,17 @@ class Contact(Result, Numbers, Fields):
 
     @_hints.hinted
     def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
-        """Returns the volume per time that leaks through the gap of the whole cell, [2]: along x and along y.
+        """Returns the leak rate (volume per time) through the gap of the whole cell, [2]: along x and along y.
 
         Args:
-            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of
-                lengths is not known.
-            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else
-                stress.
+            viscosity: viscosity of the fluid, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the
+                length unit is unknown.
+            pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
+                as "1 bar"; in stress if the length unit is unknown.
 
         Returns:
-            m³/s, 1e-6 of which are 1 ml/s (length³/time, if the unit of lengths is not known); zero where the gap is
-            closed.
+            The leak rates in m³/s, where 1e-6 m³/s are 1 ml/s (length³/time if the length unit is unknown); zero where
+            the gap is closed.
 
         Raises:
             InputError: a profile, a lower surface; arguments that are not positive.
@@ -371,22 +371,22 @@ class Contact(Result, Numbers, Fields):
     ) -> float:
         """Returns the conductance per area of the points in contact between conductors of heat or current, 1 / length.
 
-        With the conductivities of both, the contact conductance: W/(m² K) of heat, S/m² of an electric current.
+        With the conductivities of both, it returns the contact conductance: W/(m² K) for heat, S/m² for current.
 
-        The column `conductance` of `gfmd contact --statistics`: over the sum of the resistivities of both bodies it is
-        the contact conductance per area. The bulk has no part in it, but with free boundaries, where it is that of the
-        whole current over the area of the patch. Right for any elastic body, hardness and law. Infinite if all points
-        of a periodic surface touch. NaN for a profile with free boundaries on conductors without end, with finite
-        slopes, and with a lower surface.
+        Without them it is the column `conductance` of `gfmd contact --statistics`: divided by the sum of the two
+        bodies' resistivities, it is the contact conductance per area. It excludes the resistance of the bulk; with
+        free boundaries it is the whole current divided by the area of the patch and by the whole potential difference.
+        It is valid for any elastic body, hardness and law. Infinite if all points of a periodic surface touch. NaN for
+        a profile with free boundaries on infinite conductors, with finite slopes, and with a lower surface.
 
         Args:
-            k1, k2: conductivities of both conductors, W/(m K) or S/m, or texts with a unit ("0.2 W/(m K)"); both or
-                none. Without a unit of lengths per unit length of the surface.
-            conductor_height: depth of the electrodes of both conductors below the surface, length, or a text with a
+            k1, k2: conductivities of both conductors, W/(m K) or S/m, or strings with a unit ("0.2 W/(m K)"); both or
+                neither. Per unit length of the surface if the length unit is unknown.
+            conductor_height: depth of the electrodes of both conductors below the surface, length, or a string with a
                 unit; infinite by default.
 
         Raises:
-            InputError: a depth that is not positive; with free boundaries an electrode that is not deep enough.
+            InputError: a depth that is not positive; with free boundaries, an electrode that is not deep enough.
 
         Example:
             >>> c.conductance() < c.conductance(conductor_height=0.1)
@@ -418,25 +418,26 @@ class Contact(Result, Numbers, Fields):
         """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
 
         The arguments are the derivatives of L by the fields and numbers of the contact; the result is the
-        vector-Jacobian product of reverse-mode differentiation, by one linear problem, whatever the number of heights.
-        The points in contact are kept, as they are for almost all surfaces and loads; areas and counts of points have
-        no derivatives. `gfmd.torch` and `gfmd.jax` have the contact as a function of these packages.
+        vector-Jacobian product of reverse-mode differentiation. It takes one linear solve, whatever the number of
+        heights. The set of points in contact is held fixed, which is exact for almost all surfaces and loads; areas
+        and counts of points have no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable
+        function.
 
         Args:
             pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by
-                default, as all.
-            gap: derivative by the gap of each point [x, y]; points that a wall presses have none.
-            approach: derivative by the approach.
-            mean_pressure: derivative by the mean pressure.
-            mean_gap: derivative by the mean gap.
-            elastic_energy: derivative by the elastic energy per area.
-            fixed: the quantity that is prescribed while heights and modulus change, "mean_pressure" or "approach"; by
-                default that of the contact ("mean_pressure" for `p_star`).
+                default, like all others.
+            gap: derivative of L by the gap of each point [x, y]; ignored at points that a wall presses.
+            approach: derivative of L by the approach.
+            mean_pressure: derivative of L by the mean pressure.
+            mean_gap: derivative of L by the mean gap.
+            elastic_energy: derivative of L by the elastic energy per area.
+            fixed: the prescribed quantity while heights and modulus change, "mean_pressure" or "approach"; by default
+                as in the contact ("mean_pressure" for `p_star`).
 
         Raises:
-            InputError: arrays of another shape; a contact with a hardness, finite slopes, all components, a lower
-                surface or a base that moves, which are not implemented; full contact under an approach that does not
-                determine the pressure; a state of a law that a small change makes jump.
+            InputError: arrays of the wrong shape; a contact with a hardness, finite slopes, all components, a lower
+                surface or a base that moves (not implemented); full contact under an approach that does not determine
+                the pressure; a state of a law where a small change causes a jump.
 
         Example:
             >>> round(c.vjp(approach=1.0).load * c.stiffness, 4)  # d(approach)/d(mean pressure)
@@ -478,10 +479,10 @@ class Contact(Result, Numbers, Fields):
 
         Args:
             depths: depths below the surface, length.
-            options: the rest as of `gfmd.interior`.
+            options: further arguments of `gfmd.interior`.
 
         Raises:
-            InputError: as `gfmd.interior`.
+            InputError: as in `gfmd.interior`.
 
         Example:
             >>> c.interior(depths=[0.01, 0.02]).von_mises.shape
@@ -495,7 +496,7 @@ class Contact(Result, Numbers, Fields):
         """Returns the numbers as a pandas.DataFrame of one row; units in `attrs["units"]`.
 
         Raises:
-            Error: no pandas.
+            Error: pandas is not installed.
 
         Example:
             >>> c.to_dataframe().shape[0]  # doctest: +SKIP
@@ -513,10 +514,10 @@ class Contact(Result, Numbers, Fields):
     def to_xarray(self) -> Any:
         """Returns an xarray.Dataset of the fields [y, x], with coordinates and units, and the scalars.
 
-        The plots of xarray, `.plot()`, have x to the right and y up.
+        In xarray's `.plot()`, x points to the right and y up.
 
         Raises:
-            Error: no xarray.
+            Error: xarray is not installed.
 
         Example:
             >>> c.to_xarray().pressure.sel(x=0.5, method="nearest").shape
@@ -530,7 +531,7 @@ class Contact(Result, Numbers, Fields):
         """Returns a pyvista.ImageData with height and the fields of the contact [x, y] as point data.
 
         Raises:
-            Error: no pyvista.
+            Error: pyvista is not installed.
 
         Example:
             >>> c.to_pyvista().save("c.vti")  # doctest: +SKIP
@@ -540,14 +541,14 @@ class Contact(Result, Numbers, Fields):
         return _show.grid(self.surface, {"height": self.surface.heights, **self._fields})
 
     def plot(self, field: str = "pressure", ax: Any = None) -> Any:
-        """Draws a map (a curve of a line contact) of a field, with matplotlib. Returns the axes.
+        """Draws a map of a field (a curve for a line contact) with matplotlib. Returns the axes.
 
         Args:
-            field: "pressure", "gap", "displacement_z", or another field that the contact has.
+            field: "pressure", "gap", "displacement_z", or another field of the contact.
             ax: the axes to draw into; new ones by default.
 
         Raises:
-            InputError: another field. Error: no matplotlib.
+            InputError: an unknown field. Error: matplotlib is not installed.
 
         Example:
             >>> ax = c.plot("gap")
@@ -565,11 +566,11 @@ class Contact(Result, Numbers, Fields):
 
 
 class Contacts(Result, Sequence[Contact]):
-    """Contacts one after the other: a sequence of `Contact`.
+    """A sequence of `Contact`, one for each load.
 
-    The numbers of a contact are arrays [load] here, in the same units: `cs.area_fraction`, `cs.mean_pressure`;
-    `residual` is the largest part of each, `lower` a Record of arrays. The fields, such as `pressure`, `gap` and
-    `displacement_z`, are [load, x, y].
+    The numbers of a contact become arrays [load], in the same units: `cs.area_fraction`, `cs.mean_pressure`;
+    `residual` is the largest part for each load, `lower` a Record of arrays. The fields, such as `pressure`, `gap` and
+    `displacement_z`, become arrays [load, x, y].
 
     Example:
         >>> cs = gfmd.contacts(s, gfmd.Body(), p_star=[0.01, 0.05])
@@ -640,7 +641,7 @@ class Contacts(Result, Sequence[Contact]):
         """Returns the numbers as a pandas.DataFrame with a row for each load; units in `attrs["units"]`.
 
         Raises:
-            InputError: no contacts. Error: no pandas.
+            InputError: an empty sequence. Error: pandas is not installed.
 
         Example:
             >>> cs.to_dataframe().kappa.shape  # doctest: +SKIP
@@ -655,7 +656,7 @@ class Contacts(Result, Sequence[Contact]):
         """Returns an xarray.Dataset: fields [load, y, x], scalars [load], with units.
 
         Raises:
-            InputError: no contacts. Error: no xarray.
+            InputError: an empty sequence. Error: xarray is not installed.
 
         Example:
             >>> cs.to_xarray().area_fraction.dims
@@ -667,13 +668,13 @@ class Contacts(Result, Sequence[Contact]):
         return _show.dataset(self._contacts)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws contact area against reduced pressure, with matplotlib. Returns the axes.
+        """Draws contact area against reduced pressure with matplotlib. Returns the axes.
 
         Args:
             ax: the axes to draw into; new ones by default.
 
         Raises:
-            InputError: no contacts. Error: no matplotlib.
+            InputError: an empty sequence. Error: matplotlib is not installed.
 
         Example:
             >>> ax = cs.plot()
@@ -688,7 +689,7 @@ class Contacts(Result, Sequence[Contact]):
             raise InputError("there are no contacts here")
 
     def _rows(self) -> list[list[str]]:
-        """The rows of the table, below that of its heads."""
+        """Returns the rows of the table, headings first."""
         head, digits = list(_HEAD), ".4e"
         approach, gap = (
             np.array([contact[name] for contact in self._contacts]) for name in ("displacement", "mean_gap")

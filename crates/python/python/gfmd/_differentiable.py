@@ -1,4 +1,4 @@
-"""Contacts as functions of heights and load, for the adapters of packages that differentiate."""
+"""Contacts as functions of heights and load, for adapters to automatic differentiation packages."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ._errors import InputError
 from ._solve import contact
 from ._surface import Surface
 
-# The fields and the numbers that have derivatives, in the order of the results.
+# Differentiable fields and numbers, in the order of the outputs.
 FIELDS = ("pressure", "gap")
 NUMBERS = ("mean_pressure", "approach", "mean_gap", "elastic_energy")
 _KEYS = {"approach": "displacement"}
 
 
 class Outputs(NamedTuple):
-    """The fields [x, y] and the numbers of a contact, in the types of the package that differentiates."""
+    """Fields [x, y] and numbers of a contact, as arrays of the automatic differentiation package."""
 
     pressure: Any
     gap: Any
@@ -43,19 +43,19 @@ class Solver:
         return found
 
     def outputs(self, found: Contact) -> list[Array]:
-        """The fields and numbers, in the order of `Outputs`, as arrays."""
+        """Returns the fields and numbers as arrays, in the order of `Outputs`."""
         numbers = [np.asarray(found[_KEYS.get(name, name)], dtype=np.float64) for name in NUMBERS]
         return [found.pressure, np.where(found.pressure > 0.0, 0.0, found.gap), *numbers]
 
     def pull(self, found: Contact, given: list[Any]) -> Gradient:
-        """The derivatives by heights and load from those by the outputs."""
+        """Returns the derivatives by heights and load, given the derivatives by the outputs."""
         fields = dict(zip(FIELDS, (np.asarray(field, dtype=np.float64) for field in given[:2])))
         numbers = dict(zip(NUMBERS, (float(value) for value in given[2:])))
         return found.vjp(**fields, **numbers, fixed=self.control)  # type: ignore[arg-type]
 
 
 def controlled(mean_pressure: Any, approach: Any) -> tuple[str, Any]:
-    """The kind of the load and the load."""
+    """Returns the kind of the load and its value."""
     given = [
         (name, value) for name, value in (("mean_pressure", mean_pressure), ("approach", approach)) if value is not None
     ]

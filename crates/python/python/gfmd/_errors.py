@@ -12,18 +12,18 @@ __all__ = ["Error", "InputError", "Interrupted", "NotConverged"]
 
 
 class Error(Exception):
-    """The base of all errors of this package but `Interrupted`."""
+    """The base class of all errors of this package except `Interrupted`."""
 
 
 class InputError(Error, ValueError):
-    """Unusable input: the argument, the value found, the values allowed. Nothing was computed."""
+    """Invalid input. The message has the argument, the value found and the allowed values. Nothing was computed."""
 
 
 class NotConverged(Error):
-    """A solve that did not reach its tolerance. `state` is the result as far as it came, or None.
+    """A solve that did not reach its tolerance. `state` is the partial result, or None.
 
-    `state.not_converged` of a path or a punch tells the criteria that are not met, the residual against the iterations,
-    and advice.
+    For a path or a punch, `state.not_converged` has the unmet criteria, the residual against the iterations, and
+    advice.
     """
 
     def __init__(self, text: str, state: Any = None) -> None:
@@ -35,7 +35,7 @@ class NotConverged(Error):
 
 
 class Interrupted(KeyboardInterrupt):
-    """A computation that Ctrl-C stopped. `state` is the result as far as it came, or None.
+    """A computation stopped by Ctrl-C. `state` is the partial result, or None.
 
     It is a `KeyboardInterrupt`, so that `except Exception` does not swallow it.
     """
@@ -48,7 +48,7 @@ class Interrupted(KeyboardInterrupt):
         return type(self), (str(self), self.state)
 
 
-# Flags of the program whose arguments here have other names.
+# Arguments that have other names than the flags of the program.
 _NAMES = {
     "tol": "tolerance",
     "displacement": "approach",
@@ -59,12 +59,12 @@ _NAMES = {
 }
 
 
-# The values of flags in messages: numbers, with their unit, and names of choices.
+# Values of flags in messages: numbers with their unit, and names of choices.
 _VALUE = r"[+-]?\d(?:[^\s,;:)]*[^\s,;:).])?|(?:inf|um|nm|refine|none|all|held|free|half-space|table|mirror|harmonic)\b"
 
 
 def _spoken(text: str) -> str:
-    """The message with arguments of Python in place of flags: `young="70GPa"` for `--young 70GPa`."""
+    """Replaces flags in a message by Python arguments: `young="70GPa"` for `--young 70GPa`."""
 
     def argument(flag: re.Match[str]) -> str:
         words, parameter, value = flag[1].replace("-", "_"), flag[2], flag[3]
@@ -79,7 +79,7 @@ def _spoken(text: str) -> str:
     return re.sub(flags, argument, text).replace("\n", " ")
 
 
-# The native half calls these.
+# The native module calls these.
 def refused(text: str) -> InputError:
     return InputError(_spoken(text))
 
@@ -97,7 +97,7 @@ def interrupted(text: str) -> Interrupted:
 
 
 def warned(lines: str) -> None:
-    """Warns at the line that called the package."""
+    """Issues warnings at the line that called the package."""
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
         level, frame = level + 1, frame.f_back

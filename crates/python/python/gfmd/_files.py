@@ -1,4 +1,4 @@
-"""Result files: those of the program."""
+"""Result files, in the format of the program."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ._surface import Surface, _surface
 
 _CONTROLS = ("pressure", "p_star", "displacement")
 
-# The arrays of a problem in a file, by the keys of their options.
+# Datasets of a problem in a file, by the keys of their options.
 _ARRAYS = {
     "hardness": "/surface/hardness",
     "base_displacement": "/base/displacement",
@@ -30,7 +30,7 @@ _ARRAYS = {
 
 
 def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
-    """The prescribed loads; the mean pressures if they were prescribed by different quantities."""
+    """Returns the prescribed loads; the mean pressures if different quantities were prescribed."""
     given = [contact._settings.load for contact in contacts]
     if None not in given and len({load[0] for load in given if load}) == 1:
         return {given[0][0]: [load[1] for load in given if load]}  # type: ignore[index]
@@ -38,7 +38,7 @@ def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
 
 
 def config(contacts: Sequence[Contact]) -> dict[str, Any]:
-    """The configuration of contacts of one surface, as a file has it."""
+    """Returns the configuration of contacts of one surface, as stored in a file."""
     return {**contacts[0]._settings.description, **_asked(contacts)}
 
 
@@ -53,7 +53,7 @@ def save(path: str, contacts: Sequence[Contact]) -> None:
 
 
 def _stored(name: str, group: str, length: Sequence[float]) -> Surface:
-    """A surface of a file; `length` is that of the configuration."""
+    """Reads a surface from a file; `length` comes from the configuration."""
     heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
     if len(length) == 2:
         size = (length[0], length[1])
@@ -63,7 +63,7 @@ def _stored(name: str, group: str, length: Sequence[float]) -> Surface:
 
 
 def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> Array:
-    """An array of a file, which has this shape if one is given."""
+    """Reads an array from a file and checks its shape, if one is given."""
     found = _gfmd.read_array(name, dataset)
     if shape is not None and found.shape != shape:
         raise InputError(f"{name}: {dataset} has the shape {list(found.shape)}; it must be {list(shape)}")
@@ -71,13 +71,13 @@ def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> 
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
-    """Returns the contact, or the contacts of several loads, of a file of `gfmd contact --out`, or of `save`.
+    """Reads a contact, or the contacts of several loads, from a file of `gfmd contact --out` or `save`.
 
     Args:
         path: the name of the HDF5 file.
 
     Raises:
-        InputError: not such a file.
+        InputError: not a file of contacts.
 
     Example:
         >>> c.save("c.h5")
@@ -85,7 +85,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
         True
     """
     name = _check.path("path", path)
-    # Of keys and types that results have; a file may come from anyone.
+    # Checked for keys and types, as a file may come from anyone.
     config = json.loads(_gfmd.read_config(name))
     length = [] if "second_surface" in config else config.get("length", [])
     surface = _stored(name, "/surface", length)

@@ -1,4 +1,4 @@
-"""The right names, for those that people try first."""
+"""Hints that suggest the right name for a wrong one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, Optional, TypeVar, cast
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-# Arguments by other names; the first name of a text is the argument.
+# Other names of arguments; the first word of a key is the argument.
 _ARGUMENTS = {
     "poisson": ("nu", "poisson_ratio", "poissons_ratio", "v"),
     "young": ("E", "e", "youngs_modulus", "young_modulus", "modulus", "elastic_modulus"),
@@ -39,7 +39,7 @@ _ARGUMENTS = {
     "out": ("output", "file"),
 }
 
-# Attributes by other names.
+# Other names of attributes.
 _ATTRIBUTES = {
     "pressure": ("traction", "tractions", "stress", "p", "pressures", "force", "forces", "sigma"),
     "area_fraction": ("area", "contact_area", "relative_area", "fractional_area", "contact_fraction", "A"),
@@ -69,7 +69,7 @@ _ATTRIBUTES = {
     "figures()": ("plots", "svg"),
 }
 
-# Arguments that another function takes.
+# Arguments of another function.
 _ELSEWHERE = {
     "viscosity": "leak_rate(viscosity=..., pressure_drop=...) takes it",
     "pressure_drop": "leak_rate(viscosity=..., pressure_drop=...) takes it",
@@ -77,12 +77,12 @@ _ELSEWHERE = {
 
 
 def _first(text: str) -> str:
-    """The name with which a hint begins."""
+    """Returns the first name in a hint."""
     return text.replace("(", " ").replace(",", " ").replace(".", " ").split()[0]
 
 
 def _known(name: str, names: dict[str, tuple[str, ...]], allowed: Iterable[str]) -> Optional[str]:
-    """What to write instead of a name; None if nothing is like it."""
+    """Returns the replacement for a name; None if there is no similar one."""
     there = set(allowed)
     for right, others in names.items():
         if name in others and _first(right) in there:
@@ -92,7 +92,7 @@ def _known(name: str, names: dict[str, tuple[str, ...]], allowed: Iterable[str])
 
 
 def argument(name: str, allowed: Iterable[str]) -> str:
-    """The end of a message about an unknown argument: what to write instead, or all that is allowed."""
+    """Returns the end of a message about an unknown argument: a replacement, or all allowed names."""
     names = list(allowed)
     if name in _ELSEWHERE:
         return _ELSEWHERE[name]
@@ -103,7 +103,7 @@ def argument(name: str, allowed: Iterable[str]) -> str:
 
 
 def attribute(name: str, allowed: Iterable[str]) -> str:
-    """The end of a message about an unknown attribute: what to write instead, if that is known."""
+    """Returns the end of a message about an unknown attribute: a replacement, if known."""
     there = set(allowed)
     if name in ("rate", "leak_rate") and "transmissivity" in there:
         return "; write leak_rate(viscosity=..., pressure_drop=...) of the contact"
@@ -112,7 +112,7 @@ def attribute(name: str, allowed: Iterable[str]) -> str:
 
 
 def hinted(function: _Function) -> _Function:
-    """Answers an unknown argument of a function with the name that it has."""
+    """Decorates a function to answer an unknown argument with the right name."""
     parameters = inspect.signature(function).parameters
     names = [name for name, of in parameters.items() if name != "self" and of.kind is not of.POSITIONAL_ONLY]
     takes_more = any(of.kind is of.VAR_KEYWORD for of in parameters.values())

@@ -22,15 +22,15 @@ from ._result import Computed, Contents
 class KappaSweep(Computed):
     """A kappa sweep, with the file, the page and the figures of `gfmd report kappa.h5`.
 
-    Sweeps are equal if all of their numbers but the times are.
+    Sweeps are equal if all their numbers except the times are equal.
 
     Attributes:
         points: a Record for each discretisation and load: `dim`, `hurst`, `eps_t_inv`, `eps_f_inv`, `eps_c_inv`, `n`,
-            `p_star`, `realisations`, `kappa`, `kappa_sem`, `kappa_corrected`, `kappa_corrected_sem`; none has a unit.
+            `p_star`, `realisations`, `kappa`, `kappa_sem`, `kappa_corrected`, `kappa_corrected_sem`; all without unit.
         fit: the extrapolation: `kappa_tfc`, `ci95` (statistical), `total_ci95` (with the error of the form), `terms`
             (`axis`, `coefficient`, `exponent` ...) and so on.
-        fits: those of all Hurst exponents, loads and ways to count area.
-        theory: limits of theories: `persson`, `bush_gibson_thomas`.
+        fits: the fits for all Hurst exponents, loads and ways to count area.
+        theory: theoretical limits: `persson`, `bush_gibson_thomas`.
         seconds: wall time.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
@@ -50,7 +50,7 @@ class KappaSweep(Computed):
         """Returns an xarray.Dataset of the points [point].
 
         Raises:
-            Error: no xarray.
+            Error: xarray is not installed.
 
         Example:
             >>> k.to_xarray().kappa.dims
@@ -66,10 +66,10 @@ class KappaSweep(Computed):
         return _show.needed("xarray", "to_xarray").Dataset(columns)
 
     def to_dataframe(self) -> Any:
-        """Returns the points as a pandas.DataFrame with a row for each discretisation and load; none has a unit.
+        """Returns the points as a pandas.DataFrame with a row for each discretisation and load; all without unit.
 
         Raises:
-            Error: no pandas.
+            Error: pandas is not installed.
 
         Example:
             >>> k.to_dataframe().kappa.shape == (len(k.points),)  # doctest: +SKIP
@@ -89,14 +89,14 @@ class KappaSweep(Computed):
         return hash((self.fit.kappa_tfc, len(self.points)))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws kappa at the load of the fit over the number of points along a side, and the limit, with matplotlib.
+        """Draws kappa at the load of the fit against the number of points along a side, and the limit, with matplotlib.
         Returns the axes.
 
         Args:
             ax: the axes to draw into; new ones by default.
 
         Raises:
-            Error: no matplotlib.
+            Error: matplotlib is not installed.
 
         Example:
             >>> ax = k.plot()
@@ -127,19 +127,19 @@ def kappa_sweep(
     resume: bool = False,
     threads: Optional[int] = None,
 ) -> KappaSweep:
-    """Many contacts, one kappa in the thermodynamic, fractal and continuum limit, with its uncertainty.
+    """Computes kappa in the thermodynamic, fractal and continuum limit, with its uncertainty, from many contacts.
 
     Args:
         config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents.
-            Moduli of the body may be texts with a unit ("70GPa"); everything else is a ratio, without a unit.
-        out: the HDF5 file to keep, with figures beside it; nothing is kept by default.
-        resume: continue a sweep to `out` that was interrupted.
+            Moduli of the body may be strings with a unit ("70GPa"); all other values are ratios without a unit.
+        out: HDF5 file to write, with figures next to it; nothing is written by default.
+        resume: continue an interrupted sweep to `out`.
         threads: number of threads; all cores by default.
 
     Raises:
-        InputError: an unusable configuration; nothing was computed.
+        InputError: an invalid configuration; nothing was computed.
         NotConverged: a contact of the sweep did not converge.
-        Interrupted: finished runs are kept in a journal beside `out`; `.state.out` is the file to resume to, in a new
+        Interrupted: finished runs are kept in a journal next to `out`; `.state.out` is the file to resume to, in a new
             folder if `out` was not given, and `.state.runs` the number of finished runs.
 
     Example:
@@ -175,7 +175,7 @@ def kappa_sweep(
 
 
 def _config(config: Any) -> dict[str, Any]:
-    """The keys of a configuration."""
+    """Returns the keys of a configuration."""
     if isinstance(config, Mapping):
         try:
             return {"config": json.loads(json.dumps(dict(config), default=_plain))}
@@ -187,7 +187,7 @@ def _config(config: Any) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and arrays of NumPy as those of Python."""
+    """Converts NumPy numbers and arrays to Python numbers and lists."""
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     raise TypeError(f"{type(value).__name__}")

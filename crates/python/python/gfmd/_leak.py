@@ -1,4 +1,4 @@
-"""The flow of a fluid through the gap in units: a volume per time from the conductivity over that of a uniform gap."""
+"""Leak rates with units: volume per time, from conductivities relative to a uniform gap."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._hints import hinted
 
 
 def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_gap: Any) -> Array:
-    """Conductivities times the cube of the mean gap over 12, length³; zero where a closed gap has no conductivity."""
+    """Returns conductivity times mean gap³/12, length³; zero where a closed gap has no conductivity."""
     through: Array = (
         np.where(np.isnan(conductivity) & ~percolates, 0.0, conductivity) * np.asarray(mean_gap) ** 3 / 12.0
     )
@@ -22,7 +22,7 @@ def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_
 
 
 def rate(along: Array, size: tuple[float, float], metre: float, viscosity: Quantity, pressure_drop: Quantity) -> Array:
-    """Volume per time through the cell with the pressure drop along x and y (last axis), from the transmissivities."""
+    """Returns the volume per time through the cell for flow along x and y (last axis), from the transmissivities."""
     fluid, drop = in_units("viscosity", viscosity, "stress*time"), in_units("pressure_drop", pressure_drop, "stress")
     if not (0.0 < fluid < math.inf and 0.0 < drop < math.inf):
         raise InputError(
@@ -34,20 +34,20 @@ def rate(along: Array, size: tuple[float, float], metre: float, viscosity: Quant
 
 
 class Leaks:
-    """A result of steps with `flow`."""
+    """A result with steps that may have a `flow`."""
 
     @hinted
     def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
-        """Returns the volume per time that leaks through the gap after each step, [step, 2]: along x and along y.
+        """Returns the leak rate (volume per time) through the gap after each step, [step, 2]: along x and along y.
 
         Args:
-            viscosity: of the fluid, Pa s, or a text with a unit, such as "1 mPa*s"; in stress * time, if the unit of
-                lengths is not known.
-            pressure_drop: over the length of the cell along the flow, Pa, or a text with a unit, such as "1 bar"; else
-                stress.
+            viscosity: viscosity of the fluid, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the
+                length unit is unknown.
+            pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
+                as "1 bar"; in stress if the length unit is unknown.
 
         Returns:
-            m³/s (length³/time, if the unit of lengths is not known); zero where the gap is closed.
+            The leak rates in m³/s (length³/time if the length unit is unknown); zero where the gap is closed.
 
         Raises:
             InputError: a result without flow; arguments that are not positive.

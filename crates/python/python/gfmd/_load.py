@@ -11,7 +11,7 @@ from ._record import Record, by_name, parsed, without_null
 
 
 class Residual(Residuals):
-    """The parts of the residual by name, all without unit. `float(residual)` is the largest.
+    """Parts of the residual by name, all without unit. `float(residual)` is the largest part.
 
     Example:
         >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
@@ -33,7 +33,7 @@ class Residual(Residuals):
 
 
 def of_load(record: str) -> dict[str, Any]:
-    """The numbers of a load, from its JSON: parts as Records, NaN in place of null."""
+    """Reads the numbers of a load from JSON, with objects as Records and NaN in place of null."""
 
     def part(name: str, value: Any) -> Any:
         if not isinstance(value, dict):

@@ -20,21 +20,21 @@ from ._solve import contact
 def many(
     surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, **options: Any
 ) -> Iterator[Union[Contact, Contacts]]:
-    """The contacts of many surfaces with one body, each on one thread, as many at once as there are cores.
+    """Computes the contacts of many surfaces with one body in parallel, each on one thread.
 
-    They come one after the other in the order of the surfaces, while the next ones are computed: at most twice as many
-    as workers are in memory, if those that came are not kept. Surfaces may come from a generator. Results do not depend
-    on the workers.
+    Yields the contacts in the order of the surfaces while the next ones are computed. At most twice as many contacts as
+    workers are in memory, unless the caller keeps them. Surfaces may come from a generator. Results do not depend on
+    the number of workers.
 
     Args:
-        surfaces: surfaces as of `contact`.
+        surfaces: surfaces as in `contact`.
         body: the elastic body.
-        workers: number of contacts at once; by default that of the cores this process may use.
-        options: the load, one number or several, and the rest, as of `contact`; not `threads` and `start`.
+        workers: number of contacts computed at once; by default the number of cores available to this process.
+        options: the load, one number or several, and further arguments of `contact`, except `threads` and `start`.
 
     Raises:
-        InputError, NotConverged, Interrupted: as of `contact`, when the turn of that surface comes; its number is
-            named, from 0. An exception of the generator comes after the contacts of the surfaces before it.
+        InputError, NotConverged, Interrupted: as in `contact`, raised in the place of that surface; the message has its
+            number, from 0. An exception of the generator is raised after the contacts of all earlier surfaces.
 
     Example:
         >>> rough = (gfmd.self_affine(n=64, seed=seed) for seed in range(4))
@@ -82,7 +82,7 @@ def _solved(
                     index, surface = next(made)
                 except StopIteration:
                     break
-                except Exception as error:  # of a generator, whose surfaces so far have their turn first
+                except Exception as error:  # of the generator: yield the earlier surfaces first
                     broken = error
                     break
                 running.append(pool.submit(solve, index, surface))

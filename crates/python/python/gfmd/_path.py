@@ -25,29 +25,29 @@ class Path(Leaks, Computed, StepFields):
     """A contact along a path.
 
     Attributes:
-        steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the waypoints; NaN at those that
-            were not reached.
-        hardness: the hardness given, stress, a number or an array [x, y]; with a hardness only.
-        adhesion: with an attraction, its numbers on this grid before the solve: `work` (stress * length), `range`,
-            `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`, `tabor`,
-            `pastewka_robbins` (docs/laws/adhesion.md).
-        dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the errors of
-            the steps; None if unknown, the error also if one is.
-        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; of a viscoelastic body
+        steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
+            that were not reached.
+        hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
+        adhesion: numbers of the attraction on this grid before the solve, with an attraction only: `work` (stress *
+            length), `range`, `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`,
+            `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
+        dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
+            errors; None if unknown. The error is also None if one of its terms is unknown.
+        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; for a viscoelastic body
             only.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
-        lowest_mean_pressure: stress; negative if the surfaces were pulled.
-        grid_error: the way in which the error of the grid was found: `mode`, `n`, `assumes`, `orders`.
+        lowest_mean_pressure: lowest mean pressure, stress; negative if the surfaces were pulled.
+        grid_error: how the grid error was found: `mode`, `n`, `assumes`, `orders`.
         lowest_mean_pressure_limit, dissipated_limit, each with `_limit_error` and `_grid_error`: with
-            `grid_error="refine"`, their values on an infinitely fine grid, by the difference of two grids. `steps` has
-            the same for its numbers.
-        parted_at: the step at which the surfaces parted under their load, or None.
-        undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
+            `grid_error="refine"`, their values on an infinitely fine grid, from the difference between two grids.
+            `steps` has the same for its numbers.
+        parted_at: the step where the surfaces parted under their load, or None.
+        undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of a viscoelastic body.
-        surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: the problem and the
-            effort.
+        prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
+        surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
+            problem, and the number of extra solves.
 
     Example:
         >>> loop.steps.mean_pressure.shape, loop.pressure.shape
@@ -84,7 +84,7 @@ class Path(Leaks, Computed, StepFields):
         """Returns the numbers of the steps as a pandas.DataFrame with a row for each step; units in `attrs["units"]`.
 
         Raises:
-            Error: no pandas.
+            Error: pandas is not installed.
 
         Example:
             >>> loop.to_dataframe().shape[0]  # doctest: +SKIP
@@ -95,7 +95,7 @@ class Path(Leaks, Computed, StepFields):
         return _show.steps_frame(self, self.steps)
 
     def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
-        """Draws one scalar of the steps against another, with matplotlib: filled where it rises, hollow where it falls.
+        """Draws one scalar of the steps against another with matplotlib: filled where `x` rises, hollow where it falls.
         Returns the axes.
 
         Args:
@@ -103,7 +103,7 @@ class Path(Leaks, Computed, StepFields):
             ax: the axes to draw into; new ones by default.
 
         Raises:
-            InputError: another name. Error: no matplotlib.
+            InputError: an unknown name. Error: matplotlib is not installed.
 
         Example:
             >>> ax = loop.plot("displacement", "area_fraction")
@@ -116,7 +116,7 @@ class Path(Leaks, Computed, StepFields):
         """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
 
         Raises:
-            Error: no xarray.
+            Error: xarray is not installed.
 
         Example:
             >>> loop.to_xarray().mean_pressure.dims
@@ -128,13 +128,13 @@ class Path(Leaks, Computed, StepFields):
 
 
 def _column(values: list[Any]) -> Array:
-    """Returns the numbers of the steps as an array; NaN for those without a value, also of a component."""
+    """Returns a column of the steps as an array, with NaN for missing values and components."""
     made = np.array([np.nan if value is None else value for value in values])
     return made.astype(float) if made.dtype == object else made
 
 
 def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
-    """The keys of waypoints that are given in one of three ways, of what is `said` to be given."""
+    """Returns the configuration keys of the load, given in one of three ways; `said` starts the error message."""
     kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
     found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
     if len(found) != 1:
@@ -145,7 +145,7 @@ def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
 
 
 def _flow(found: dict[str, Any]) -> dict[str, Any]:
-    """The flow of a step by the names of its columns."""
+    """Returns the flow of a step by column name."""
     places = {name: place.split(".") for name, place in FLOW.items()}
     there = {name: place for name, place in places.items() if place[0] in found}
     return {
@@ -154,7 +154,7 @@ def _flow(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def gathered(values: dict[str, Any]) -> dict[str, Any]:
-    """The report of a path with the numbers of its steps as arrays."""
+    """Converts the report of a path: the numbers of its steps become arrays."""
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
     undefined: dict[str, str] = {}
     for step in values["steps"]:
@@ -195,37 +195,37 @@ def path(
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Path:
-    """Follows a contact along a path of loads, approaches and lateral displacements, each step from the last.
+    """Follows a contact along a path of loads, approaches and lateral displacements, each step started from the last.
 
     Args:
-        surface, body: as of `contact`.
-        mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence;
-            negative ones pull. Stresses and lengths may be texts with a unit, such as "1MPa", if the surface has one.
+        surface, body: as in `contact`.
+        mean_pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence;
+            negative values pull. Stresses and lengths may be strings with a unit, such as "1MPa", if the surface has
+            one.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
-        time: times of the legs, each of which ends at a waypoint, with a viscoelastic body (`Body(prony=...)`): a
-            number or a sequence; "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first
-            touch; a leg of no time is a jump.
-        direction: their direction, degrees from x.
-        law: as of `contact`.
+        time: durations of the legs, with a viscoelastic body (`Body(prony=...)`): a number or a sequence. Each leg ends
+            at a waypoint. "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first touch;
+            a leg of zero duration is a jump.
+        direction: direction of the lateral displacements, degrees from x.
+        law: as in `contact`.
         friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
         shear_strength: strength of the interface (Tresca), stress, in place of a law.
-        hardness: largest pressure of a hard wall, stress, as of `contact`; the plastic depth stays.
-        boundary: "periodic", or "free" as of `contact`; "free" without lateral motion, or with friction on half-spaces.
-        stress_unit: unit of stresses given without one, as of `contact`.
-        coarse: solve a law whose process zone is narrower than a tenth of a grid step, too.
-        grid_error: as of `contact`; "refine" follows the path on a grid of twice as many points along each side, too.
+        hardness: largest pressure of a hard wall, stress, as in `contact`; the plastic depth is kept.
+        boundary: "periodic", or "free" as in `contact`; "free" without lateral motion, or with friction on half-spaces.
+        stress_unit: unit of stresses given without one, as in `contact`.
+        coarse: also solve a law with a process zone narrower than a tenth of a grid step.
+        grid_error: as in `contact`; "refine" also follows the path on a grid with twice as many points along each side.
         flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in
             `steps`, and `leak_rate`.
-        steps: steps from one waypoint to the next.
-        tolerance, max_iterations: of each step, as of `contact`.
-        energy_tolerance, energy_solves: accuracy of the dissipated energy, and with friction of the shear, see
+        steps: number of steps from one waypoint to the next.
+        tolerance, max_iterations: limits for each step, as in `contact`.
+        energy_tolerance, energy_solves: accuracy of the dissipated energy, and of the shear with friction; see
             docs/interface.md.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd path --out`; as `save`, but the name is checked before
-            the first step.
+        out: HDF5 file to write, as with `gfmd path --out`. Unlike in `save`, its name is checked before the first step.
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
+        InputError: invalid arguments; nothing was computed.
         NotConverged, Interrupted: `.state` is the Path so far.
 
     Example:
@@ -289,18 +289,18 @@ def friction(
     lateral: Any = (0.0,),
     **options: Any,
 ) -> Path:
-    """Pushes a contact with friction sideways: a `path` behind a hard wall, with all components of displacement.
+    """Pushes a contact with friction sideways: a `path` with a hard wall and all components of displacement.
 
     Args:
-        surface, body: as of `contact`.
+        surface, body: as in `contact`.
         coefficient: Coulomb's coefficient of friction; or
         shear_strength: strength of the interface (Tresca), stress.
-        mean_pressure, p_star, approach: waypoints, as of `path`.
+        mean_pressure, p_star, approach: waypoints, as in `path`.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
-        options: the rest as of `path`.
+        options: further arguments of `path`.
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
+        InputError: invalid arguments; nothing was computed.
         NotConverged, Interrupted: `.state` is the Path so far.
 
     Example:

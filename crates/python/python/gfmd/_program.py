@@ -8,5 +8,5 @@ from . import _gfmd
 
 
 def main() -> None:
-    """Runs the program with the words of the command line."""
+    """Runs the program with the arguments of the command line."""
     sys.exit(_gfmd.program(["gfmd", *sys.argv[1:]]))

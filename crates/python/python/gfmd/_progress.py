@@ -1,4 +1,4 @@
-"""Progress of what takes longer than a second: a bar of tqdm if it is installed, else a line."""
+"""Progress of computations longer than a second: a tqdm bar if it is installed, else a line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, Callable, Optional
 
 from ._check import flag
 
-# The look at what stops a computation that is one of many: it has no bar of its own.
+# Callback that stops one of many parallel computations; these have no bar of their own.
 BESIDE: ContextVar[Optional[Callable[[], None]]] = ContextVar("BESIDE", default=None)
 
 _PATIENCE = 1.0
@@ -47,7 +47,7 @@ def _wanted() -> bool:
 
 
 class Progress:
-    """A bar over `total` pieces, each of which tells its iterations."""
+    """A bar over `total` pieces that shows the iterations of each."""
 
     def __init__(self, what: str, total: int = 1) -> None:
         self._what, self._total, self._done = what, total, 0
@@ -63,7 +63,7 @@ class Progress:
             return
         try:
             self._show(f"iteration {iteration}, residual {residual:.1e}" if iteration else "")
-        except (OSError, ValueError):  # a stderr that cannot be written, or is closed
+        except (OSError, ValueError):  # stderr is closed or cannot be written
             self._wanted, self._bar = False, None
 
     def _show(self, note: str) -> None:

@@ -1,4 +1,4 @@
-"""Results that cannot be changed: values by name, as the JSON keys of docs/interface.md."""
+"""Immutable results: values by name, with the JSON keys of docs/interface.md."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import numpy as np
 
 from . import _hints
 
-# The largest array that is shown with its numbers.
+# Size of the largest array shown in full.
 _FEW = 6
 
-# The rows of a table that are shown: more have a gap between the first and the last ones.
+# Number of rows shown; of a longer table, the first and the last ones.
 _ROWS = 12
 
 
 def table(columns: Mapping[str, Any]) -> str:
-    """The lines of columns of equal length, below their names: all, or the first and the last ones."""
+    """Formats columns of equal length below their names: all lines, or the first and the last ones."""
     count = max((len(values) for values in columns.values()), default=0)
     half = _ROWS // 2
     shown = list(range(count)) if count <= _ROWS else [*range(half), *range(count - half, count)]
@@ -49,7 +49,7 @@ def _short(value: Any) -> str:
 
 
 class Record(Mapping[str, Any]):
-    """Named values that cannot be changed, as attributes and as a mapping: `r.kappa`, `r["kappa"]`, `dict(r)`.
+    """Immutable named values, as attributes and as a mapping: `r.kappa`, `r["kappa"]`, `dict(r)`.
 
     Example:
         >>> r = gfmd.self_affine(n=64).statistics()
@@ -66,7 +66,7 @@ class Record(Mapping[str, Any]):
         return self._value(name)
 
     def _value(self, name: str) -> Any:
-        """The value of an attribute."""
+        """Returns the value of an attribute."""
         if not name.startswith("_"):
             values = self.__dict__.get("_values", {})
             if name in values:
@@ -76,7 +76,7 @@ class Record(Mapping[str, Any]):
 
     @classmethod
     def _declared(cls) -> list[str]:
-        """The values that records of this class may have, by the made classes."""
+        """Returns the names of the values that records of this class may have, from the generated classes."""
         made = [
             kind for kind in cls.__mro__ if kind.__module__ == f"{__package__}._columns" and issubclass(kind, Record)
         ]
@@ -109,11 +109,11 @@ class Record(Mapping[str, Any]):
     __hash__ = object.__hash__
 
     def _short(self) -> str:
-        """The record as a value of another one."""
+        """Formats the record as a value in another one."""
         return f"{type(self).__name__} of {', '.join(self)}"
 
     def _text(self, name: str, value: Any) -> str:
-        """A value as it is shown."""
+        """Formats a value."""
         return _short(value)
 
     def __repr__(self) -> str:
@@ -129,19 +129,19 @@ class Record(Mapping[str, Any]):
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """A JSON object."""
+    """Parses a JSON object."""
     found = json.loads(text)
     assert isinstance(found, dict)
     return found
 
 
 def by_name(reasons: Mapping[str, list[str]]) -> dict[str, str]:
-    """The reasons why numbers have no value, by the names of these, of JSON, which has each reason once."""
+    """Returns the reasons for missing values by name; JSON has a list of names for each reason."""
     return {name: reason for reason, names in reasons.items() for name in names}
 
 
 def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values with NaN in place of null."""
+    """Replaces null by NaN."""
 
     def reported(value: Any) -> Any:
         if isinstance(value, list):
@@ -152,7 +152,7 @@ def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def json_of(values: Mapping[str, Any]) -> str:
-    """The numbers of a load as JSON, which has no NaN."""
+    """Writes the numbers of a load as JSON, with null in place of NaN."""
 
     def reported(value: Any) -> Any:
         if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Results with a file, a page and figures: those of the program."""
+"""Results with the file, page and figures of the program."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ._errors import Error, InputError
 from ._record import Record, table
 from ._surface import Surface
 
-# The largest grid, the bytes and the number of the figures of a result in a notebook.
+# Limits for figures in a notebook: points of the grid, bytes, number of figures.
 _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
 
 
 class Result:
-    """A result with the file, the page and the figures that the program makes of it.
+    """A result with the file, the page and the figures that the program makes from it.
 
     `Contact`, `Contacts`, `Path`, `Slide`, `Wear`, `Punch`, `FieldsBelow` and `KappaSweep` are results.
 
@@ -39,21 +39,21 @@ class Result:
 
     @contextmanager
     def _stored(self) -> Iterator[str]:
-        """A file of the result that lasts as long as the block."""
+        """Writes a temporary file of the result for the duration of the block."""
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "result.h5")
             self._write(file)
             yield file
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the HDF5 file that the command writes with `--out`, for `gfmd check`, `gfmd report` and others.
+        """Writes the same HDF5 file as the command with `--out`, for `gfmd check`, `gfmd report` and others.
 
         Args:
             path: the name of the file.
 
         Raises:
-            InputError, Error: a file that cannot be written, or that the surface was read from. An older file under
-                that name stays.
+            InputError, Error: a file that cannot be written, or the input file of the surface. An existing file of this
+                name is kept then.
 
         Example:
             >>> loop.save("loop.h5")
@@ -64,13 +64,13 @@ class Result:
         self._write(target)
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page of HTML that `gfmd report` makes of the result.
+        """Writes the HTML page of `gfmd report` for the result.
 
         Args:
             path: the name of the page.
 
         Raises:
-            InputError, Error: a page that cannot be written; a file that is no such page is not replaced.
+            InputError, Error: a page that cannot be written; an existing file that is not a report is not replaced.
 
         Example:
             >>> c.report("contact.html")
@@ -81,7 +81,7 @@ class Result:
             _gfmd.report_of(["report", file, "--out", page])
 
     def figures(self) -> dict[str, str]:
-        """Returns the figures of the page as SVG, by their names in the order of the page. Notebooks show them.
+        """Returns the figures of the page as SVG, by name and in the order of the page. Notebooks show them.
 
         Raises:
             InputError, Error: a result without a state, or without a file.
@@ -94,7 +94,7 @@ class Result:
             return Figures(_gfmd.figures(file))
 
     def _pictures(self, points: int) -> str:
-        """The first figures of the page for a notebook: two, of a result that draws quickly and lightly."""
+        """Returns the first two figures of the page for a notebook, if the result is small enough to draw quickly."""
         if points > _MOST_POINTS:
             return ""
         try:
@@ -109,13 +109,13 @@ class Result:
         return kept._repr_html_()
 
     def save_figures(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Writes the `figures` as NAME.svg into a folder, which is made if it does not exist. Returns their paths.
+        """Writes the `figures` as NAME.svg to a folder, created if it does not exist. Returns their paths.
 
         Args:
             folder: the name of the folder.
 
         Raises:
-            InputError, Error: as `figures`; a folder or a file that cannot be written.
+            InputError, Error: as in `figures`; a folder or a file that cannot be written.
 
         Example:
             >>> len(punch.save_figures("figures")) == len(punch.figures())
@@ -134,10 +134,10 @@ class Result:
 
 
 class Figures(dict[str, str]):
-    """Figures as SVG by their names, which a notebook shows."""
+    """Figures as SVG by name, shown in notebooks."""
 
     def _repr_html_(self) -> str:
-        # As images: figures in a page of their own may have the same identifiers.
+        # As images, since identifiers of different figures may collide in one page.
         def image(name: str, svg: str) -> str:
             return f'<img alt="{name}" src="data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}">'
 
@@ -145,7 +145,7 @@ class Figures(dict[str, str]):
 
 
 class File:
-    """The file of a result, written when it is needed: its fields and the rest."""
+    """The file of a result, written when needed: its fields and the rest."""
 
     def __init__(self, draft: Optional[_gfmd.FileDraft], fields: dict[str, Array]) -> None:
         self.draft, self.fields = draft, fields
@@ -191,7 +191,7 @@ class Computed(Result, Record):
         self._file.write(path)
 
     def _answer(self, steps: str, names: tuple[str, ...], others: tuple[str, ...]) -> str:
-        """The numbers that answer the question, of `steps` in a table and `others` below, and the names of the rest."""
+        """Formats the main numbers: `names` of `steps` in a table, `others` below, and the names of the rest."""
         of = self[steps]
         columns: dict[str, Any] = {}
         for name in names:

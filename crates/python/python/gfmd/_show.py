@@ -1,4 +1,4 @@
-"""Figures, notebooks, xarray: used if they are installed."""
+"""Output with matplotlib, xarray, pandas, pyvista and for notebooks, if these packages are installed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ._surface import Surface
 
 
-# The unit of lengths, and that of stresses.
+# Length unit and stress unit.
 Units = tuple[Optional[str], Optional[str]]
 
 
@@ -41,7 +41,7 @@ def axes(ax: Any) -> Any:
 
 
 def kind(name: str) -> str:
-    """The kind of a number or field."""
+    """Returns the kind of a number or field."""
     return "length" if name == "height" else _KINDS.get(name, "1")
 
 
@@ -49,14 +49,14 @@ _KINDS: dict[str, str] = dict(_gfmd.kinds())
 
 
 def read(of: str, values: Any, units: Units) -> tuple[float, str]:
-    """The factor and the name of the unit in which people read values of a kind."""
+    """Returns the factor and the name of a readable unit for values of a kind."""
     finite = np.abs(np.asarray(values, dtype=np.float64))
     largest = float(np.max(finite[np.isfinite(finite)], initial=0.0))
     return _gfmd.readable(of, largest, *units) or (1.0, _gfmd.unit_name(of, *units))
 
 
 def attributes(name: str, units: Units) -> dict[str, str]:
-    """The attributes of a variable: its unit, where it is known."""
+    """Returns the attributes of a variable: its unit, if known."""
     of = kind(name)
     unit = _gfmd.unit_name(of, units[0], units[1] or ("Pa" if units[0] == "m" else None))
     return {"units": unit} if unit != of or of == "1" else {}
@@ -65,7 +65,7 @@ def attributes(name: str, units: Units) -> dict[str, str]:
 def field(
     values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None
 ) -> Any:
-    """A map, or the curve of a profile; points in contact, if they are told, have a colour of their own."""
+    """Draws a map, or the curve of a profile; points in `contact`, if given, have their own colour."""
     ax = axes(ax)
     known = units or (surface.unit, None)
     nx, ny = surface.n
@@ -101,7 +101,7 @@ def field(
 
 
 def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
-    """One scalar of the steps of a result against another."""
+    """Draws one scalar of the steps of a result against another."""
     for name in names:
         if name not in result.steps:
             raise InputError(f"the scalar is {name!r}; it must be one of {', '.join(result.steps)}")
@@ -110,7 +110,7 @@ def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
 
 
 def steps_dataset(result: Any) -> Any:
-    """An xarray.Dataset of the scalars of the steps of a result, and of its fields."""
+    """Returns an xarray.Dataset of the scalars of the steps and the fields of a result."""
     units = (result.unit, result.get("stress_unit"))
     axes = ("step", "axis")
     columns = result.steps.items()
@@ -122,7 +122,7 @@ def steps_dataset(result: Any) -> Any:
 
 
 def steps_frame(result: Any, columns: Any) -> Any:
-    """The numbers of steps or states as a table of pandas; components of vectors have the axis behind their names."""
+    """Returns the numbers of steps or states as a pandas.DataFrame; vector components end in the name of the axis."""
     pandas = needed("pandas", "to_dataframe")
     units = (result.unit, result.get("stress_unit"))
     found: dict[str, Array] = {}
@@ -139,7 +139,7 @@ def steps_frame(result: Any, columns: Any) -> Any:
 
 
 def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:
-    """Numbers of steps against each other: filled points where x rises; hollow ones, a broken line where it falls."""
+    """Draws numbers of steps: filled points where x rises, hollow points and a dashed line where it falls."""
     ax = axes(ax)
     shown = []
     for name, values in (x, y):
@@ -147,7 +147,7 @@ def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> A
         label = name.replace("_", " ")
         shown.append((values * factor, label if unit == "1" else f"{label} ({unit})"))
     (along, x_label), (values, y_label) = shown
-    # The first step has no direction; it goes with the second. One that stays keeps the direction.
+    # The first step has no direction and takes the second one's. A step of zero length keeps the last direction.
     signs = np.sign(np.diff(along, prepend=along[:1]))
     for k in range(1, len(signs)):
         signs[k] = signs[k] or signs[k - 1]
@@ -219,7 +219,7 @@ def coordinates(surface: Surface) -> dict[str, Any]:
 
 
 def _columns(records: Sequence[Any], before: str = "") -> Iterator[tuple[str, list[Any]]]:
-    """The numbers of records as columns; parts of a part have its name before theirs."""
+    """Yields the numbers of records as columns; nested names are prefixed with the outer name."""
     for name, value in records[0].items():
         column = [record[name] for record in records]
         if isinstance(value, Record):
@@ -242,7 +242,7 @@ def dataset(contacts: Sequence[Contact]) -> Any:
 
 
 def frame(contacts: Sequence[Contact]) -> Any:
-    """The numbers of contacts as a table of pandas."""
+    """Returns the numbers of contacts as a pandas.DataFrame."""
     pandas = needed("pandas", "to_dataframe")
     columns = {name: values for name, values in _columns(contacts) if not isinstance(values[0], (list, dict))}
     found = pandas.DataFrame(columns)
@@ -251,7 +251,7 @@ def frame(contacts: Sequence[Contact]) -> Any:
 
 
 def _png(values: Array) -> bytes:
-    """A grey map, x to the right and y upwards, of at most 128 points along a side."""
+    """Returns a greyscale PNG, x to the right and y up, of fewer than 256 points along a side."""
     step = max(1, max(values.shape) // 128)
     part = values[::step, ::step]
     low, high = float(part.min()), float(part.max())
@@ -267,7 +267,7 @@ def _png(values: Array) -> bytes:
 
 
 def map_html(values: Array, caption: str) -> str:
-    """A small map; of a profile, the caption alone."""
+    """Returns a small map; only the caption for a profile."""
     if values.shape[1] == 1:
         return f"<p>{html.escape(caption)}</p>"
     image = f'<img width="128" src="data:image/png;base64,{base64.b64encode(_png(values)).decode()}">'
@@ -281,7 +281,7 @@ def table_html(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def grid(surface: Surface, fields: dict[str, Array]) -> Any:
-    """Fields as point data of a pyvista.ImageData, x fastest as VTK has it."""
+    """Returns a pyvista.ImageData with fields as point data, x fastest as in VTK."""
     pyvista = needed("pyvista", "to_pyvista")
     (lx, ly), (nx, ny) = surface.size, surface.n
     image = pyvista.ImageData(dimensions=(nx, ny, 1), spacing=(lx / nx, ly / ny, 1.0))

@@ -25,12 +25,12 @@ class Slide(Computed, StateFields):
     """Steady states of a surface that slides over a body.
 
     Attributes:
-        states: the numbers of the states, every load at every velocity, a `Record` of arrays [state], with the parts of
-            the residual as `residual_...`. Fields are NaN at states that were not reached.
+        states: numbers of the states, every load at every velocity, a `Record` of arrays [state]. The parts of the
+            residual are `residual_...`. Fields are NaN at states that were not reached.
         direction: unit vector of the velocity.
-        prony, moduli, relaxes, young_long_term, young_instantaneous: the relaxation of a viscoelastic body.
+        prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        surface, n, length, unit, rms_gradient, rms_height, e_star: the problem.
+        surface, n, length, unit, rms_gradient, rms_height, e_star: parameters of the problem.
 
     Example:
         >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
@@ -62,7 +62,7 @@ class Slide(Computed, StateFields):
         """Returns the numbers of the states as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
 
         Raises:
-            Error: no pandas.
+            Error: pandas is not installed.
 
         Example:
             >>> sliding.to_dataframe().shape[0]  # doctest: +SKIP
@@ -74,7 +74,7 @@ class Slide(Computed, StateFields):
 
 
 def _thermal(heat: Any) -> list[Any]:
-    """Conductivity and diffusivity of one body, or of two."""
+    """Checks conductivity and diffusivity of one or two bodies."""
     if isinstance(heat, str) or not isinstance(heat, Iterable):
         raise InputError(f"heat is {shown(heat)}; it must be two numbers, or four with those of the surface")
     entries = list(heat)
@@ -105,25 +105,25 @@ def slide(
     """Slides a surface steadily over a body: friction by hysteresis, area, gap and flash temperature against velocity.
 
     Args:
-        surface: as of `contact`.
-        body: a viscoelastic body, `Body(prony=...)`; with `heat` also an elastic one.
-        velocity: velocities of the surface relative to the body, length over the unit of the relaxation times and of
-            the diffusivity; a number or a sequence.
+        surface: as in `contact`.
+        body: a viscoelastic body, `Body(prony=...)`; with `heat` also an elastic body.
+        velocity: velocities of the surface relative to the body, a number or a sequence; length divided by the time
+            unit of relaxation times and diffusivity.
         mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses
-            and lengths may be texts with a unit, such as "1MPa", if the surface has one.
+            and lengths may be strings with a unit, such as "1MPa", if the surface has one.
         direction: direction of the velocity, degrees from x.
-        heat: conductivity and diffusivity of the body, then those of the surface if it shares the heat: two or four
-            numbers, or texts with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
-        friction: coefficient of friction of the interface, which makes the heat friction * pressure * velocity; needed
+        heat: conductivity and diffusivity of the body, then of the surface if it shares the heat: two or four numbers,
+            or strings with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
+        friction: coefficient of friction of the interface, for the heat source friction * pressure * velocity; required
             with `heat`.
-        stress_unit: unit of stresses given without one, as of `contact`.
-        tolerance, max_iterations: of each state, as of `contact`.
+        stress_unit: unit of stresses given without one, as in `contact`.
+        tolerance, max_iterations: limits for each state, as in `contact`.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd slide --out`; as `save`, but the name is checked before
-            the first step.
+        out: HDF5 file to write, as with `gfmd slide --out`. Unlike in `save`, its name is checked before the first
+            state.
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
+        InputError: invalid arguments; nothing was computed.
         NotConverged, Interrupted: `.state` is the Slide so far.
 
     Example:

@@ -22,18 +22,17 @@ from ._load import of_load
 from ._record import parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
 
-# The problem of a surface that is in use, and what it was made for.
+# Last problem of each surface in use, with its inputs.
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
-# The loads, and options, by the keys that they have in a file.
-# The kinds of their quantities.
+# Kinds of the loads; keys of loads and options in a file.
 _LOADS = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
 _KEYS = {"mean_pressure": "pressure", "p_star": "p_star", "approach": "displacement"}
 _OPTIONS: dict[str, tuple[str, Any]] = {"tolerance": ("tol", number), "max_iterations": ("max_iter", integer)}
 
 
 class _Setup:
-    """A surface against a body: the description of the problem, and the problem that it poses."""
+    """The checked description of a contact problem, and the native problem."""
 
     def __init__(
         self,
@@ -68,14 +67,14 @@ class _Setup:
             raise InputError("range_continuation and start are both given; give one of the two")
         self.problem = self._posed(problem, arrays)
         self.settings = Settings(parsed(self.problem.description), arrays, self.lower_surface)
-        # In the units of the problem, as a file has them.
+        # In the units of the problem, as in a file.
         self.body = body_of(self.settings.description)
         if texts(self.law.parameters.values()) or texts(self.law.table):
             self.law = law_of(self.settings.description)
         self.start = None if start is None else self._state(start)
 
     def _posed(self, problem: dict[str, Any], arrays: dict[str, Array]) -> Any:
-        """The spectrum of the surface and the tables of the body, from the last contact if the problem was the same."""
+        """Returns the native problem, from the last contact of the surface if its inputs were the same."""
         asked = (problem, {name: values.tobytes() for name, values in arrays.items()})
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
@@ -101,7 +100,7 @@ class _Setup:
         return self.problem.recall(start._fields, start.approach) if start._state is None else start._state
 
     def values(self, control: str, given: list[Quantity]) -> list[float]:
-        """The loads in the units of the problem, of which each has its sign right."""
+        """Converts the loads to the units of the problem and checks their signs."""
         found = [
             self.problem.value(control, value, _LOADS[control]) if isinstance(value, str) else value for value in given
         ]
@@ -115,7 +114,7 @@ class _Setup:
             raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
 
     def tell(self, done: list[Contact], control: str, values: list[float]) -> None:
-        """Warns of slopes and strains that are not small, and of units that are mixed up."""
+        """Warns about slopes and strains that are not small, and about units that seem mixed up."""
         slopes = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
         strain = self.problem.strain(max((contact.displacement for contact in done), default=0.0))
         for doubt in [*self.problem.doubts(_KEYS[control], max(values)), slopes, strain]:
@@ -123,7 +122,7 @@ class _Setup:
                 warned(doubt)
 
     def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
-        """The contact under one load, from a state, or as the options ask."""
+        """Solves the contact under one load, from a state, or from the start set by the options."""
         key = _KEYS[control]
         state, record, failure, raised = self.problem.solve(key, value, start, self.threads, progress.tick)
         parts = (self.surface, self.body, self.law)
@@ -139,19 +138,19 @@ class _Setup:
 
 
 def texts(value: Any) -> bool:
-    """True if there is a quantity with a unit among arguments."""
+    """Returns True if any argument is a quantity with a unit."""
     if isinstance(value, str):
         return True
     return isinstance(value, Iterable) and any(texts(entry) for entry in value)
 
 
 def _name(key: str) -> str:
-    """The name of an option, by the key that it has in a file."""
+    """Returns the name of an option from its key in a file."""
     return next((name for name, (of, _) in _OPTIONS.items() if of == key), key)
 
 
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
-    """The options by their keys, as a description has them."""
+    """Checks the options and returns them by their keys in a file."""
     found = {}
     for name, value in options.items():
         key, checked = _OPTIONS.get(name, (name, plain))
@@ -161,7 +160,7 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
-    """The load that is given, of a call whose other options exist."""
+    """Returns the name and value of the load; refuses unknown options and more than one load."""
     allowed = [
         *(
             _name(key)
@@ -225,51 +224,48 @@ def contact(
     start: Optional[Contact] = None,
     **options: Any,
 ) -> Any:
-    """Presses a rigid surface on an elastic body: the contact at rest under one load, or the contacts under several.
+    """Presses a rigid surface on an elastic body. Returns the contact at rest under one load, or several contacts.
 
     Args:
         surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
         body: the elastic body.
-        mean_pressure: mean pressure over the whole surface, stress (with free boundaries the force over the area), or a
-            text with a unit, such as "1MPa", if the surface has one; or
-        p_star: mean pressure over E* times the rms gradient; or
-        approach: rigid approach beyond first touch, length, or a text with a unit. A sequence of loads gives the
-            `Contacts` of `contacts`, each started from the last.
-        boundary: "periodic", the default, or "free": the surface is a patch on an unbounded half-space, slab or stack
-            of layers; its rms gradient is that of differences, and the approach that against points far away.
-        law: what acts across the gap (`gfmd.law`); a hard wall by default.
-        hardness: largest pressure, stress, of a hard wall, a number or an array of the shape of the heights; where it
-            is reached the surfaces are pressed into each other.
-        components: the components of the surface displacement that are unknown, of a hard wall: "normal" (u_z; u_x and
-            u_y follow from the pressure), the default, "all" (all are moved by damped dynamics, under a mean pressure;
-            the same u_z at a higher cost), or "held" (u_z, with u_x and u_y held at zero).
-        finite_slope: points of the body meet the height at their displaced place, and pressures act along the normal of
-            the surface (a hard wall with periodic boundaries, one body, no hardness).
+        mean_pressure: mean pressure over the whole surface, stress (with free boundaries, force divided by area), or a
+            string with a unit, such as "1MPa", if the surface has one; or
+        p_star: mean pressure divided by E* and by the rms gradient; or
+        approach: rigid approach beyond first touch, length, or a string with a unit. A sequence of loads returns
+            `Contacts`, as `contacts` does, each started from the last.
+        boundary: "periodic" (default) or "free": the surface is a patch on an unbounded half-space, slab or stack of
+            layers. Its rms gradient is then computed from differences, and the approach is relative to points far away.
+        law: law of adhesion or cohesion across the gap (`gfmd.law`); a hard wall by default.
+        hardness: largest pressure of a hard wall, stress, a number or an array of the shape of the heights. Where it is
+            reached, the surfaces are pressed into each other.
+        components: unknown components of the surface displacement, with a hard wall: "normal" (default: u_z; u_x and
+            u_y follow from the pressure), "all" (u_x, u_y, u_z by damped dynamics, under a mean pressure; the same u_z
+            at a higher cost), or "held" (u_z, with u_x and u_y held at zero).
+        finite_slope: points of the body meet the height at their displaced position, and pressures act along the normal
+            of the surface (a hard wall with periodic boundaries, one body, no hardness).
         lower_surface: heights [nx, ny] of a second rigid surface below a slab, in place of its base, peaks towards the
             slab: a Surface with the points, cell and unit of the upper one, or an array. It may be flat.
-        coarse: solve a law whose process zone is narrower than a tenth of a grid step, too: single points jump.
-        range_continuation: start from the states of 8, 4 and 2 times the range of the law with the same work, one after
+        coarse: also solve a law with a process zone narrower than a tenth of a grid step, where single points jump.
+        range_continuation: start from the states for 8, 4 and 2 times the range of the law at the same work, one after
             the other. Their iterations are not counted.
-        grid_error: way in which the error of the numbers by the finite grid is found: "estimate" (from the solution,
-            the default), "refine" (from a second one on twice as many points along each side, at five times the cost),
-            or "none".
-        accuracy: largest relative error (95 %) that every number may have by the grid, such as 0.01 or "1%": the
-            surface is made finer until all are that exact, and the contact is that of the finer surface.
-        solver: a name of docs/solvers.md; "auto" by default.
-        tolerance: largest residual, 1e-15 to 0.1; 1e-8 by default.
-        max_iterations: iterations after which the search is given up; 100000 by default.
+        grid_error: source of the grid error of the numbers: "estimate" (default, from the solution itself), "refine"
+            (from a second solution with twice as many points along each side, at five times the cost), or "none".
+        accuracy: largest allowed relative grid error (95 %) of every number, such as 0.01 or "1%". The surface is
+            refined until all numbers meet it; the contact is computed on the refined surface.
+        solver: a name in docs/solvers.md; "auto" by default.
+        tolerance: largest allowed residual, 1e-15 to 0.1; 1e-8 by default.
+        max_iterations: largest number of iterations; 100000 by default.
         threads: number of threads; all cores by default. Results do not depend on it.
-        start: a contact of the same surface to start from, such as that of a smaller load, an interrupted one, or one
-            from a file.
-        options: further options of `gfmd contact` that pose a problem, by the names of their flags, such as `dt`,
-            `damping`, `base_displacement` and `base_traction`, numbers, texts or arrays; and `stress_unit`, the unit of
-            stresses given without one (Pa by default if a stress has a unit).
+        start: a contact of the same surface to start from, for example at a smaller load, interrupted, or from a file.
+        options: further options of `gfmd contact` for the problem, by the names of their flags, such as `dt`,
+            `damping`, `base_displacement` and `base_traction`: numbers, strings or arrays. Also `stress_unit`, the unit
+            of stresses given without one (Pa by default if a stress has a unit).
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
-        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact as far as it came. Of
-            an accuracy that needs a grid which does not fit into the memory, `.state` is the contact on the last one
-            that did.
+        InputError: invalid arguments; nothing was computed.
+        NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact so far. If `accuracy`
+            needs a grid that does not fit into memory, `.state` is the contact on the last grid that did.
         Interrupted: Ctrl-C; `.state` as above.
 
     Example:
@@ -313,14 +309,14 @@ def contact(
 
 
 def _of_stress(control: str, loads: list[Quantity]) -> list[Quantity]:
-    """The loads that are stresses with a unit."""
+    """Returns the loads that are stresses with a unit."""
     return [load for load in loads if isinstance(load, str) and _LOADS[control] == "stress"]
 
 
 def _accurate(
     accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[Quantity]], options: dict[str, Any]
 ) -> list[Contact]:
-    """The contacts on the grid on which all their numbers are that exact."""
+    """Solves the contacts on the grid where all their numbers meet `accuracy`."""
     (control, values), (surface, body) = loads, (as_surface(pair[0]), pair[1])
     if options.get("start") is not None or options.get("grid_error") not in (None, "estimate"):
         raise InputError(
@@ -350,16 +346,16 @@ def contacts(
     approach: Any = None,
     **options: Any,
 ) -> Contacts:
-    """Contacts under several loads, one after the other, each started from the last.
+    """Solves contacts under several loads, one after the other, each started from the last.
 
     Args:
-        surface, body: as of `contact`.
+        surface, body: as in `contact`.
         mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
-        options: the rest as of `contact`; `start` and `range_continuation` are those of the first load.
+        options: further arguments of `contact`; `start` and `range_continuation` apply to the first load.
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
-        NotConverged, Interrupted: `.state` is the Contacts so far, of which the last has not converged.
+        InputError: invalid arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Contacts so far; the last contact in it has not converged.
 
     Example:
         >>> cs = gfmd.contacts(gfmd.self_affine(n=64), gfmd.Body(), p_star=[0.01, 0.05, 0.2])

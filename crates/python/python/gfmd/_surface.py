@@ -1,4 +1,4 @@
-"""Rough surfaces: generated, given as arrays, read from files."""
+"""Rough surfaces: generated, from arrays, or from files."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from ._record import Record, by_name, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
-# The continuation of a surface beyond its edges; by default that of the surface itself.
+# Continuation of a surface beyond its edges; None for the one of the surface itself.
 Boundary = Optional[Literal["periodic", "free"]]
 
 
 class Statistics(SurfaceNumbers):
-    """The numbers of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
+    """Statistics of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
 
-    Height parameters of ISO 25178 (Sa, Sp, Sv, Ssk, Sku, Sdr) count from the mean height, without filter; Sq is
+    Height parameters of ISO 25178 (Sa, Sp, Sv, Ssk, Sku, Sdr) are relative to the mean height, without filter; Sq is
     `rms_height`, Sz is `peak_to_valley`. Gradients, curvatures and moments come from the spectrum; names that end in
     `_inside` come from differences without the periodic seam.
 
     Attributes:
         n, length: points and lengths along x and y.
-        undefined: the reasons why numbers are NaN, by name; there only if one is.
+        undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
 
     Example:
         >>> round(s.statistics().nayak, 1)
@@ -43,7 +43,7 @@ class Statistics(SurfaceNumbers):
 
 
 class _Origin(NamedTuple):
-    """Where heights come from: in words, and what their file says; and if they are known to repeat."""
+    """Origin of heights: a description, metadata of the file, and True if the heights are known to repeat."""
 
     description: str
     file: dict[str, Any]
@@ -54,23 +54,23 @@ class _Origin(NamedTuple):
 
 
 class Surface:
-    """Heights of the rigid surface in a periodic cell. A surface does not change: methods return new ones.
+    """Heights of the rigid surface in a periodic cell. A surface is immutable: methods return new surfaces.
 
     The heights are [x, y], with the peaks towards the body: the highest point touches first. A 1-D array is a profile
     (plane strain), kept as [n, 1].
 
     Args:
         heights: array of shape [nx, ny] or [n] of finite numbers (any real type, order or layout; it is copied once),
-            or a SurfaceTopography object, whose size and unit are taken over.
-        size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. One length is that along x,
-            and the points are as far apart along y.
+            or a SurfaceTopography object, with its size and unit.
+        size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. L alone is the length along
+            x, and the spacing along y is the same as along x.
         unit: the unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may
-            be texts with theirs.
-        fill: heights for undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points)
-            or "nearest"; None refuses them.
+            be strings with units.
+        fill: method to fill undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined
+            points) or "nearest"; None refuses them.
 
     Raises:
-        InputError: another shape or type, undefined or infinite points, a size that is not positive.
+        InputError: an invalid shape or type, undefined or infinite points, a size that is not positive.
 
     Example:
         >>> gfmd.Surface([[0, 1], [1, 0]], size="100 um", unit="m")
@@ -132,7 +132,7 @@ class Surface:
         return np.array_equal(self._heights, other._heights)
 
     def __hash__(self) -> int:
-        # A few heights tell surfaces of one size apart: those that collide are compared point by point.
+        # A few heights distinguish most surfaces of one size; collisions are compared point by point.
         some = self._heights.ravel()[:: max(1, self._heights.size // 7)]
         return hash((self.n, self._size, self._unit, *some.tolist()))
 
@@ -153,48 +153,48 @@ class Surface:
     def size(self) -> tuple[float, float]:
         """Lengths of the cell along x and y, n times the spacing, in the unit of the heights.
 
-        The second one of a profile means nothing.
+        The second length is meaningless for a profile.
         """
         return self._size
 
     @property
     def unit(self) -> Optional[str]:
-        """The unit of heights and lengths, if it is known."""
+        """The unit of heights and lengths, if known."""
         return self._unit
 
     @property
     def is_periodic(self) -> bool:
-        """True if the origin of the heights (a spectrum, a mirror, a periodic Topography) tells that they repeat."""
+        """True if the heights are periodic by their origin (a spectrum, a mirror, a periodic Topography)."""
         return self._origin.periodic
 
     @property
     def description(self) -> str:
-        """The origin of the heights, and how they were prepared."""
+        """The origin of the heights and how they were prepared."""
         return self._origin.description
 
     @property
     def undefined(self) -> int:
-        """The number of points that had no height and were filled."""
+        """The number of undefined points that were filled."""
         return int(self._origin.file.get("undefined", 0))
 
     @property
     def format(self) -> Optional[str]:
-        """The name of the format of the file, the origin of the heights; None without a file."""
+        """The name of the format of the file; None if the heights do not come from a file."""
         return self._origin.file.get("format")
 
     @property
     def channel(self) -> Optional[str]:
-        """The name of the channel of the file that the heights are; None if the origin has no name."""
+        """The name of the channel of the heights in the file; None if it has no name."""
         return self._origin.file.get("channel")
 
     @property
     def channels(self) -> list[str]:
-        """The names of all height maps in the file, for `gfmd.read(name, channel)`; numbers of those without names."""
+        """The names of all height maps in the file, for `gfmd.read(name, channel)`; numbers for maps without a name."""
         return list(self._origin.file.get("channels", []))
 
     @property
     def details(self) -> dict[str, str]:
-        """What the file says of instrument and measurement, by name."""
+        """Metadata in the file about instrument and measurement, by name."""
         return dict(self._origin.file.get("details", {}))
 
     @property
@@ -208,14 +208,14 @@ class Surface:
         return float(self.statistics().rms_height)
 
     def statistics(self, *, fit_range: Optional[tuple[float, float]] = None) -> Statistics:
-        """The numbers of the surface: rms height, gradient and curvature, Nayak's parameter, Hurst exponent, cut-offs.
+        """Returns the statistics: rms height, gradient and curvature, Nayak's parameter, Hurst exponent, cut-offs.
 
         Args:
-            fit_range: (longest, shortest) wavelength of the fit of the Hurst exponent; from half of the cell to 4
+            fit_range: (longest, shortest) wavelength for the fit of the Hurst exponent; from half of the cell to 4
                 spacings by default.
 
         Raises:
-            InputError: a range without enough waves.
+            InputError: a range with too few waves.
 
         Example:
             >>> round(gfmd.self_affine(n=64, rms_gradient=0.3).statistics().rms_gradient, 12)
@@ -242,7 +242,7 @@ class Surface:
             unit: the unit of length, such as "um", "nm", "m".
 
         Raises:
-            InputError: a unit that is not known, a surface without one.
+            InputError: an unknown unit, a surface without a unit.
 
         Example:
             >>> gfmd.Surface([[0, 1], [1, 0]], size=(3, 3), unit="um").to_unit("nm")
@@ -254,18 +254,18 @@ class Surface:
         return _surface(heights, size, name, self._origin.after(f"in {name}"))
 
     def psd(self, *, window: Literal["none", "hann"] = "none") -> Record:
-        """Returns the radially averaged power spectral density of the heights: that of `gfmd surface --out FILE.h5`.
+        """Returns the radially averaged power spectral density of the heights, as in `gfmd surface --out FILE.h5`.
 
         Args:
             window: "hann" tapers the heights of a surface that is not periodic.
 
         Returns:
-            A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, of a profile
-            length^3), whose integral over all wave vectors is the mean square height; that of SurfaceTopography is (2
-            pi)^2 times it, of a profile 2 pi.
+            A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, or length^3
+            for a profile). The integral of `density` over all wave vectors is the mean square height. The density of
+            SurfaceTopography is larger by the factor (2 pi)^2, for a profile 2 pi.
 
         Raises:
-            InputError: another window.
+            InputError: an unknown window.
 
         Example:
             >>> s.psd().density.shape == s.psd().wavenumber.shape
@@ -277,22 +277,22 @@ class Surface:
         return Record({"wavenumber": frozen(np.array(wavenumber)), "density": frozen(np.array(density))})
 
     def autocorrelation(self, *, boundary: Boundary = None) -> Record:
-        """Returns the autocorrelation of the heights: that of `gfmd surface --statistics`.
+        """Returns the autocorrelation of the heights, as in `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" takes the mean over all points, "free" over the pairs of points inside; as
-                `is_periodic` says by default.
+            boundary: "periodic" averages over all points, "free" over the pairs of points inside; by default according
+                to `is_periodic`.
 
         Returns:
-            A `Record` of `radial` (mean over rings), `x` and, but of a profile, `y`, each with the arrays `distance`
-            (length, up to half of the cell), `difference` (half of the mean square height difference, length², which
-            SurfaceTopography calls the autocorrelation) and `autocorrelation` (1 less the difference over the mean
-            square height, f_ACF of ISO 25178 for heights that repeat); `sal` (length) and `str`, Sal and Str of ISO
-            25178, NaN if there is none; `map`, the autocorrelation [x, y] at distances of up to half of the cell in
-            both directions, zero in the middle.
+            A `Record` of `radial` (mean over rings), `x` and, except for a profile, `y`, each with the arrays
+            `distance` (length, up to half of the cell), `difference` (half of the mean square height difference,
+            length², which SurfaceTopography calls the autocorrelation) and `autocorrelation` (1 minus the difference
+            divided by the mean square height, f_ACF of ISO 25178 for periodic heights); `sal` (length) and `str`, Sal
+            and Str of ISO 25178, NaN if undefined; `map`, the autocorrelation [x, y] at distances of up to half of the
+            cell in both directions, with distance zero in the middle.
 
         Raises:
-            InputError: another boundary.
+            InputError: an unknown boundary.
 
         Example:
             >>> a = s.autocorrelation()
@@ -307,21 +307,21 @@ class Surface:
         return Record({**found, "map": frozen(np.ascontiguousarray(relative))})
 
     def distributions(self, *, boundary: Boundary = None) -> Record:
-        """Returns the distributions of height, slope and curvature: those of `gfmd surface --statistics`.
+        """Returns the distributions of height, slope and curvature, as in `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as
-                `is_periodic` says by default.
+            boundary: "periodic" includes differences across the edges of the cell, "free" only differences inside; by
+                default according to `is_periodic`.
 
         Returns:
             A `Record` of `height` (above the mean, length), `slope_x`, `slope_y` (forward differences) and `curvature`
-            (central second differences, the mean of those along x and y, 1/length), without those whose values are all
-            equal. Each has the arrays `value` (middles of 100 bins, at most 6 standard deviations from the mean),
-            `density` (over all values) and `gaussian` (of the same mean and deviation), and the numbers `mean`,
-            `deviation`, `outside` (share of values beyond the bins).
+            (central second differences, averaged over x and y, 1/length). Quantities with a single value are left out.
+            Each has the arrays `value` (centres of 100 bins, at most 6 standard deviations from the mean), `density`
+            (over all values) and `gaussian` (with the same mean and deviation), and the numbers `mean`, `deviation`,
+            `outside` (share of values beyond the bins).
 
         Raises:
-            InputError: another boundary.
+            InputError: an unknown boundary.
 
         Example:
             >>> d = s.distributions().height
@@ -331,19 +331,19 @@ class Surface:
         return Record(self._texture("distributions", boundary)[0])
 
     def scale_dependence(self, *, boundary: Boundary = None) -> Record:
-        """Returns rms slope and curvature against the distance of measurement: those of `gfmd surface --statistics`.
+        """Returns rms slope and curvature against the measurement distance, as in `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" takes differences across the edges of the cell, too; "free" inside alone; as
-                `is_periodic` says by default.
+            boundary: "periodic" includes differences across the edges of the cell, "free" only differences inside; by
+                default according to `is_periodic`.
 
         Returns:
-            A `Record` of `slope_x`, `slope_y`, `curvature_x`, `curvature_y`, each with the arrays `distance` (length of
-            the difference between its outer points, as of `scale_dependent_statistical_property` of SurfaceTopography;
-            whole grid steps up to half of the side) and `slope`, or `curvature` (1/length).
+            A `Record` of `slope_x`, `slope_y`, `curvature_x`, `curvature_y`, each with the arrays `distance` (length
+            between the outer points of the difference, as in `scale_dependent_statistical_property` of
+            SurfaceTopography; whole grid steps up to half of the side) and `slope`, or `curvature` (1/length).
 
         Raises:
-            InputError: another boundary.
+            InputError: an unknown boundary.
 
         Example:
             >>> found = s.scale_dependence()
@@ -353,12 +353,12 @@ class Surface:
         return Record(self._texture("scale_dependence", boundary)[0])
 
     def bearing_curve(self) -> Record:
-        """Returns the bearing curve of Abbott and Firestone and its parameters: those of `gfmd surface --statistics`.
+        """Returns the Abbott-Firestone bearing curve and its parameters, as in `gfmd surface --statistics`.
 
         Returns:
             A `Record` of the arrays `ratio` (material ratio, the share of points at or above a height) and `height`
             (above the mean, length), and of `sk`, `spk`, `svk` (length), `smr1`, `smr2`, the parameters Sk to Smr2 of
-            ISO 25178; NaN of a flat surface.
+            ISO 25178; NaN for a flat surface.
 
         Example:
             >>> b = s.bearing_curve()
@@ -368,14 +368,14 @@ class Surface:
         return Record(self._texture("bearing_curve", None)[0])
 
     def report(self, path: Union[str, "os.PathLike[str]"], *, boundary: Boundary = None) -> None:
-        """Writes the page of HTML that `gfmd surface --report` makes: all numbers and figures of the surface.
+        """Writes the HTML page of `gfmd surface --report`: all numbers and figures of the surface.
 
         Args:
             path: the name of the page.
-            boundary: "periodic" or "free", as of `autocorrelation`.
+            boundary: "periodic" or "free", as in `autocorrelation`.
 
         Raises:
-            InputError: a page that cannot be written, another boundary.
+            InputError: a page that cannot be written, an unknown boundary.
 
         Example:
             >>> s.report("surface.html")
@@ -385,7 +385,7 @@ class Surface:
         _gfmd.surface_report(self._heights, self._size, words, way, _check.path("path", path))
 
     def _keeps(self, name: str, path: str) -> None:
-        """Refuses a file to be written that is the one from which the heights were read."""
+        """Refuses to overwrite the file that the heights were read from."""
         source = self._origin.file.get("path")
         if source is not None and os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
             raise InputError(f"{name} is {_check.shown(path)}; it must be another file than the input of the surface")
@@ -396,7 +396,7 @@ class Surface:
         return self.is_periodic if boundary is None else boundary == "periodic"
 
     def _texture(self, part: str, boundary: Boundary) -> tuple[dict[str, Any], Optional[Array]]:
-        """A function of the heights by its name, with arrays and NaN in place of lists and null."""
+        """Computes a function of the heights by name, with arrays and NaN in place of lists and null."""
         text, field = _gfmd.texture(self._heights, self._size, part, self._repeats(boundary))
 
         def reported(value: Any) -> Any:
@@ -409,14 +409,14 @@ class Surface:
         return {name: reported(value) for name, value in parsed(text)[part].items()}, field
 
     def detrend(self, trend: str = "plane") -> Surface:
-        """Returns a surface without its trend.
+        """Returns the surface without its trend.
 
         Args:
-            trend: "mean", "plane" (least squares), "slope" (the mean slope, which joins opposite edges on average) or
+            trend: "mean", "plane" (least squares), "slope" (the mean slope, so that opposite edges match on average) or
                 "quadratic" (least squares).
 
         Raises:
-            InputError: another name; fewer points than the trend has numbers.
+            InputError: an unknown name; fewer points than the trend has coefficients.
 
         Example:
             >>> tilted = gfmd.Surface(s.heights + 0.1 * np.arange(64)[:, np.newaxis])
@@ -430,10 +430,10 @@ class Surface:
         """Returns one period of a surface that is not periodic.
 
         Args:
-            way: "mirror" joins mirror images (four times the points, a profile twice); "as-is" changes nothing.
+            way: "mirror" joins mirror images (four times the points, twice for a profile); "as-is" changes nothing.
 
         Raises:
-            InputError: another name.
+            InputError: an unknown name.
 
         Example:
             >>> s.periodise().n
@@ -445,13 +445,13 @@ class Surface:
         )
 
     def finer(self, times: int = 2) -> Surface:
-        """Returns the surface on a finer grid of the same cell, with the heights of its waves between the points.
+        """Returns the surface on a finer grid of the same cell, with Fourier interpolation between the points.
 
         Args:
-            times: points along each side over those of this surface, 1 to 64.
+            times: factor for the number of points along each side, 1 to 64.
 
         Raises:
-            InputError: another number; more points than the memory holds.
+            InputError: a number out of range; more points than fit into memory.
 
         Example:
             >>> f = s.finer(2)
@@ -464,7 +464,7 @@ class Surface:
         )
 
     def flip(self) -> Surface:
-        """Returns the surface turned over: valleys become peaks. For scans whose peaks point away from the body.
+        """Returns the surface turned over: valleys become peaks. For scans with peaks that point away from the body.
 
         Example:
             >>> np.array_equal(s.flip().heights, -s.heights)
@@ -481,18 +481,18 @@ class Surface:
     ) -> Surface:
         """Returns the composite of two rough surfaces face to face: its contact with a smooth body has their gaps.
 
-        Both heights are given at the same places of one plane, each with its peaks towards the other surface. Heights
-        of a scan taken from above are mirrored when the sample is turned over: `heights[::-1]`.
+        Both heights are given at the same positions in one plane, each with its peaks towards the other surface.
+        Heights of a scan taken from above are mirrored when the sample is turned over: `heights[::-1]`.
 
         Args:
-            other: the second surface, of the same points and size; an array has the size of this surface.
-            shift: displacement of the second surface, X or (X, Y), length. Parts of a grid step move the interpolation
-                by waves.
-            boundary: "periodic", or "free" for surfaces that do not repeat: the shift is of whole grid steps, and the
-                part in common stays.
+            other: the second surface, of the same points and size; an array takes the size of this surface.
+            shift: displacement of the second surface, X or (X, Y), length. Fractions of a grid step use Fourier
+                interpolation.
+            boundary: "periodic", or "free" for surfaces that do not repeat: the shift is a multiple of the grid step,
+                and only the overlap is kept.
 
         Raises:
-            InputError: other points, another size or unit; a shift that the boundary does not allow.
+            InputError: a different number of points, size or unit; a shift that the boundary does not allow.
 
         Example:
             >>> other = gfmd.self_affine(n=64, seed=2)
@@ -524,7 +524,7 @@ class Surface:
             ax: the axes to draw into; new ones by default.
 
         Raises:
-            Error: no matplotlib.
+            Error: matplotlib is not installed.
 
         Example:
             >>> ax = s.plot()
@@ -534,10 +534,10 @@ class Surface:
         return _show.field(self._heights, self, "height", ax)
 
     def to_pyvista(self) -> Any:
-        """Returns a pyvista.ImageData of the heights [x, y] as point data; `.warp_by_scalar()` makes a relief.
+        """Returns a pyvista.ImageData with the heights [x, y] as point data; `.warp_by_scalar()` makes a relief.
 
         Raises:
-            Error: no pyvista.
+            Error: pyvista is not installed.
 
         Example:
             >>> s.to_pyvista().dimensions  # doctest: +SKIP
@@ -576,7 +576,7 @@ def _filled(description: str, undefined: int, fill: Optional[str]) -> str:
 
 
 def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
-    """Heights, size and unit of a SurfaceTopography object."""
+    """Returns heights, size and unit of a SurfaceTopography object."""
     for name, wanted in (("is_uniform", True), ("is_domain_decomposed", False)):
         if getattr(topography, name, wanted) is not wanted:
             words = "not at equal distances" if wanted else "spread over several processes"
@@ -593,7 +593,7 @@ def as_surface(value: Any) -> Surface:
 
 
 def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
-    """A surface below the slab, on the points of the upper one. An array has the cell of the upper one."""
+    """Checks the surface below the slab, on the points of the upper one. An array takes the upper cell."""
     if value is None:
         return None
     lower = (
@@ -611,7 +611,7 @@ def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
 
 
 def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
-    """A hardness, one or that of each point."""
+    """Checks a hardness, a number or an array [x, y]."""
     if value is None or np.ndim(value) == 0:
         return None if value is None else quantity("hardness", value, "stress")
     field = np.array(value, dtype=np.float64)
@@ -643,27 +643,27 @@ def self_affine(
     roll_off_shape: str = "plateau",
     amplitudes: str = "gaussian",
 ) -> Surface:
-    """A periodic self-affine surface from its spectrum and a seed; the surface of `gfmd surface` with the same numbers.
+    """Generates a periodic self-affine surface from its spectrum and a seed, as `gfmd surface` does.
 
     Args:
-        n: points along a side, or (nx, ny); 256 by default, or as `eps_c_inv` says.
+        n: number of points along a side, or (nx, ny); 256 by default, or set by `eps_c_inv`.
         hurst: Hurst exponent, 0 to 1.
         rms_gradient: root mean square of the full gradient, 0.1 by default; or
         rms_height: root mean square of the heights, length.
-        seed: name of the realisation, below 2**63: one seed gives one surface on any grid.
+        seed: number of the realisation, below 2**63; the same seed gives the same surface on any grid.
         size: lengths of the cell, L or (Lx, Ly); 1 by default.
-        unit: the unit of heights and lengths, such as "um"; then lengths may be texts with a unit.
-        eps_t_inv: cell over longest wavelength, at least 1; 2 by default.
-        eps_f_inv: longest over shortest wavelength; by default 4 points are left for the shortest.
+        unit: the unit of heights and lengths, such as "um"; then lengths may be strings with a unit.
+        eps_t_inv: cell length divided by longest wavelength, at least 1; 2 by default.
+        eps_f_inv: longest divided by shortest wavelength; by default the shortest one has 4 points.
         eps_c_inv: points per shortest wavelength, at least 2, in place of `n`.
         dim: 3 for a surface, 2 for a profile.
-        method: "psd", or "sra", "rmd" (subdivision, not periodic).
+        method: "psd", or "sra" or "rmd" (subdivision, not periodic).
         roll_off: wavelength beyond which the spectrum is flat, length.
         roll_off_shape: "plateau" or "smooth".
         amplitudes: "gaussian", or "fixed" (random phases only).
 
     Raises:
-        InputError: a value out of its range, values that do not go together.
+        InputError: a value out of range, incompatible values.
 
     Example:
         >>> s = gfmd.self_affine(n=64, hurst=0.8, rms_gradient=0.1, seed=1)
@@ -711,18 +711,17 @@ def read(
     size: Size = None,
     unit: Optional[str] = None,
 ) -> Surface:
-    """Reads a surface from a file: every format that `gfmd surface --surface` reads, told by the contents of the file.
+    """Reads a surface from a file, in any format of `gfmd surface --surface`, detected from the contents.
 
     Args:
         name: a file of an instrument or a program (docs/formats.md), or "FILE.h5:/dataset".
-        channel: name or number, from 0, of the height map in the file; the default of the file if not given.
-        fill: heights for undefined points, "harmonic" or "nearest", as of `Surface`; None refuses them.
-        size: lengths of the cell; those of the file by default, or 1.
-        unit: unit of heights and lengths, into which those of a file with another one are converted; that of the file
-            by default.
+        channel: name or number, from 0, of the height map in the file; by default the default of the file.
+        fill: method to fill undefined points, "harmonic" or "nearest", as in `Surface`; None refuses them.
+        size: lengths of the cell; by default as in the file, or 1.
+        unit: unit of heights and lengths; a file with another unit is converted. By default the unit of the file.
 
     Raises:
-        InputError: a file that cannot be read, a channel that it does not have, undefined points.
+        InputError: a file that cannot be read, a missing channel, undefined points.
 
     Example:
         >>> np.savetxt("scan.txt", [[0.0, 1.0, 0.5], [0.5, 0.0, 1.0]])
@@ -745,17 +744,17 @@ def read(
 def read_heights(
     name: Union[str, "os.PathLike[str]"], channel: Union[str, int, None] = None
 ) -> tuple[Array, Optional[tuple[float, float]], Optional[str]]:
-    """Reads the heights of a file as they are, NaN at undefined points, to cut a part without such points out.
+    """Reads the heights of a file unchanged, with NaN at undefined points, for example to cut out a part.
 
     Args:
-        name, channel: as of `read`.
+        name, channel: as in `read`.
 
     Returns:
-        The heights [x, y], the lengths of the whole map, n times the spacing, and the unit of both; None for what the
-        file does not say.
+        The heights [x, y], the lengths of the whole map (n times the spacing), and the unit of both; lengths and unit
+        are None if not in the file.
 
     Raises:
-        InputError: a file that cannot be read, a channel that it does not have.
+        InputError: a file that cannot be read, a missing channel.
 
     Example:
         >>> np.savetxt("scan.txt", [[0.0, 1.0, np.nan], [0.5, 0.0, 1.0]])
@@ -768,7 +767,7 @@ def read_heights(
 
 
 def _map(name: Any, channel: Any) -> tuple[str, Any]:
-    """The name of a file, and a height map in it."""
+    """Returns the checked name of a file and a height map in it."""
     path = _check.path("name", name)
     asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
     return path, _gfmd.read(path, None if asked is None else word("channel", asked))

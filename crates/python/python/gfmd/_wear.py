@@ -20,20 +20,20 @@ from ._surface import Surface, as_surface
 
 
 class Wear(Leaks, Computed, WearFields):
-    """A surface that slides on an elastic body, while both lose depth by Archard's law.
+    """A surface that slides on an elastic body while both wear by Archard's law.
 
     Attributes:
-        steps: the numbers of the steps, a `Record` of arrays [step]. Fields are at the ends of the legs; NaN at those
+        steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the ends of the legs; NaN at legs
             that were not reached.
-        coefficient: depth lost per distance, over the pressure, 1/stress.
-        dissipated: work of the pressure on the depth lost along the path, per area, stress * length.
-        dissipated_error: None, unless no distance is slid: compare with halved steps.
+        coefficient: wear depth per sliding distance, divided by the pressure, 1/stress.
+        dissipated: work of the pressure on the wear depth along the path, per area, stress * length.
+        dissipated_error: None, unless the sliding distance is zero; compare with halved steps instead.
         work_imbalance: sum of the imbalances of work and energy of the steps, stress * length.
-        wear_volume: mean depth lost at the end, length.
-        grid_error: the way in which the error of the grid was found: `mode`, `n`, `assumes`, `orders`.
-        undefined: the reasons why arrays of `steps` are NaN at some steps, by name.
+        wear_volume: mean wear depth at the end, length.
+        grid_error: how the grid error was found: `mode`, `n`, `assumes`, `orders`.
+        undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        surface, n, length, unit, rms_gradient, rms_height, e_star, law: the problem.
+        surface, n, length, unit, rms_gradient, rms_height, e_star, law: parameters of the problem.
 
     Example:
         >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
@@ -68,7 +68,7 @@ class Wear(Leaks, Computed, WearFields):
         """Returns the numbers of the steps as a pandas.DataFrame with a row for each step; units in `attrs["units"]`.
 
         Raises:
-            Error: no pandas.
+            Error: pandas is not installed.
 
         Example:
             >>> worn.to_dataframe().shape[0]  # doctest: +SKIP
@@ -79,14 +79,14 @@ class Wear(Leaks, Computed, WearFields):
         return _show.steps_frame(self, self.steps)
 
     def plot(self, x: str = "distance", y: str = "area_fraction", ax: Any = None) -> Any:
-        """Draws one scalar of the steps against another, with matplotlib. Returns the axes.
+        """Draws one scalar of the steps against another with matplotlib. Returns the axes.
 
         Args:
             x, y: names of arrays in `steps`.
             ax: the axes to draw into; new ones by default.
 
         Raises:
-            InputError: another name. Error: no matplotlib.
+            InputError: an unknown name. Error: matplotlib is not installed.
 
         Example:
             >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
@@ -101,7 +101,7 @@ class Wear(Leaks, Computed, WearFields):
         """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
 
         Raises:
-            Error: no xarray.
+            Error: xarray is not installed.
 
         Example:
             >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
@@ -134,29 +134,28 @@ def wear(
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Wear:
-    """Wears a surface that slides on an elastic body, by Archard's law: running-in, worn shape, volume.
+    """Computes the wear of a surface that slides on an elastic body, by Archard's law: running-in, shape, volume.
 
     Args:
-        surface, body: as of `contact`.
-        coefficient: wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance,
-            over the pressure. It may be a text with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if the surface has
-            one.
-        distance: sliding distances of the legs, each of which ends at a waypoint, length: a number or a sequence. The
-            first leg begins at first touch; a leg of no distance is one step.
-        mean_pressure, p_star, approach: the waypoints of one of the three (stress, 1, length), a number or a sequence,
-            positive; as of `path`.
-        boundary: "periodic", or "free" as of `contact`.
-        stress_unit: unit of stresses given without one, as of `contact`.
-        grid_error: as of `path`.
-        flow: as of `path`.
-        steps: steps of a leg.
-        tolerance, max_iterations: of each step, as of `contact`.
+        surface, body: as in `contact`.
+        coefficient: wear coefficient of both surfaces together, divided by the hardness, 1/stress: wear depth per
+            sliding distance and pressure. It may be a string with a unit, such as "1e-15 1/Pa" or "1e-6 mm^3/N/m", if
+            the surface has one.
+        distance: sliding distances of the legs, length: a number or a sequence. Each leg ends at a waypoint. The first
+            leg begins at first touch; a leg of zero distance is one step.
+        mean_pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence,
+            positive; as in `path`.
+        boundary: "periodic", or "free" as in `contact`.
+        stress_unit: unit of stresses given without one, as in `contact`.
+        grid_error: as in `path`.
+        flow: as in `path`.
+        steps: number of steps of a leg.
+        tolerance, max_iterations: limits for each step, as in `contact`.
         threads: number of threads; all cores by default.
-        out: name of an HDF5 file for the result, that of `gfmd wear --out`; as `save`, but the name is checked before
-            the first step.
+        out: HDF5 file to write, as with `gfmd wear --out`. Unlike in `save`, its name is checked before the first step.
 
     Raises:
-        InputError: unusable arguments; nothing was computed.
+        InputError: invalid arguments; nothing was computed.
         NotConverged, Interrupted: `.state` is the Wear so far.
 
     Example:

@@ -1,4 +1,4 @@
-"""The contact as a function of JAX, with derivatives by heights and load, also inside of `jax.jit`. Needs jax."""
+"""The contact as a JAX function, differentiable by heights and load, also inside `jax.jit`. Needs jax."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ def contact(
     size: Any = None,
     **options: Any,
 ) -> Outputs:
-    """The contact of a rigid surface with an elastic body: fields and numbers are arrays with derivatives.
+    """Solves the contact of a rigid surface with an elastic body: fields and numbers are differentiable arrays.
 
     Args:
-        heights: heights [x, y] or [x], length, peaks towards the body. They should be of float64 (`jax_enable_x64`).
+        heights: heights [x, y] or [x], length, peaks towards the body. They should be float64 (`jax_enable_x64`).
         body: the elastic body.
-        mean_pressure, approach: the load, one of the two, a number or an array without axes.
-        size: lengths of the cell, as of `gfmd.Surface`.
-        options: the rest as of `gfmd.contact`.
+        mean_pressure, approach: the load, one of the two, a number or a 0-D array.
+        size: lengths of the cell, as in `gfmd.Surface`.
+        options: further arguments of `gfmd.contact`.
 
     Raises:
-        InputError: as `gfmd.contact` and `Contact.vjp`.
+        InputError: as in `gfmd.contact` and `Contact.vjp`.
     """
     control, load = controlled(mean_pressure, approach)
     surface = jnp.asarray(heights)
@@ -44,7 +44,7 @@ def contact(
     kept: dict[bytes, Contact] = {}
 
     def solved(heights: Any, load: Any) -> Contact:
-        """The contact, that of the last call if it is the same."""
+        """Solves the contact, or returns the last one for the same arguments."""
         key = np.asarray(heights).tobytes() + np.asarray(load).tobytes()
         if key not in kept:
             kept.clear()

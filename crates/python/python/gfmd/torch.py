@@ -1,4 +1,4 @@
-"""The contact as a function of PyTorch, with derivatives by heights and load. Needs the package torch."""
+"""The contact as a PyTorch function, differentiable by heights and load. Needs torch."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ def contact(
     size: Any = None,
     **options: Any,
 ) -> Outputs:
-    """The contact of a rigid surface with an elastic body: fields and numbers are tensors with derivatives.
+    """Solves the contact of a rigid surface with an elastic body: fields and numbers are differentiable tensors.
 
     Args:
-        heights: heights [x, y] or [x], length, peaks towards the body, a tensor. It should be of float64.
+        heights: heights [x, y] or [x], length, peaks towards the body, a tensor. It should be float64.
         body: the elastic body.
-        mean_pressure, approach: the load, one of the two, a number or a tensor without axes.
-        size: lengths of the cell, as of `gfmd.Surface`.
-        options: the rest as of `gfmd.contact`.
+        mean_pressure, approach: the load, one of the two, a number or a 0-D tensor.
+        size: lengths of the cell, as in `gfmd.Surface`.
+        options: further arguments of `gfmd.contact`.
 
     Raises:
-        InputError: as `gfmd.contact` and `Contact.vjp`.
+        InputError: as in `gfmd.contact` and `Contact.vjp`.
     """
     control, load = controlled(mean_pressure, approach)
     given = torch.as_tensor(load, dtype=heights.dtype, device=heights.device)
