@@ -188,7 +188,8 @@ impl Subject<'_> {
                 }
                 @match value("sal") {
                     sal if sal.is_finite() => {
-                        "The autocorrelation falls to 0.2 within " (self.shown(sal, "length")) " (" i { "S" } sub { "al" } ")."
+                        "The autocorrelation falls to 0.2 within " (self.shown(sal, "length"))
+                        " (" i { "S" } sub { "al" } ")."
                     }
                     _ => {
                         "The autocorrelation does not fall to 0.2 within half of the cell: the surface has no "
