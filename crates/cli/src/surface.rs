@@ -470,7 +470,7 @@ impl Report {
         Ok(output.write(|file| file.write_all(text.as_bytes()))?)
     }
 
-    /// Returns all numbers but those of the distributions, which a table cannot name.
+    /// Returns all numbers except the numbers of distributions, which a table cannot name.
     fn listed(&self) -> Vec<Number> {
         let own = ["sal", "str", "sk", "spk", "svk", "smr1", "smr2"];
         let of_curves = self.curves.iter().flat_map(Curves::numbers).filter(|number| own.contains(&number.name));

@@ -107,7 +107,7 @@ proptest! {
         for ((found, expected), held) in solution.traction.iter().zip(&t).zip(&held) {
             prop_assert!((found - expected).abs() <= if *held { 1e-8 } else { 0.0 }, "{} {}", found, expected);
         }
-        // The residual is relative to what the traction on free entries alone leaves at the held ones, which cancels in u.
+        // The residual is relative to the displacement that the free traction alone leaves at held entries.
         let free = Zip::from(&held).and(&t).map_collect(|held, t| if *held { 0.0 } else { *t });
         let left = Zip::from(&held).and(&u).and(&displacement(&response, &free)).map_collect(|held, u, alone| {
             if *held { u - alone } else { 0.0 }

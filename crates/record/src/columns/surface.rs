@@ -14,7 +14,7 @@ pub struct Surface;
 /// Features of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceFacts {
-    /// True if the surface ends at its edges: moments are then those of differences inside.
+    /// True if the surface ends at its edges: moments then come from differences inside.
     pub free: bool,
 }
 
@@ -65,7 +65,7 @@ fn of_curvature(at: &SurfaceAt, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
     cell(of(&at.moments).filter(|value| !value.is_nan()), reason)
 }
 
-/// The same by differences inside.
+/// Returns a number with the fourth moment of differences inside.
 fn inside(at: &SurfaceAt, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
     let reason = if at.statistics.mean_square_laplacian_inside.is_none() { FEW } else { FLAT };
     cell(of(&at.statistics.moments_inside()).filter(|value| !value.is_nan()), reason)
