@@ -171,7 +171,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let cases = kinds.map(|(kind, count)| (0..count).map(move |number| Case::new(kind, number, args.first_seed)));
     let cases: Vec<Case> = cases.into_iter().flatten().collect();
     let progress = Progress::new(session.quiet, "surfaces", cases.len() as f64);
-    let folder = tempfile::tempdir().map_err(|error| Failure::Computation(error.to_string()))?;
+    let folder = tempfile::tempdir().map_err(|error| Failure::computation(error.to_string()))?;
     let of_surface = |case: Case| {
         let found = rows(&case, folder.path())?;
         progress.advance(1.0, &format!("seed {}", case.seed));
@@ -183,7 +183,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         let rows = surfaces.iter().flat_map(|(case, found)| found.iter().map(move |row| (case, row)));
         let line = |row: (&Case, &Row)| serde_json::to_string(&row).map(|line| line + "\n");
         let lines = rows.map(line).collect::<Result<String, _>>();
-        let lines = lines.map_err(|error| Failure::Computation(error.to_string()))?;
+        let lines = lines.map_err(|error| Failure::computation(error.to_string()))?;
         gfmd_files::replace(path, |file| std::io::Write::write_all(file, lines.as_bytes()))?;
     }
     let mut modes: BTreeMap<String, BTreeMap<String, BTreeMap<String, Coverage>>> = BTreeMap::new();
@@ -201,7 +201,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     all.for_each(Coverage::finish);
     let &Args { seeds, patches, alike, first_seed, .. } = args;
     let report = Report { seeds, patches, alike, first_seed, modes };
-    let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
+    let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
     Ok(report)
 }

@@ -247,27 +247,27 @@ impl Args {
 
     fn check(&self) -> Result<(), Failure> {
         let positive = |flag, values: &[f64]| match values.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
-            Some(bad) => Err(Failure::Input(format!("{flag} is {bad}; it must be positive and finite"))),
+            Some(bad) => Err(Failure::refused(format!("{flag} is {bad}; it must be positive and finite"))),
             None => Ok(()),
         };
         positive("--p-star", &self.p_star)?;
         if self.patience.is_some_and(|patience| !(patience > 0.0 && patience <= 1e7)) {
-            return Err(Failure::Input(format!(
+            return Err(Failure::refused(format!(
                 "--patience is {}; it must be above 0 and at most 1e7 s",
                 self.patience()
             )));
         }
         if !(1e-12..=1e-3).contains(&self.tol) {
-            return Err(Failure::Input(format!("--tol is {}; it must be between 1e-12 and 1e-3", self.tol)));
+            return Err(Failure::refused(format!("--tol is {}; it must be between 1e-12 and 1e-3", self.tol)));
         }
         if let Some(bad) = self.sizes.iter().find(|n| **n < 32) {
-            return Err(Failure::Input(format!("--sizes contains {bad}; each must be at least 32")));
+            return Err(Failure::refused(format!("--sizes contains {bad}; each must be at least 32")));
         }
         if self.repeats == 0 {
-            return Err(Failure::Input("--repeats is 0; it must be at least 1".into()));
+            return Err(Failure::refused("--repeats is 0; it must be at least 1"));
         }
         if self.thread_counts.contains(&0) {
-            return Err(Failure::Input("--thread-counts contains 0; each must be at least 1".into()));
+            return Err(Failure::refused("--thread-counts contains 0; each must be at least 1"));
         }
         let empty = [
             ("--sizes", self.sizes.is_empty()),
@@ -277,7 +277,7 @@ impl Args {
             ("--solvers", self.solvers.is_empty()),
         ];
         match empty.into_iter().find(|(_, empty)| *empty) {
-            Some((flag, _)) => Err(Failure::Input(format!("{flag} is empty; it must have at least one value"))),
+            Some((flag, _)) => Err(Failure::refused(format!("{flag} is empty; it must have at least one value"))),
             None => Ok(()),
         }
     }
@@ -370,7 +370,7 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let (possible, too_many): (Vec<usize>, Vec<usize>) = args.thread_counts.iter().partition(|t| **t <= cores);
     if possible.is_empty() {
-        return Err(Failure::Input(format!(
+        return Err(Failure::refused(format!(
             "--thread-counts is {too_many:?}; it must be between 1 and {cores} on this machine"
         )));
     }
@@ -422,7 +422,7 @@ fn work_folder() -> Result<PathBuf, Failure> {
     let build = program.as_deref().and_then(|file| file.parent()?.parent()).map(PathBuf::from);
     let folder = build.unwrap_or_else(|| "target".into()).join("bench-peers");
     let made = std::fs::create_dir_all(&folder);
-    made.map_err(|error| Failure::Computation(format!("{}: {error}", folder.display())))?;
+    made.map_err(|error| Failure::computation(format!("{}: {error}", folder.display())))?;
     Ok(folder)
 }
 
@@ -446,7 +446,7 @@ fn rough(points: usize, hurst: f64, seed: u64) -> Result<(Array2<f64>, f64), Fai
 fn problems(args: &Args, points: usize, hurst: f64, folder: &Path) -> Result<Vec<Problem>, Failure> {
     let (heights, rms_gradient) = rough(points, hurst, args.seed)?;
     let file = folder.join(format!("h-{points}-{hurst}.npy"));
-    write_npy(&file, &heights).map_err(|error| Failure::Computation(format!("{}: {error}", file.display())))?;
+    write_npy(&file, &heights).map_err(|error| Failure::computation(format!("{}: {error}", file.display())))?;
     let answer = args.contestants()[0].pressure_file(folder, 1);
     let load = |&p_star: &f64| {
         let mean_pressure = p_star * rms_gradient;

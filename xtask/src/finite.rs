@@ -148,7 +148,7 @@ fn numbers(load: &Value, height: f64) -> Option<[Known; 4]> {
 /// Returns the load and the area at which contacts of a surface percolate, averaged over both axes, starting between
 /// the loads of a ramp.
 fn percolation(surface: &str, ramp: &[Value]) -> Result<[Known; 2], Failure> {
-    let unknown = || Failure::Computation("contacts do not begin to percolate between the loads of the ramp".into());
+    let unknown = || Failure::computation("contacts do not begin to percolate between the loads of the ramp");
     let of_axis = |axis: usize| -> Result<[Known; 2], Failure> {
         let place = format!("/patches/percolates/{axis}");
         let percolates = |load: &Value| load.pointer(&place).and_then(Value::as_bool) == Some(true);
@@ -242,7 +242,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let kinds = kinds.map(of_kind).collect::<Result<_, Failure>>()?;
     let report = Report { first_seed: args.first_seed, kinds };
     progress.finish();
-    let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::Computation(error.to_string()))?;
+    let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
     Ok(report)
 }

@@ -57,7 +57,7 @@ impl Runs {
     /// Runs `gfmd COMMAND --json` once and returns its output. A search stopped by `--max-iter` has printed its state.
     fn run(&mut self, command: &str) -> Result<&Value, Failure> {
         if !self.reports.contains_key(command) {
-            let failed = |reason: String| Failure::Computation(format!("gfmd {command}: {reason}"));
+            let failed = |reason: String| Failure::computation(format!("gfmd {command}: {reason}"));
             let words = command.split_whitespace().map(|word| match word.strip_prefix("data/reference/") {
                 Some(name) => self.reference.join(name).into_os_string(),
                 None => word.into(),
@@ -91,7 +91,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let input = |path: &Path, error: std::io::Error| Failure::input(&path.display().to_string(), error);
     std::fs::create_dir_all(&args.out).map_err(|error| input(&args.out, error))?;
     let reference = args.reference.canonicalize().map_err(|error| input(&args.reference, error))?;
-    let failed = |error: std::io::Error| Failure::Computation(error.to_string());
+    let failed = |error: std::io::Error| Failure::computation(error.to_string());
     let program = std::env::current_exe().map_err(failed)?;
     let folder = tempfile::tempdir().map_err(failed)?;
     let mut runs = Runs { program, folder, reference, reports: BTreeMap::new() };
@@ -101,7 +101,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let mut written = Vec::new();
     for figure in &chosen {
         if session.is_interrupted() {
-            return Err(Failure::Interrupted(format!("interrupted at figure {}", figure.number)));
+            return Err(Failure::interrupted(format!("interrupted at figure {}", figure.number)));
         }
         written.extend(draw(figure, &mut runs, &args.out)?);
         progress.advance(1.0, figure.number);
@@ -134,7 +134,7 @@ fn draw(figure: &Figure, runs: &mut Runs, out: &Path) -> Result<Vec<PathBuf>, Fa
                 runs.run(picture.command)?;
                 let path = runs.folder.path().join(format!("{}.svg", picture.file));
                 let svg = std::fs::read(&path);
-                let svg = svg.map_err(|error| Failure::Computation(format!("{}: {error}", path.display())))?;
+                let svg = svg.map_err(|error| Failure::computation(format!("{}: {error}", path.display())))?;
                 keep(figure.file(picture.suffix), &svg)?;
             }
         }

@@ -115,7 +115,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     let written: Vec<PathBuf> = changed.iter().map(|(path, _)| path.clone()).collect();
     if args.check && !written.is_empty() {
         let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-        return Err(Failure::Computation(format!("{} is not what the summaries make; run results", names.join(", "))));
+        return Err(Failure::computation(format!("{} is not what the summaries make; run results", names.join(", "))));
     }
     for (path, text) in changed {
         gfmd_files::replace(&path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
@@ -126,7 +126,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
 /// Returns the page with a table in its place.
 pub(crate) fn filled(page: &str, name: &str, table: &str) -> Result<String, Failure> {
     let (start, end) = (format!("<!-- results: {name} -->\n"), "<!-- end -->");
-    let missing = || Failure::Input(format!("the page has no place for {name}; it must have {start:?} and {end:?}"));
+    let missing = || Failure::refused(format!("the page has no place for {name}; it must have {start:?} and {end:?}"));
     let (before, rest) = page.split_once(&start).ok_or_else(missing)?;
     let (_, after) = rest.split_once(end).ok_or_else(missing)?;
     Ok(format!("{before}{start}{table}{end}{after}"))

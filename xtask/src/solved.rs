@@ -19,13 +19,13 @@ struct Command {
 /// Flags that do not parse; a load that was not solved.
 pub fn contact(flags: &str) -> Result<Value, Failure> {
     let words = std::iter::once("contact").chain(flags.split_whitespace());
-    let command = Command::try_parse_from(words).map_err(|error| Failure::Input(error.to_string()))?;
+    let command = Command::try_parse_from(words).map_err(|error| Failure::refused(error.to_string()))?;
     let run = || contact::run(&command.contact, &Session::silent());
     let outcome = tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), run)?;
     if let Some(failure) = outcome.failure {
         return Err(failure);
     }
-    serde_json::to_value(&outcome.report).map_err(|error| Failure::Computation(error.to_string()))
+    serde_json::to_value(&outcome.report).map_err(|error| Failure::computation(error.to_string()))
 }
 
 /// Returns the loads of a report.

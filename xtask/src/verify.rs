@@ -67,13 +67,13 @@ pub struct CheckReport {
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let reference = args.reference.as_ref().map_or_else(Reference::default, Reference::new);
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
-        return Err(Failure::Input(format!("--write-docs is {}; it must be an existing folder", folder.display())));
+        return Err(Failure::refused(format!("--write-docs is {}; it must be an existing folder", folder.display())));
     }
     let progress = Progress::new(session.quiet, "topics", TOPICS.len() as f64);
     let mut topics = Vec::new();
     for topic in &TOPICS {
         if session.is_interrupted() {
-            return Err(Failure::Interrupted("interrupted; no results were kept".into()));
+            return Err(Failure::interrupted("interrupted; no results were kept"));
         }
         topics.push(TopicReport::of(topic, &reference)?);
         progress.advance(1.0, topic.title);
@@ -86,7 +86,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         report.written = document::write(folder, &report, &reference)?;
     }
     let failure = (!failed.is_empty()).then(|| {
-        Failure::Computation(format!("{} of {} checks failed: {}", failed.len(), report.checks, failed.join("; ")))
+        Failure::computation(format!("{} of {} checks failed: {}", failed.len(), report.checks, failed.join("; ")))
     });
     Ok(Outcome { report, failure })
 }
@@ -94,8 +94,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 impl TopicReport {
     fn of(topic: &Topic, reference: &Reference) -> Result<Self, Failure> {
         let checks = (topic.checks)(reference).map_err(|error| match error {
-            ValidationError::Reference { .. } => Failure::Input(error.to_string()),
-            error => Failure::Computation(format!("{}: {error}", topic.title)),
+            ValidationError::Reference { .. } => Failure::refused(error.to_string()),
+            error => Failure::computation(format!("{}: {error}", topic.title)),
         })?;
         let checks = checks.into_iter().map(|check| {
             let (at_most, at_least) = match check.bound {

@@ -17,6 +17,7 @@ use clap::Args as ClapArgs;
 use gfmd_body::{Interior, InteriorError};
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_problem::{key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
@@ -228,10 +229,10 @@ pub(crate) struct Plane {
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let (surface, name) = match &args.surface {
         Some(given) => (Surface::read(given, args.load, &args.length)?, input::name(given)),
-        None => (Surface::of_waves(&args.wave, &args.n, &args.length)?, "--wave"),
+        None => (Surface::of_waves(&args.wave, &args.n, &args.length)?, "the wave"),
     };
     if let (None, Some(load)) = (&args.surface, args.load) {
-        return Err(Failure::value("--load", load, "left out with --wave"));
+        return Err(Failure::value(key("load"), load, words!["left out with ", key("wave")]));
     }
     let elastic = args.body.over(&surface.record)?;
     let body = elastic.body()?;
@@ -262,7 +263,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         slice: rows.selected().map(|slice| slice.to_string()),
         quantities: &quantities,
     });
-    let provenance = session.provenance(config.map_err(|error| Failure::Computation(error.to_string()))?);
+    let provenance = session.provenance(config.map_err(|error| Failure::computation(error.to_string()))?);
     let axes = interior.components().axes();
     let mean_traction: Vec<f64> = axes.iter().map(|&axis| interior.mean_traction()[axis]).collect();
     let units = surface.units();
@@ -287,7 +288,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if is_drawn {
         // Memory of the maps and their copies while drawing.
         let values = (depths.len() as u64).saturating_mul(section.points.len() as u64);
-        memory::check_count("--levels", "values of a figure", values, 8 * components.len() as u64 * 2)?;
+        memory::check_count(key("levels"), "values of a figure", values, 8 * components.len() as u64 * 2)?;
     }
     let mut pictures = is_drawn.then(|| Pictures::new(&components, section, depths.len()));
 
@@ -301,7 +302,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         let row = (depths.get(drawn) == Some(&depth)).then_some(drawn);
         drawn += usize::from(row.is_some());
         if session.is_interrupted() {
-            return Err(Failure::Interrupted(format!("interrupted at depth {number}, nothing kept")));
+            return Err(Failure::interrupted(format!("interrupted at depth {number}, nothing kept")));
         }
         let mut level = Level::at(plane);
         for family in [Family::Displacement, Family::Deformation] {
@@ -311,7 +312,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
                 continue;
             }
             let fields = Fields::at(&interior, family, plane, &mut ws);
-            let fields = fields.map_err(|error| Failure::Computation(error.to_string()))?;
+            let fields = fields.map_err(|error| Failure::computation(error.to_string()))?;
             level.note(&fields);
             level.check(family, name)?;
             if surface.kind == Kind::Pressure {
@@ -405,10 +406,10 @@ impl Args {
                     [x, y, z] if !grid.is_line() => [x, y, z],
                     _ => {
                         let allowed = if grid.is_line() { "2 numbers, x and z" } else { "3 numbers, x, y and z" };
-                        return Err(Failure::value("--mean-traction", format!("{given:?}"), allowed));
+                        return Err(Failure::value(key("mean_traction"), format!("{given:?}"), allowed));
                     }
                 };
-                interior.with_mean_traction(mean).map_err(|error| Failure::input("--mean-traction", error))
+                interior.with_mean_traction(mean).map_err(|error| Failure::input(key("mean_traction"), error))
             }
         }
     }
@@ -420,13 +421,16 @@ impl Args {
         let (known, unknown): (Vec<Quantity>, Vec<Quantity>) = all.partition(is_known);
         let drawn = self.draw.iter().find(|component| !is_known(&component.quantity));
         let reason = "the body relaxes, so that displacement, strain and energy depend on all earlier loads";
-        let refuse = |flag: &str, found: &str| {
-            Failure::input(flag, format!("{found} is not available in {name}: {reason}; stress and von-mises are"))
+        let refuse = |option: &str, found: &str| {
+            Failure::input(
+                key(option),
+                format!("{found} is not available in {name}: {reason}; stress and von-mises are"),
+            )
         };
         match (unknown.first(), drawn) {
-            (_, Some(component)) => Err(refuse("--draw", component.name)),
+            (_, Some(component)) => Err(refuse("draw", component.name)),
             (Some(quantity), _) if self.quantities.len() < Quantity::ALL.len() => {
-                Err(refuse("--quantities", &quantity.name().replace('_', "-")))
+                Err(refuse("quantities", &quantity.name().replace('_', "-")))
             }
             (Some(_), _) => {
                 session.warn("relaxes", format!("{reason}; stress and von-mises are computed"));
@@ -437,7 +441,7 @@ impl Args {
     }
 
     fn known_traction(&self, name: &str) -> Failure {
-        Failure::value("--mean-traction", format!("{:?}", self.mean_traction), format!("left out: {name} has it"))
+        Failure::value(key("mean_traction"), format!("{:?}", self.mean_traction), format!("left out: {name} has it"))
     }
 
     /// Returns the components to draw and compare on a section.
@@ -449,7 +453,7 @@ impl Args {
             return Ok(components);
         }
         match self.draw.iter().find(|component| absent(component)) {
-            Some(component) => Err(Failure::value("--draw", component.name, "a component in the plane of a line")),
+            Some(component) => Err(Failure::value(key("draw"), component.name, "a component in the plane of a line")),
             None => Ok(self.draw.clone()),
         }
     }
@@ -482,33 +486,42 @@ fn depths(args: &Args, body: &Body) -> Result<Vec<f64>, Failure> {
     let interfaces = body.interfaces();
     // A given depth and a sum of heights may differ by rounding.
     let snapped = |depth: f64| interfaces.iter().copied().find(|at| (depth - at).abs() <= 1e-12 * at).unwrap_or(depth);
-    let inside = |flag: &str, depth: f64| match body.at_depth(depth) {
+    let inside = |option: &str, depth: f64| match body.at_depth(depth) {
         Ok(_) => Ok(snapped(depth)),
-        Err(error) => Err(Failure::input(flag, error)),
+        Err(error) => Err(Failure::input(key(option), error)),
     };
     let is_given = args.place.levels.is_some() || !args.place.depths.is_empty();
     if let Some(height) = args.slice.and_then(Slice::height) {
         if is_given {
-            return Err(Failure::input("--slice", "a plane z=Z takes the place of --depths and --levels"));
+            return Err(Failure::because(
+                key("slice"),
+                words!["a plane z=Z takes the place of ", key("depths"), " and ", key("levels")],
+            ));
         }
         let top = Some(body.total_height()).filter(|height| height.is_finite()).unwrap_or(0.0);
-        return Ok(vec![inside("--slice", top - height)?]);
+        return Ok(vec![inside("slice", top - height)?]);
     }
     if !is_given {
-        return Err(Failure::Input("--depths or --levels is missing; one of them is needed, or --slice z=Z".into()));
+        return Err(Failure::refused(words![
+            key("depths"),
+            " or ",
+            key("levels"),
+            " is missing; one of them is needed, or ",
+            setting("slice", "z=Z"),
+        ]));
     }
     let Some(levels) = args.place.levels else {
-        return args.place.depths.iter().map(|&depth| inside("--depths", depth)).collect();
+        return args.place.depths.iter().map(|&depth| inside("depths", depth)).collect();
     };
     if levels < 2 {
-        return Err(Failure::value("--levels", levels, "at least 2"));
+        return Err(Failure::value(key("levels"), levels, "at least 2"));
     }
-    memory::check_count("--levels", "levels", levels as u64, LEVEL_BYTES)?;
+    memory::check_count(key("levels"), "levels", levels as u64, LEVEL_BYTES)?;
     let deepest = args.deepest.or_else(|| Some(body.total_height()).filter(|height| height.is_finite()));
-    let missing = || Failure::Input("--deepest is missing; it is needed because a half-space has no base".into());
+    let missing = || Failure::missing("deepest", "it is needed because a half-space has no base");
     let deepest = deepest.ok_or_else(missing)?;
-    if inside("--deepest", deepest)? == 0.0 {
-        return Err(Failure::value("--deepest", 0, "above 0"));
+    if inside("deepest", deepest)? == 0.0 {
+        return Err(Failure::value(key("deepest"), 0, "above 0"));
     }
     Ok(evenly_spaced(levels, deepest).map(snapped).collect())
 }

@@ -91,15 +91,15 @@ const LISTED: usize = 20;
 /// Returns an error if the file cannot be read or is not a result.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let file = &args.file;
-    let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
+    let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
     let kinds = "a result of contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader)
-        .ok_or_else(|| Failure::Input(format!("{} is not a result file; it must be {kinds}", file.display())))?;
+        .ok_or_else(|| Failure::refused(format!("{} is not a result file; it must be {kinds}", file.display())))?;
     check_file(&reader)?;
     // A file that the library cannot read to its end is damaged.
     let intact = reader.is_intact_until(&|| session.is_interrupted()).unwrap_or(Some(false));
     if session.is_interrupted() {
-        return Err(Failure::Interrupted("interrupted".into()));
+        return Err(Failure::interrupted("interrupted"));
     }
     let mut comparison = Comparison::default();
     let input_of = |name| input(&reader, kind, name);
@@ -139,7 +139,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let names = names.take(LISTED).collect::<Vec<_>>().join(", ");
         let rest = report.differences.len().saturating_sub(LISTED);
         let rest = if rest == 0 { String::new() } else { format!(" and {rest} others") };
-        Failure::Computation(format!("{} differs in {names}{rest}", file.display()))
+        Failure::computation(format!("{} differs in {names}{rest}", file.display()))
     });
     Ok(Outcome { report, failure })
 }
@@ -151,7 +151,7 @@ fn recompute(
     comparison: &mut Comparison,
     session: &Session,
 ) -> Result<(), Failure> {
-    let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    let text = reader.text("/", "config").map_err(|error| Failure::refused(error.to_string()))?;
     let Some(Check { read, check, again }) = of(kind) else {
         return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
     };
@@ -186,7 +186,7 @@ fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failu
         false => InputState::Missing,
         // A file that is not regular may have no end.
         true if Checksum::of_file(path)
-            .map_err(|error| Failure::Input(format!("cannot read {}: {error}", path.display())))?
+            .map_err(|error| Failure::refused(format!("cannot read {}: {error}", path.display())))?
             == sha256 =>
         {
             InputState::Unchanged

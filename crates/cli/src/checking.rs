@@ -105,7 +105,7 @@ impl Checking<'_> {
         self.layout(comparison, |output| {
             let provenance = self.session.provenance(String::new());
             let file = StateFile::of(Some(output), &provenance, prepared, states, (chosen, self.session))?;
-            finish(file)?.ok_or_else(|| Failure::Computation("the layout was not written".into()))
+            finish(file)?.ok_or_else(|| Failure::computation("the layout was not written"))
         })
     }
 }

@@ -22,7 +22,7 @@ use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::Kind;
-use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown};
+use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown, Words, key, words};
 use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
@@ -150,32 +150,33 @@ pub(crate) struct ControlArgs {
 }
 
 impl ControlArgs {
-    /// Returns the flags with their values.
+    /// Returns the keys of the loads with their values.
     fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
-        [("--pressure", &self.pressure), ("--p-star", &self.p_star), ("--displacement", &self.displacement)]
+        [("pressure", &self.pressure), ("p_star", &self.p_star), ("displacement", &self.displacement)]
     }
 
-    /// Returns the given flag.
-    pub(crate) fn flag(&self) -> &'static str {
-        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("--displacement", |(flag, _)| flag)
+    /// Returns the key of the given load.
+    pub(crate) fn option(&self) -> &'static str {
+        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("displacement", |(option, _)| option)
     }
 
     /// Checks the loads and returns their number. Only a contact with an attraction accepts tension.
     pub(crate) fn check(&self, pulls: bool) -> Result<usize, Failure> {
-        let flags = self.given();
-        if flags.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
-            let allowed = flags.map(|(flag, _)| flag).join(", ");
-            return Err(Failure::Input(format!(
-                "loads are given by none or several of {allowed}; it must be one of them"
-            )));
+        let given = self.given();
+        if given.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
+            return Err(Failure::refused(words![
+                "loads are given by none or several of ",
+                one_of_loads(),
+                "; it must be one of them",
+            ]));
         }
         let allowed = if pulls { "finite" } else { "positive and finite" };
-        for (flag, values) in flags {
+        for (option, values) in given {
             if let Some(bad) = numbers(values).find(|v| !(v.is_finite() && (pulls || *v > 0.0))) {
-                return Err(Failure::value(flag, bad, allowed));
+                return Err(Failure::value(key(option), bad, allowed));
             }
         }
-        Ok(flags.iter().map(|(_, values)| numbers(values).count()).sum())
+        Ok(given.iter().map(|(_, values)| numbers(values).count()).sum())
     }
 
     /// Returns the loads; `unit_pressure` is the unit of reduced pressures.
@@ -184,6 +185,11 @@ impl ControlArgs {
             .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
             .chain(numbers(&self.displacement).map(Load::Approach))
     }
+}
+
+/// Names the options that prescribe a load.
+pub(crate) fn one_of_loads() -> Words {
+    words![key("pressure"), ", ", key("p_star"), ", ", key("displacement")]
 }
 
 fn help_of_fields() -> String {
@@ -217,7 +223,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
             // If a grid is refused, keep the earlier result.
             (Err(failure), Some(report)) => {
                 let found = grids.last().map_or_else(String::new, ToString::to_string);
-                let failure = Failure::Computation(format!("--accuracy is {}; {found}: {failure}", asked.relative()));
+                let failure = Failure::computation(words![
+                    key("accuracy"),
+                    format!(" is {}; {found}: ", asked.relative()),
+                    failure.words(),
+                ]);
                 return Ok(Outcome { report, failure: Some(failure) });
             }
             (Err(failure), None) => return Err(failure),
@@ -272,7 +282,8 @@ impl Loads {
         let conducting = Conducting::new(args, body, surface)?;
         let drives = args.control.loads(prepared.unit_pressure()).map(Into::into).collect();
         let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
-        let output = own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input("--out", error))?;
+        let output =
+            own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input(key("out"), error))?;
         let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
         Ok(Self { prepared, conducting, drives, output, vtk })
     }
@@ -301,10 +312,10 @@ impl Loads {
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
         let contact = prepared.pose_and_tell(&args.problem.asked()?, session)?;
-        prepared.check_drives(&contact, drives, args.control.flag(), args.problem.solver.tol)?;
-        prepared.warn_of_drives(drives, args.control.flag(), session);
+        prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.tol)?;
+        prepared.warn_of_drives(drives, args.control.option(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
-        let config = toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let config = toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))?;
         // A recorded search, or one shared by several processes, cannot be continued and is not kept.
         let kept = match output {
             Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
@@ -459,7 +470,9 @@ impl Outlet for Measuring<'_> {
 
     fn refused(&self, refusal: Refusal) -> Failure {
         match refusal {
-            Refusal::Search(error) if self.args.problem.dynamics.is_given() => Failure::input("--dt, --damping", error),
+            Refusal::Search(error) if self.args.problem.dynamics.is_given() => {
+                Failure::input(words![key("dt"), ", ", key("damping")], error)
+            }
             refusal => refusal.into(),
         }
     }
@@ -488,7 +501,7 @@ impl Outlet for Measuring<'_> {
         }
         let record = Record::of(&At { seconds, measured: findings.borrowed(), finer, ..at });
         if let Some(coarse) = accuracy::too_coarse(&record) {
-            self.session.warn("grid", format!("load {index}: {coarse}"));
+            self.session.warn("grid", words![format!("load {index}: "), coarse]);
         }
         self.gathered.loads.extend(findings.arrays);
         self.gathered.flow = findings.flow.or(self.gathered.flow.take());
@@ -500,7 +513,7 @@ impl Outlet for Measuring<'_> {
         let places = self.args.fields.clone().unwrap_or_default().contact_and_gap(facts).filter(|_| facts.statistics);
         if let Some([repulsion, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
             let field = |values| ArrayView2::from_shape(surface.grid.points(), values);
-            let unusable = |error: ndarray::ShapeError| Failure::Input(error.to_string());
+            let unusable = |error: ndarray::ShapeError| Failure::refused(error.to_string());
             let (repulsion, gap) = (field(repulsion).map_err(unusable)?, field(gap).map_err(unusable)?);
             let repulsion = repulsion.mapv(|p| p.max(0.0));
             self.gathered.loads.push(measured(surface, repulsion.view(), gap)?.0);
@@ -552,12 +565,13 @@ impl Args {
         let Some(fields) = &self.fields else { return Ok(()) };
         if let Some(missing) = fields.missing(facts) {
             let allowed = format!("left out without {}", missing.of_loads.unwrap_or("a path"));
-            return Err(Failure::value("--fields", missing.name, allowed));
+            return Err(Failure::value(key("fields"), missing.name, allowed));
         }
         // Statistics of kept loads are measured again.
         if self.statistics && self.resume.resume && fields.contact_and_gap(facts).is_none() {
-            let needed = format!("with {} and gap for --statistics with --resume", repulsion(facts));
-            return Err(Failure::value("--fields", fields, needed));
+            let needed =
+                words![format!("with {} and gap for ", repulsion(facts)), key("statistics"), " with ", key("resume"),];
+            return Err(Failure::value(key("fields"), fields, needed));
         }
         Ok(())
     }

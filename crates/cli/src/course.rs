@@ -39,7 +39,7 @@ pub(crate) struct Course {
 pub(crate) struct Way<'a> {
     pub(crate) asked: Asked<'a>,
     /// Flag of its loads or approaches.
-    pub(crate) flag: &'static str,
+    pub(crate) option: &'static str,
     pub(crate) resume: ResumeArgs,
     pub(crate) refinement: Refinement,
     /// Configuration stored in the file.
@@ -70,10 +70,10 @@ impl Course {
         out: impl FnOnce(&R) -> Option<&PathBuf>,
     ) -> Result<Outcome<R>, Failure> {
         let Self { prepared, drives, output, .. } = self;
-        let (budget, flag) = (way.asked.budget, way.flag);
+        let (budget, option) = (way.asked.budget, way.option);
         let contact = prepared.pose_and_tell(&way.asked, session)?;
-        prepared.check_drives(&contact, drives, flag, budget.tolerance)?;
-        prepared.warn_of_drives(drives, flag, session);
+        prepared.check_drives(&contact, drives, option, budget.tolerance)?;
+        prepared.warn_of_drives(drives, option, session);
         let kept = match output {
             Some(output) if !session.is_in_memory() => Some(UnfinishedRun::open(
                 output,
@@ -156,21 +156,21 @@ impl Beside<'_> {
     /// Returns the record of the step under a drive of the other grid.
     fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<OnFinerGrid, Failure> {
         if let Some(reason) = &self.ended {
-            return Err(Failure::Computation(reason.clone()));
+            return Err(Failure::computation(reason.clone()));
         }
         let load = match drive.load {
             Load::Approach(approach) => Load::Approach(approach + self.rise),
             pressure => pressure,
         };
         let step = self.path.step(Drive { load, ..drive }, &mut session.stop()).map_err(|error| match error {
-            SolveError::Interrupted { .. } => Failure::Interrupted("interrupted".into()),
+            SolveError::Interrupted { .. } => Failure::interrupted("interrupted"),
             error => {
                 let [nx, ny] = self.prepared.surface.grid.points();
                 let reason = format!("the grid of {nx} x {ny} points: {error}");
-                Failure::Computation(self.ended.insert(reason).clone())
+                Failure::computation(self.ended.insert(reason).clone())
             }
         })?;
-        let state = self.path.state().ok_or_else(|| Failure::Computation(NOT_SOLVED.into()))?;
+        let state = self.path.state().ok_or_else(|| Failure::computation(NOT_SOLVED))?;
         let reading = self.contact.reading(state);
         let at = resolved(self.prepared, state, tolerance);
         let flow = leak(self.prepared, state, &at, |_| {})?;

@@ -3,6 +3,7 @@
 use std::fmt::{self, Display};
 
 use gfmd_green::{Body, Complex64, GreenError, Height, Section};
+use gfmd_problem::{key, setting, words};
 use gfmd_response::unit_of;
 use serde::{Deserialize, Serialize};
 
@@ -91,13 +92,13 @@ pub struct Inside {
 /// # Errors
 /// Returns an error if a flag is out of range.
 pub fn run(args: &Args) -> Result<Report, Failure> {
-    for (flag, value) in [("--qx", args.qx), ("--qy", args.qy)] {
+    for (option, value) in [("qx", args.qx), ("qy", args.qy)] {
         if !value.is_finite() {
-            return Err(Failure::value(flag, value, "finite"));
+            return Err(Failure::value(key(option), value, "finite"));
         }
     }
     if args.dim == 2 && args.qy != 0.0 {
-        return Err(Failure::value("--qy", args.qy, "0 with --dim 2"));
+        return Err(Failure::value(key("qy"), args.qy, words!["0 with ", setting("dim", 2)]));
     }
     let given = body(args)?;
     section(args, &given)?;
@@ -139,11 +140,14 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     let q = [args.qx, args.qy];
     let report = Report { components, q, stiffness, compliance, normal_compliance, normal_stiffness, inside };
     match report.unrepresentable() {
-        Some((what, found)) if q != [0.0; 2] => Err(Failure::Input(format!(
-            "--qx is {:e}, --qy {:e} and --young {:e}; every number of the result must be finite, and the {what} has \
-             an entry {found}: choose other units",
-            args.qx, args.qy, args.young
-        ))),
+        Some((what, found)) if q != [0.0; 2] => {
+            let [qx, qy, young] = [args.qx, args.qy, args.young].map(|value| format!("{value:e}"));
+            let other = words![key("qy"), format!(" {qy} and "), key("young"), format!(" {young}")];
+            let why = format!(
+                "; every number of the result must be finite, and the {what} has an entry {found}: choose other units"
+            );
+            Err(Failure::refused(words![key("qx"), format!(" is {qx}, "), other, why]))
+        }
         _ => Ok(report),
     }
 }
@@ -178,20 +182,21 @@ fn body(args: &Args) -> Result<Body, Failure> {
 }
 
 fn section<'a>(args: &Args, body: &'a Body) -> Result<Option<Section<'a>>, Failure> {
-    let (flag, place, section) = match (args.z, args.depth) {
-        (Some(z), _) => ("--z", z, body.at_height(z)),
-        (None, Some(depth)) => ("--depth", depth, body.at_depth(depth)),
+    let (option, place, section) = match (args.z, args.depth) {
+        (Some(z), _) => ("z", z, body.at_height(z)),
+        (None, Some(depth)) => ("depth", depth, body.at_depth(depth)),
         (None, None) => return Ok(None),
     };
     section.map(Some).map_err(|error| match error {
         GreenError::Outside { largest, .. } if largest.is_finite() => {
-            Failure::value(flag, place, format!("between 0 and {largest}"))
+            Failure::value(key(option), place, format!("between 0 and {largest}"))
         }
-        GreenError::Outside { .. } => Failure::value(flag, place, "at least 0 and finite"),
+        GreenError::Outside { .. } => Failure::value(key(option), place, "at least 0 and finite"),
         GreenError::HalfSpaceHeight(_) => {
-            Failure::Input(format!("{flag} is {place}; it needs a finite --height, a half-space takes --depth"))
+            let why = words!["it needs a finite ", key("height"), ", a half-space takes ", key("depth")];
+            Failure::contradicts(key(option), place, why)
         }
-        other => Failure::Input(other.to_string()),
+        other => Failure::refused(other.to_string()),
     })
 }
 
@@ -260,7 +265,7 @@ mod tests {
 
     fn evaluate(flags: &str) -> Result<Report, Failure> {
         let flags = std::iter::once("green").chain(flags.split_whitespace());
-        let command = Command::try_parse_from(flags).map_err(|error| Failure::Input(error.to_string()))?;
+        let command = Command::try_parse_from(flags).map_err(|error| Failure::refused(error.to_string()))?;
         run(&command.args)
     }
 

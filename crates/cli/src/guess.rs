@@ -129,7 +129,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
             let Some(arg) = find([sub, command], name) else {
                 if let Some(hint) = hint(command, sub, name) {
-                    return Err(Failure::Input(format!("unexpected argument '--{name}' found; {hint}")));
+                    return Err(Failure::refused(format!("unexpected argument '--{name}' found; {hint}")));
                 }
                 // The parser reports it.
                 out.push(word);
@@ -241,7 +241,7 @@ fn alone(
             ),
         },
     };
-    Err(Failure::Input(reason))
+    Err(Failure::refused(reason))
 }
 
 /// Returns the replacement for the option `name`, which the command `sub` lacks.

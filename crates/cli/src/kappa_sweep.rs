@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_files::{FileError, Output, target};
-use gfmd_problem::MemoryNeed;
+use gfmd_problem::{MemoryNeed, Words, key, words};
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, run_shard};
 use serde::Deserialize;
 
@@ -128,14 +128,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     };
     if let Some(target) = args.target {
         if target != 0.0 && !(1e-5..=1.0).contains(&target) {
-            return Err(Failure::value("--target", target, "from 1e-5 to 1, or 0 for none"));
+            return Err(Failure::value(key("target"), target, "from 1e-5 to 1, or 0 for none"));
         }
         config.statistics.target = target;
     }
     if config.statistics.target != 0.0 && (args.shard.is_some() || args.merge || args.runs_of.is_some()) {
-        let flag = if args.runs_of.is_some() { "--runs-of" } else { "--shard and --merge" };
+        let option = if args.runs_of.is_some() { key("runs_of") } else { words![key("shard"), " and ", key("merge")] };
         let reason = "a sweep with statistics.target does not know its runs beforehand; statistics.surfaces gives them";
-        return Err(Failure::input(flag, reason));
+        return Err(Failure::input(option, reason));
     }
     let text = config::text(&config)?;
     let plan = Plan::new(config)?;
@@ -201,7 +201,7 @@ impl Sweep<'_> {
         let (journal, mut finished) =
             Journal::open(&output.beside(".journal"), &self.text, self.size, self.args.resume)?;
         finished.extend(earlier.into_iter().flatten().enumerate());
-        let kept = format!("{}, --resume continues", journal.path().display());
+        let kept = words![journal.path().display().to_string(), ", ", key("resume"), " continues"];
         self.conclude(&output, journal, finished, &kept)
     }
 
@@ -218,8 +218,8 @@ impl Sweep<'_> {
         keeper.progress.finish();
         let journal = keeper.journal.path().to_path_buf();
         computed.map_err(|error| {
-            let words = format!("{}, --resume continues", journal.display());
-            Failure::from(error).with(&remark("finished runs", &journal, &words))
+            let kept = words![journal.display().to_string(), ", ", key("resume"), " continues"];
+            Failure::from(error).with(remark("finished runs", &journal, kept.clone()))
         })?;
         Ok(Outcome::Shard(ShardReport {
             shard: shard.to_string(),
@@ -237,7 +237,7 @@ impl Sweep<'_> {
             self.all().into_iter().filter(|run| !finished.contains_key(run)).collect()
         };
         if self.args.dry_run {
-            let out = target(&self.args.out).map_err(|error| Failure::input("--out", error))?;
+            let out = target(&self.args.out).map_err(|error| Failure::input(key("out"), error))?;
             let gathered = Gathered::read(&out, &self.text, self.size, false)?;
             return Ok(Outcome::Planned(PlanReport::new(&self.plan, &missing(&gathered.finished), None)?));
         }
@@ -260,7 +260,8 @@ impl Sweep<'_> {
         self.check_memory(&open)?;
         self.check_grid(Example::point(&self.plan))?;
         let (journal, _) = Journal::open(&path, &self.text, self.size, true)?;
-        let kept = format!("the journals beside {}, --merge continues", output.path().display());
+        let beside = format!("the journals beside {}, ", output.path().display());
+        let kept = words![beside, key("merge"), " continues"];
         let outcome = self.conclude(&output, journal, finished, &kept)?;
         gathered.remove();
         Ok(outcome)
@@ -269,19 +270,25 @@ impl Sweep<'_> {
     fn claim(&self) -> Result<Output, Failure> {
         let output = named(Output::claim(&self.args.out))?;
         check_names(&gfmd_report::kappa::figures::stem(&self.args.out))
-            .map_err(|reason| Failure::input("--out", reason))?;
+            .map_err(|reason| Failure::input(key("out"), reason))?;
         Ok(output)
     }
 
     /// Computes the runs that are not finished, and writes the result; `kept` names what is kept if that fails.
-    fn conclude(&self, output: &Output, journal: Journal, finished: Finished, kept: &str) -> Result<Outcome, Failure> {
+    fn conclude(
+        &self,
+        output: &Output,
+        journal: Journal,
+        finished: Finished,
+        kept: &Words,
+    ) -> Result<Outcome, Failure> {
         let Self { args, session, plan, .. } = self;
         let started = Instant::now();
         let keeper = Keeper::new(plan, &self.all(), journal, finished, session);
         let study = Study::new(plan.clone(), &keeper);
         keeper.progress.finish();
-        let study =
-            study.map_err(|error| Failure::from(error).with(&remark("finished runs", keeper.journal.path(), kept)))?;
+        let study = study
+            .map_err(|error| Failure::from(error).with(remark("finished runs", keeper.journal.path(), kept.clone())))?;
         let seconds = started.elapsed().as_secs_f64();
         for Extrapolation { hurst, p_star, area, fit, .. } in &study.analysis.extrapolations {
             let place = format!("H = {hurst}, p* = {p_star}, area {}", area.name());
@@ -290,7 +297,7 @@ impl Sweep<'_> {
         // With a target, the configuration of the result has the numbers of surfaces that it came to.
         let text = config::text(&study.plan.config)?;
         let path = file::write(output, &study, &session.provenance(text), seconds)
-            .map_err(|error| error.with(&remark("all runs", keeper.journal.path(), kept)))?;
+            .map_err(|error| error.with(remark("all runs", keeper.journal.path(), kept.clone())))?;
         keeper.journal.remove();
         let plots = gfmd_report::kappa::figures::draw(&args.out, &study)?;
         Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
@@ -300,14 +307,14 @@ impl Sweep<'_> {
 /// An output that was claimed, beside which there can be a journal.
 fn named(claimed: Result<Output, FileError>) -> Result<Output, Failure> {
     let output = claimed.and_then(|output| output.check_beside(&[".journal"]).map(|()| output));
-    output.map_err(|error| Failure::input("--out", error))
+    output.map_err(|error| Failure::input(key("out"), error))
 }
 
 /// The remark on a failure: where the runs are, unless their journal was removed.
-fn remark(runs: &str, journal: &Path, place: &str) -> String {
+fn remark(runs: &str, journal: &Path, place: Words) -> Words {
     match journal.exists() {
-        true => format!("; {runs} are in {place}"),
-        false => format!("; the journal {} is gone, and with it the {runs}", journal.display()),
+        true => words![format!("; {runs} are in "), place],
+        false => format!("; the journal {} is gone, and with it the {runs}", journal.display()).into(),
     }
 }
 

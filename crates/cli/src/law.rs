@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_law::MixedMode;
 use gfmd_problem::options::LawArgs;
+use gfmd_problem::{key, words};
 use serde::Serialize;
 
 use gfmd_report::figures::parse_prefix;
@@ -118,27 +119,26 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     let tangential = if args.tangential.is_empty() { &zeros } else { &args.tangential };
     if tangential.len() != args.normal.len() {
         let (found, wanted) = (tangential.len(), args.normal.len());
-        let reason = format!("--tangential has {found} values; it must have as many as --normal, {wanted}");
-        return Err(Failure::Input(reason));
+        let (has, wanted) = (format!(" has {found} values; it must have as many as "), format!(", {wanted}"));
+        return Err(Failure::refused(words![key("tangential"), has, key("normal"), wanted]));
     }
-    for (flag, values) in [("--normal", &args.normal), ("--tangential", tangential)] {
+    for (option, values) in [("normal", &args.normal), ("tangential", tangential)] {
         if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
-            return Err(Failure::value(flag, bad, "finite"));
+            return Err(Failure::value(key(option), bad, "finite"));
         }
     }
     if let Some(bad) = args.normal.iter().find(|normal| law.has_wall() && **normal < 0.0) {
         let name = args.law.law.name();
-        return Err(Failure::value("--normal", bad, format!("at least 0, since {name} has a hard wall")));
+        return Err(Failure::value(key("normal"), bad, format!("at least 0, since {name} has a hard wall")));
     }
     let points = args.normal.iter().zip(tangential).map(|(&normal, &tangential)| {
         let response = law.response(normal, tangential);
         let energy = law.energy(normal, tangential);
         let numbers = response.traction.iter().chain(response.jacobian.iter().flatten()).chain(&energy);
         if let Some(bad) = numbers.into_iter().find(|number| !number.is_finite()) {
-            return Err(Failure::Input(format!(
-                "--normal is {normal:e} and --tangential {tangential:e}; traction, Jacobian and energy must be finite \
-                 there, and one of them is {bad}"
-            )));
+            let values = words![key("normal"), format!(" is {normal:e} and "), key("tangential")];
+            let why = "traction, Jacobian and energy must be finite there, and one of them is";
+            return Err(Failure::refused(words![values, format!(" {tangential:e}; {why} {bad}")]));
         }
         Ok(Point { normal, tangential, traction: response.traction, jacobian: response.jacobian, energy })
     });

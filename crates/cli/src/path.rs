@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_interface::{Path, Refinement, Step};
 use gfmd_law::{Kind, Limit};
-use gfmd_problem::{Facts, Friction, Posed, Rest};
+use gfmd_problem::{Facts, Friction, Posed, Rest, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
@@ -113,7 +113,7 @@ impl Args {
             hardness: self.hardness.is_some(),
             friction,
             line,
-            approach: self.waypoints.flag() == "--displacement",
+            approach: self.waypoints.given() == "displacement",
             lateral: !self.waypoints.lateral.is_empty(),
             relaxes: self.prony.relaxing(),
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
@@ -122,8 +122,8 @@ impl Args {
 
     /// Returns the problem requested by the flags.
     fn asked(&self) -> Result<Asked<'_>, Failure> {
-        let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "--friction")))
-            .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "--shear-strength")));
+        let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "friction")))
+            .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "shear_strength")));
         let body = self.prony.long_term(&self.body)?;
         Ok(Asked {
             compliance: Cow::Borrowed(&self.compliance),
@@ -151,7 +151,7 @@ impl Args {
     fn config(&self) -> Result<String, Failure> {
         let energy_solves = Some(self.energy_solves());
         let resolved = Self { source: self.source.resolved()?, energy_solves, ..self.clone() };
-        toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+        toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
     }
 }
 
@@ -163,7 +163,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let course = course(args, session)?;
     let way = Way {
         asked: args.asked()?,
-        flag: args.waypoints.flag(),
+        option: args.waypoints.given(),
         resume: args.steps.resume,
         refinement: Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() },
         config: args.config()?,
@@ -174,17 +174,17 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 /// Returns the input of the command, checked before the first solve.
 fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     if !(1e-9..=0.1).contains(&args.energy_tol) {
-        return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
+        return Err(Failure::value(key("energy_tol"), format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
     }
     match (args.prony.relaxing(), args.waypoints.time.is_empty()) {
-        (Some(_), true) => return Err(Failure::Input("--time is missing; it is needed with --prony".into())),
-        (None, false) => return Err(Failure::Input("--time is given; it must be left out without --prony".into())),
+        (Some(_), true) => return Err(Failure::missing("time", words!["it is needed with ", key("prony")])),
+        (None, false) => return Err(Failure::value(key("time"), "given", words!["left out without ", key("prony")])),
         _ => {}
     }
     let prepared = Prepared::new(&args.asked()?, |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
-    let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
+    let may_part = prepared.prony.is_some() && args.waypoints.given() == "displacement";
     let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
     let output = session.output(args.steps.out.as_ref())?;
@@ -228,10 +228,13 @@ fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Arg
     };
     session.warn(
         "increments",
-        format!(
-            "step {first}{others}: shear, lost energy and sticking points may change by more than --energy-tol \
-             {energy_tol} with more increments; --energy-solves {energy_solves} did not suffice: about {settling} \
-             should, or take more --steps"
-        ),
+        words![
+            format!("step {first}{others}: shear, lost energy and sticking points may change by more than "),
+            setting("energy_tol", energy_tol),
+            " with more increments; ",
+            setting("energy_solves", energy_solves),
+            format!(" did not suffice: about {settling} should, or take more "),
+            key("steps"),
+        ],
     );
 }

@@ -39,7 +39,7 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
              GFMD_MPI=none to run alone",
             all[0], all[other]
         );
-        let failure = Failure::Input(found);
+        let failure = Failure::refused(found);
         let status = end(Some(&world), failure.status(), Some(&failure));
         std::process::exit(status.into());
     }

@@ -351,7 +351,7 @@ impl Shown for Plain {
     }
 
     fn json(&self, _: &Session) -> Result<String, Failure> {
-        gfmd_run::json::to_string(&self.0).map_err(|error| Failure::Computation(error.to_string()))
+        gfmd_run::json::to_string(&self.0).map_err(|error| Failure::computation(error.to_string()))
     }
 }
 
@@ -362,14 +362,14 @@ impl Shown for Plain {
 pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(), Failure> {
     let text = session.json(report)?;
     let numbers: serde_json::Value =
-        serde_json::from_str(&text).map_err(|error| Failure::Computation(error.to_string()))?;
+        serde_json::from_str(&text).map_err(|error| Failure::computation(error.to_string()))?;
     if session.is_first() {
         // The width of the format sets the width of the table.
         let table = || width().map_or_else(|| report.to_string(), |width| format!("{report:width$}"));
         write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
     }
     match gfmd_run::json::undefined(&numbers) {
-        Some(key) => Err(Failure::Computation(format!(
+        Some(key) => Err(Failure::computation(format!(
             "{key} is not finite; it must be, and other units of stress or length may make it so"
         ))),
         None => Ok(()),
@@ -388,7 +388,7 @@ fn put(text: &str) -> io::Result<()> {
 }
 
 fn write(text: &str) -> Result<(), Failure> {
-    put(text).map_err(|error| Failure::Computation(format!("cannot write the result: {error}")))
+    put(text).map_err(|error| Failure::computation(format!("cannot write the result: {error}")))
 }
 
 /// Returns the exit status of a message of clap.

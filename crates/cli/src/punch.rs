@@ -14,12 +14,12 @@ use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
-use gfmd_problem::check_size;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
+use gfmd_problem::{check_size, key, setting, words};
 use gfmd_record::{PunchAt, PunchFacts, Record};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::convergence::NotConverged;
@@ -236,26 +236,30 @@ struct Prepared {
 
 impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        args.budget().check().map_err(|error| Failure::input("--tol", error))?;
+        args.budget().check().map_err(|error| Failure::input(key("tol"), error))?;
         args.method()?;
-        for (flag, given) in [("--mask", &args.mask), ("--traction", &args.traction)] {
+        for (option, given) in [("mask", &args.mask), ("traction", &args.traction)] {
             if let (Some(name), true) = (given, args.refine > 1) {
-                return Err(Failure::value(flag, name, "left out with --refine, which solves on several grids"));
+                return Err(Failure::value(
+                    key(option),
+                    name,
+                    words!["left out with ", key("refine"), ", which solves on several grids"],
+                ));
             }
         }
         if !(args.depth.is_finite() && args.depth > 0.0) {
-            return Err(Failure::value("--depth", args.depth, "positive and finite"));
+            return Err(Failure::value(key("depth"), args.depth, "positive and finite"));
         }
-        for (flag, size) in [("--depth", args.depth), ("--length", args.length)] {
+        for (option, size) in [("depth", args.depth), ("length", args.length)] {
             if size.is_finite() && size > 0.0 {
-                check_size(flag, size)?;
+                check_size(option, size)?;
             }
         }
         let mask = args.mask.as_ref().map(|name| input::mask(name, args.dim)).transpose()?;
         let n = input::points(args.n, mask.as_ref())?;
         let finest = n.saturating_mul(1 << (args.refine - 1));
-        for (flag, n) in [("--n", n), ("--refine", finest)] {
-            memory::fits(memory::PUNCH, flag, [n, if args.dim == 2 { 1 } else { n }])?;
+        for (option, n) in [("n", n), ("refine", finest)] {
+            memory::fits(memory::PUNCH, key(option), [n, if args.dim == 2 { 1 } else { n }])?;
         }
         let grids =
             (0..args.refine).map(|level| grid(args, n.saturating_mul(1 << level))).collect::<Result<Vec<_>, _>>()?;
@@ -268,10 +272,10 @@ impl Prepared {
             Nodes::Inclusive => Edge::Inclusive,
         };
         let punch =
-            FlatPunch::new(args.punch_fraction, edge).map_err(|error| Failure::input("--punch-fraction", error))?;
+            FlatPunch::new(args.punch_fraction, edge).map_err(|error| Failure::input(key("punch_fraction"), error))?;
         if mask.is_none() && punch.points_across(&grids[0]) == 0 {
             let reason = format!("no point of {n} across lies under a punch of {} of the cell", args.punch_fraction);
-            return Err(Failure::input("--punch-fraction", reason + "; more points or a wider punch are needed"));
+            return Err(Failure::input(key("punch_fraction"), reason + "; more points or a wider punch are needed"));
         }
         let components = Components::of(&grids[0]).len();
         let traction = args.traction.as_ref().map(|name| input::traction(name, &grids[0])).transpose()?;
@@ -320,9 +324,8 @@ impl Prepared {
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
         for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
             let part = args.depth / length;
-            let text =
-                format!("--depth: {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);
-            session.warn("large-strain", text);
+            let text = format!(": {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);
+            session.warn("large-strain", words![key("depth"), text]);
         }
     }
 
@@ -356,21 +359,28 @@ impl Prepared {
                     solution.iterations, solution.residual
                 );
                 let level = self.grids.iter().position(|other| other == grid).unwrap_or(0);
-                let unmet = NotConverged::of(level, vec![("residual", solution.residual)], asked, &why, history);
+                let unmet = NotConverged::of(
+                    level,
+                    vec![("residual", solution.residual)],
+                    asked,
+                    &why,
+                    history,
+                    session.spelling(),
+                );
                 unmet.tell("grid");
                 not_converged = Some(unmet);
-                (*solution, Some(Failure::Computation(text)))
+                (*solution, Some(Failure::NotConverged(text.into())))
             }
             Err(MixedError::Interrupted { solution }) => {
-                (*solution, Some(Failure::Interrupted(format!("interrupted at n = {n}"))))
+                (*solution, Some(Failure::interrupted(format!("interrupted at n = {n}"))))
             }
             Err(MixedError::Search(error)) if args.dynamics.is_given() => {
-                return Err(Failure::input("--dt, --damping", error));
+                return Err(Failure::input(words![key("dt"), ", ", key("damping")], error));
             }
             Err(MixedError::Search(error)) if args.solver == SolverName::VerletModes => {
-                return Err(Failure::input("--solver verlet-modes", error));
+                return Err(Failure::input(setting("solver", "verlet-modes"), error));
             }
-            Err(error) => return Err(Failure::Computation(error.to_string())),
+            Err(error) => return Err(Failure::computation(error.to_string())),
         };
         progress.advance(1.0, &format!("n = {n}, residual {:.1e}", solution.residual));
         let seconds = started.elapsed().as_secs_f64();
@@ -398,7 +408,7 @@ impl Prepared {
             None => prescribed,
         };
         let problem = prescribed.and_then(|prescribed| MixedProblem::new(&self.body, grid, prescribed));
-        problem.map_err(|error| Failure::Computation(error.to_string()))
+        problem.map_err(|error| Failure::computation(error.to_string()))
     }
 
     /// Returns the features that decide which numbers the punch has.
@@ -459,7 +469,7 @@ impl Prepared {
     ) -> Result<PathBuf, Failure> {
         let n = Some(self.grids[0].points()[0]);
         let resolved = Args { height: Some(self.height), n, ..args.clone() };
-        let config = toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
+        let config = toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))?;
         let mut archive = Archive::create(output, &session.provenance(config))?;
         let [x, y] = axes(&self.grids[0], "length");
         let component = Dimension::labels("component", &report.components, "component of the vector");
@@ -487,10 +497,10 @@ impl Prepared {
 
 fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
-        return Err(Failure::value("--n", n, "at least 2"));
+        return Err(Failure::value(key("n"), n, "at least 2"));
     }
     let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
-    grid.map_err(|error| Failure::input("--length", error))
+    grid.map_err(|error| Failure::input(key("length"), error))
 }
 
 fn names(components: Components) -> Vec<&'static str> {

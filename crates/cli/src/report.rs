@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args as ClapArgs;
 use gfmd_files::legible::line;
 use gfmd_files::{Output, Reader, SCHEMA_VERSION};
+use gfmd_problem::key;
 use serde::Serialize;
 
 use crate::check;
@@ -57,29 +58,29 @@ pub fn figures(file: &Path, session: &Session) -> Result<Vec<(String, String)>, 
 
 /// Opens a result file that is not damaged; returns its kind, and true if its checksum holds (`None` without one).
 fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>), Failure> {
-    let reader = Reader::open(file).map_err(|error| Failure::Input(error.to_string()))?;
+    let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
     let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
     let kind = Kind::of(&reader).ok_or_else(|| {
         let name = file.display();
         let surface = reader.contains("/surface/height");
         let other = format!("; gfmd surface --surface {name} --report PAGE.html makes the page of a surface");
         let other = if surface { &*other } else { "" };
-        Failure::Input(format!("{name} is not a result file; it must be one of {kinds}{other}"))
+        Failure::refused(format!("{name} is not a result file; it must be one of {kinds}{other}"))
     })?;
     check_file(&reader)?;
     // Numbers of a damaged file are not shown.
     let intact = reader.is_intact_until(&|| session.is_interrupted()).unwrap_or(Some(false));
     if session.is_interrupted() {
-        return Err(Failure::Interrupted("interrupted".into()));
+        return Err(Failure::interrupted("interrupted"));
     }
     if intact == Some(false) {
         let text = format!("{} is damaged, or was changed; gfmd check says where", file.display());
-        return Err(Failure::Computation(text));
+        return Err(Failure::computation(text));
     }
     let schema = reader.number("/", "schema_version").unwrap_or(f64::NAN);
     if schema != f64::from(SCHEMA_VERSION) {
         let text = format!("{}: schema_version is {schema}; it must be {SCHEMA_VERSION}", file.display());
-        return Err(Failure::Input(text));
+        return Err(Failure::refused(text));
     }
     Ok((reader, kind, intact))
 }
@@ -105,12 +106,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let file = &args.file;
     let (reader, kind, intact) = opened(file, session)?;
     let out = args.out.clone().unwrap_or_else(|| file.with_extension("html"));
-    let output = Output::claim(&out).map_err(|error| Failure::input("--out", error))?;
+    let output = Output::claim(&out).map_err(|error| Failure::input(key("out"), error))?;
     let same = |a: &Path| std::fs::canonicalize(a).ok();
     if same(output.path()).is_some_and(|out| Some(out) == same(file)) {
-        return Err(Failure::value("--out", out.display(), "another file than the result"));
+        return Err(Failure::value(key("out"), out.display(), "another file than the result"));
     }
-    check_replaceable("--out", output.path())?;
+    check_replaceable("out", output.path())?;
     let mut page = page_of(&reader, kind, session)?;
     page.remarks.splice(0..0, gfmd_report::warnings(&reader));
     let text = gfmd_report::whole_page(&page, &reader, kind, intact, &again(kind, &reader)).into_string();
@@ -136,16 +137,16 @@ fn again(kind: Kind, reader: &Reader) -> Result<String, String> {
 
 /// Refuses to replace a file that is not a page of this command: by default the page has the name of the result, and a
 /// user may have written another page under that name.
-pub(crate) fn check_replaceable(flag: &str, path: &Path) -> Result<(), Failure> {
+pub(crate) fn check_replaceable(option: &str, path: &Path) -> Result<(), Failure> {
     let mut start = Vec::new();
     match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(Failure::input(flag, format!("{}: {error}", path.display()))),
+        Err(error) => return Err(Failure::input(key(option), format!("{}: {error}", path.display()))),
         Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(gfmd_report::MARK) => return Ok(()),
         Ok(_) => {}
     }
     let reason = "the file exists and is no page that gfmd report made, which alone is replaced";
-    Err(Failure::input(flag, format!("{}: {reason}; it must be another name", path.display())))
+    Err(Failure::input(key(option), format!("{}: {reason}; it must be another name", path.display())))
 }
 
 /// Number of bytes at the start of a page that contain its mark.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use gfmd_mpi::World;
+use gfmd_problem::key;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use gfmd_vector::Ranks;
@@ -46,13 +47,13 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
     let quiet = common.quiet || !is_first;
     let most = MOST_THREADS.max(2 * std::thread::available_parallelism().map_or(1, usize::from));
     if common.threads > most {
-        return Err(Failure::value("--threads", common.threads, format!("at most {most}, or 0 for all cores")));
+        return Err(Failure::value(key("threads"), common.threads, format!("at most {most}, or 0 for all cores")));
     }
     rayon::ThreadPoolBuilder::new()
         .num_threads(common.threads)
         .stack_size(STACK)
         .build_global()
-        .map_err(|error| Failure::input("--threads", error))?;
+        .map_err(|error| Failure::input(key("threads"), error))?;
     let level = match (quiet, common.verbose) {
         _ if !is_first => LevelFilter::OFF,
         (true, _) => LevelFilter::ERROR,
@@ -86,7 +87,7 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
             std::process::exit(130);
         }
     };
-    ctrlc::set_handler(handler).map_err(|error| Failure::Computation(format!("cannot catch Ctrl-C: {error}")))?;
+    ctrlc::set_handler(handler).map_err(|error| Failure::computation(format!("cannot catch Ctrl-C: {error}")))?;
     Ok(session)
 }
 

@@ -17,7 +17,7 @@ use gfmd_heat::HeatError;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
-use gfmd_problem::{Facts, GridError};
+use gfmd_problem::{Facts, GridError, key, words};
 use gfmd_record::{Record, Sliding, SlidingAt, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::{Failure, Outcome};
@@ -101,19 +101,19 @@ impl Args {
     /// The resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
-        toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+        toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
     }
 
     fn velocities(&self) -> Result<Vec<Velocity>, Failure> {
         let velocity = |speed: f64| {
             Velocity::new(speed, self.direction).map_err(|error| match error {
-                VelocityError::Speed(found) => Failure::value("--velocity", found, "positive and finite"),
-                VelocityError::Direction(found) => Failure::value("--direction", found, "finite"),
+                VelocityError::Speed(found) => Failure::value(key("velocity"), found, "positive and finite"),
+                VelocityError::Direction(found) => Failure::value(key("direction"), found, "finite"),
             })
         };
         let made = numbers(&self.velocity).map(velocity).collect::<Result<Vec<_>, Failure>>()?;
         if made.is_empty() {
-            return Err(Failure::Input("--velocity is missing; it must have at least one value".into()));
+            return Err(Failure::missing("velocity", "it must have at least one value"));
         }
         Ok(made)
     }
@@ -133,12 +133,17 @@ impl Way {
         args.control.check(false)?;
         let (velocities, heat) = (args.velocities()?, args.heat.source()?);
         if args.prony.series()?.is_none() && heat.is_none() {
-            return Err(Failure::Input("--prony and --heat are missing; one of them is needed to slide".into()));
+            return Err(Failure::refused(words![
+                key("prony"),
+                " and ",
+                key("heat"),
+                " are missing; one of them is needed to slide",
+            ]));
         }
         let facts = |line: bool| Facts {
             line,
             relaxes: args.prony.relaxing(),
-            approach: args.control.flag() == "--displacement",
+            approach: args.control.option() == "displacement",
             grid_error: GridError::None,
             ..args.body.facts()
         };
@@ -211,8 +216,8 @@ impl Way {
         let start = start.map(|reached| &reached.state);
         let solved = self.sliding.slide(velocity, load, &args.search.budget(), start, &mut session.stop());
         let failed = |text: String, is_cut: bool| match is_cut {
-            true => Failure::Interrupted(text),
-            false => Failure::Computation(text),
+            true => Failure::interrupted(text),
+            false => Failure::computation(text),
         };
         let (state, mut failure) = match solved {
             Ok(state) => (state, None),
@@ -280,9 +285,9 @@ impl Way {
             let start = last.as_ref().filter(|_| !index.is_multiple_of(velocities.len()));
             let (reached, failed) = match self.reach(at, start, args, session) {
                 Ok(reached) => reached,
-                Err(refusal) if index == 0 => return Err(Failure::input(args.control.flag(), refusal)),
+                Err(refusal) if index == 0 => return Err(Failure::input(key(args.control.option()), refusal)),
                 Err(refusal) => {
-                    failure = Some(Failure::Computation(refusal.to_string()).at(&place));
+                    failure = Some(Failure::computation(refusal.to_string()).at(&place));
                     break;
                 }
             };
@@ -297,7 +302,7 @@ impl Way {
                 file.write(index, &fields)?;
             }
             if let (None, Some(kept)) = (&failed, &mut kept) {
-                let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
+                let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
                 kept.add(&Part { text, fields });
                 kept.keep_state(|_| ())?;
             }

@@ -13,6 +13,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
+use gfmd_problem::key;
 use gfmd_record::{Record, SurfaceAt, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
@@ -211,12 +212,12 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         [] => range,
         [longest, shortest] => [longest, shortest],
         ref found => {
-            return Err(Failure::value("--fit-range", format!("{found:?}"), "LONGEST,SHORTEST"));
+            return Err(Failure::value(key("fit_range"), format!("{found:?}"), "LONGEST,SHORTEST"));
         }
     };
     let fit = spectrum.fit_hurst(range[0], range[1]);
     if !args.fit_range.is_empty() {
-        fit.clone().map_err(|error| Failure::input("--fit-range", error))?;
+        fit.clone().map_err(|error| Failure::input(key("fit_range"), error))?;
     }
     let areal = Areal::of(&surface.heights, &grid).map_err(refused)?;
     let boundary = args.boundary.unwrap_or(Boundary::Periodic);
@@ -239,7 +240,7 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     report.collect_reasons();
     let resolved = Args { source: args.source.resolved()?, ..args.clone() };
     let config = toml_of(&resolved)
-        .map_err(|error| Failure::Computation(format!("the configuration cannot be written: {error}")))?;
+        .map_err(|error| Failure::computation(format!("the configuration cannot be written: {error}")))?;
     let provenance = session.provenance(config);
     if let Some(target) = out {
         target.write(&surface.heights, &grid, &radial, &report, &provenance)?;
@@ -264,8 +265,8 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
 
 /// The page to write, claimed before the heights are made.
 fn claim_page(path: &std::path::Path) -> Result<Output, Failure> {
-    let output = Output::claim(path).map_err(|error| Failure::input("--report", error))?;
-    check_replaceable("--report", output.path())?;
+    let output = Output::claim(path).map_err(|error| Failure::input(key("report"), error))?;
+    check_replaceable("report", output.path())?;
     Ok(output)
 }
 

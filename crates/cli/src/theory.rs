@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_measure::SelfAffineArea;
 use gfmd_measure::theory::{Asperities, AsperityTheory, ENERGY_FACTOR, Persson};
+use gfmd_problem::key;
 use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
@@ -151,13 +152,13 @@ const NOT_COUNTED: &str = "it is fitted up to p* = 1.2, and up to full contact";
 /// # Errors
 /// Returns an error for a surface or body that cannot be used, a flat surface, or a load that is not positive.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
-    let positive = |flag: &str, values: &[f64]| match values.iter().find(|value| !(**value > 0.0 && value.is_finite()))
-    {
-        Some(found) => Err(Failure::value(flag, found, "positive")),
-        None => Ok(()),
-    };
-    positive("--p-star", &args.p_star)?;
-    positive("--wavelength", &args.wavelength)?;
+    let positive =
+        |option: &str, values: &[f64]| match values.iter().find(|value| !(**value > 0.0 && value.is_finite())) {
+            Some(found) => Err(Failure::value(key(option), found, "positive")),
+            None => Ok(()),
+        };
+    positive("p_star", &args.p_star)?;
+    positive("wavelength", &args.wavelength)?;
     let surface = args.source.surface(session)?;
     args.body.check_modulus(surface.unit.as_deref())?;
     let body = args.body.body()?;
@@ -172,14 +173,14 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             let [least, most] = [1.0, 1.0 / unit_pressure].map(|unit| [f64::MIN_POSITIVE * unit, f64::MAX * unit]);
             let [least, most] = [least[0].max(most[0]), least[1].min(most[1])];
             let allowed = format!("from {least:e} to {most:e} (the pressure p* E* g is {pressure:e})");
-            return Err(Failure::value("--p-star", p_star, &allowed));
+            return Err(Failure::value(key("p_star"), p_star, &allowed));
         }
     }
-    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::Input(error.to_string()))?;
+    let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::refused(error.to_string()))?;
     let waves = grid.modes().zip(spectrum.power()).filter(|(mode, _)| !mode.is_uniform());
     let waves = waves.map(|(mode, power)| (mode.wavenumber(), mode.weight * power));
     let flat =
-        || Failure::Input(format!("{} is flat; it must be rough for a theory of rough contact", args.source.name()));
+        || Failure::refused(format!("{} is flat; it must be rough for a theory of rough contact", args.source.name()));
     let persson = Persson::new(waves, |q| body.normal_stiffness(q)).ok_or_else(flat)?;
     let moments = spectrum.moments();
     let generator = &args.source.generator;

@@ -13,7 +13,7 @@ use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs};
-use gfmd_problem::{Facts, Rest};
+use gfmd_problem::{Facts, Rest, key};
 use gfmd_report::figures::{Scene, Shown, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
@@ -84,7 +84,7 @@ impl Args {
         Facts {
             wears: true,
             line,
-            approach: self.loads.flag() == "--displacement",
+            approach: self.loads.given() == "displacement",
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }
@@ -101,9 +101,9 @@ impl Args {
 
     fn coefficient(&self) -> Result<f64, Failure> {
         match self.coefficient {
-            None => Err(Failure::Input("--coefficient is missing; it must be positive and finite".into())),
+            None => Err(Failure::missing("coefficient", "it must be positive and finite")),
             Some(found) if !(found > 0.0 && found.is_finite()) => {
-                Err(Failure::value("--coefficient", found, "positive and finite"))
+                Err(Failure::value(key("coefficient"), found, "positive and finite"))
             }
             Some(coefficient) => Ok(coefficient),
         }
@@ -112,7 +112,7 @@ impl Args {
     /// Returns the resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
-        toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))
+        toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
     }
 }
 
@@ -126,7 +126,7 @@ fn check_distance(rate: f64, distances: &[f64], heights: &Array2<f64>) -> Result
     let (whole, allowed) = (distances.iter().sum::<f64>(), MOST_WORN * (most - least) / rate);
     if most > least && whole > allowed {
         let allowed = format!("at most {allowed:.3e} in all, which wears off {MOST_WORN:e} times the range of heights");
-        return Err(Failure::value("--distance", format!("{whole:e}"), allowed));
+        return Err(Failure::value(key("distance"), format!("{whole:e}"), allowed));
     }
     Ok(())
 }
@@ -134,16 +134,16 @@ fn check_distance(rate: f64, distances: &[f64], heights: &Array2<f64>) -> Result
 /// Returns the input of the command, checked before the first solve.
 fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     args.coefficient()?;
-    let distances = lengths("--distance", &args.distance)?;
+    let distances = lengths("distance", &args.distance)?;
     if distances.is_empty() {
-        return Err(Failure::Input("--distance is missing; it must have at least one value".into()));
+        return Err(Failure::missing("distance", "it must have at least one value"));
     }
     let prepared = Prepared::new(&args.asked(), |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     let (values, load) = args.loads.values(prepared.unit_pressure(), true)?;
     let pressure = values.iter().map(|&value| if let Load::MeanPressure(p) = load(value) { p } else { 0.0 });
     check_distance(args.coefficient()? * pressure.fold(0.0, f64::max), &distances, &prepared.surface.heights)?;
-    let lists = [(args.loads.flag(), values.len()), ("--distance", distances.len())];
+    let lists = [(args.loads.given(), values.len()), ("distance", distances.len())];
     let count = counted(&lists, args.steps.steps, |count| count)?;
     let (drives, places) = legs((&values, &distances, count), args.steps.steps, |value, distance| {
         Drive::from(load(value)).after(distance)
@@ -160,7 +160,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let course = course(args, session)?;
     let way = Way {
         asked: args.asked(),
-        flag: args.loads.flag(),
+        option: args.loads.given(),
         resume: args.steps.resume,
         // Steps are never subdivided.
         refinement: Refinement { solves_per_step: 0, ..Refinement::default() },

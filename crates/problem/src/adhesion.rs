@@ -8,8 +8,8 @@ use gfmd_law::Law;
 use gfmd_surface::Moments;
 use serde::Serialize;
 
-use crate::Unusable;
 use crate::options::LawArgs;
+use crate::{Unusable, key, words};
 
 /// Numbers of an attraction on a surface and a grid.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -77,9 +77,15 @@ impl Adhesion {
     pub fn check(&self, coarse: bool) -> Result<(), Unusable> {
         let points = self.process_zone_points;
         if points < LEAST_POINTS && !coarse {
-            let found = format!("--law: the process zone at the edge of a contact is {points:.1e} grid steps wide");
-            let allowed = "refine the grid, take a longer range, or give --coarse for a contact of single points";
-            return Err(Unusable::of(format!("{found}; it must be at least {LEAST_POINTS}: {allowed}")));
+            let why = words![
+                format!(
+                    "the process zone at the edge of a contact is {points:.1e} grid steps wide; it must be at least "
+                ),
+                format!("{LEAST_POINTS}: refine the grid, take a longer range, or give "),
+                key("coarse"),
+                " for a contact of single points",
+            ];
+            return Err(Unusable::of(why).at(key("law")));
         }
         Ok(())
     }

@@ -44,6 +44,7 @@ mod posed;
 mod rules;
 mod unknown;
 mod unusable;
+mod words;
 
 pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
@@ -56,3 +57,4 @@ pub use posed::{Kind, NoStiffness, Posed, Rest, State};
 pub use rules::{Clash, Part, RULES, Rule, rules_of, rules_of_wear, table};
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};
+pub use words::{Spelling, Words, argument, flag, key, setting};

@@ -4,13 +4,13 @@ use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Condition, Ground};
 use gfmd_viscoelastic::Relaxes;
 
-use crate::Unusable;
 use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 use crate::grid_error::GridError;
 use crate::unknown::Unknown;
+use crate::{Spelling, Unusable, Words, key, setting, words};
 
-/// Flag of a part, its value, and its words beside another part.
-type Words = (&'static str, &'static str, &'static str);
+/// Option of a part, its value, and its words beside another part.
+type Described = (Words, &'static str, Words);
 
 macro_rules! parts {
     ($($(#[$doc:meta])+ $part:ident: $words:expr, $test:expr;)+) => {
@@ -27,8 +27,8 @@ macro_rules! parts {
                 match self { $(Self::$part => { let test: fn(&Facts) -> bool = $test; test(facts) })+ }
             }
 
-            fn words(self, facts: &Facts) -> Words {
-                match self { $(Self::$part => { let words: fn(&Facts) -> Words = $words; words(facts) })+ }
+            fn words(self, facts: &Facts) -> Described {
+                match self { $(Self::$part => { let words: fn(&Facts) -> Described = $words; words(facts) })+ }
             }
         }
     };
@@ -36,31 +36,31 @@ macro_rules! parts {
 
 parts! {
     /// Law across the gap.
-    Law: |f| ("--law", f.law.name(), "--law"), |f| f.has_law();
+    Law: |f| (key("law"), f.law.name(), key("law")), |f| f.has_law();
     /// Upper limit of the pressure.
-    Hardness: |_| ("--hardness", "given", "--hardness"), |f| f.hardness;
+    Hardness: |_| (key("hardness"), "given", key("hardness")), |f| f.hardness;
     /// Limit of the shear.
     Friction: |f| match f.friction {
-        Some(Friction::Tresca) => ("--shear-strength", "given", "--shear-strength"),
-        _ => ("--friction", "given", "--friction"),
+        Some(Friction::Tresca) => (key("shear_strength"), "given", key("shear_strength")),
+        _ => (key("friction"), "given", key("friction")),
     }, |f| f.friction.is_some();
     /// Patch that is not periodic.
-    Free: |_| ("--boundary", "free", "--boundary free"), |f| f.boundary == Boundary::Free;
+    Free: |_| (key("boundary"), "free", setting("boundary", "free")), |f| f.boundary == Boundary::Free;
     /// All components unknown.
-    All: |_| ("--components", "all", "--components all"), |f| f.unknown == Unknown::All;
+    All: |_| (key("components"), "all", setting("components", "all")), |f| f.unknown == Unknown::All;
     /// Surface held sideways.
-    Held: |_| ("--components", "held", "--components held"), |f| f.unknown == Unknown::Held;
+    Held: |_| (key("components"), "held", setting("components", "held")), |f| f.unknown == Unknown::Held;
     /// Slopes that are not small.
-    FiniteSlope: |_| ("--finite-slope", "given", "--finite-slope"), |f| f.finite_slope;
+    FiniteSlope: |_| (key("finite_slope"), "given", key("finite_slope")), |f| f.finite_slope;
     /// Rigid surface below the slab.
     Lower: |f| match f.lower {
-        Some(Lower::Seed) => ("--lower-seed", "given", "--lower-seed"),
-        _ => ("--lower-surface", "given", "--lower-surface"),
+        Some(Lower::Seed) => (key("lower_seed"), "given", key("lower_seed")),
+        _ => (key("lower_surface"), "given", key("lower_surface")),
     }, |f| f.lower.is_some();
     /// Half-space.
-    HalfSpace: |_| ("--height", "inf", "--height inf"), |f| f.support == Support::HalfSpace;
+    HalfSpace: |_| (key("height"), "inf", setting("height", "inf")), |f| f.support == Support::HalfSpace;
     /// Body with a known normal compliance only.
-    Table: |_| ("--compliance", "given", "--compliance"), |f| f.support == Support::Table;
+    Table: |_| (key("compliance"), "given", key("compliance")), |f| f.support == Support::Table;
     /// Slab without a base that holds it along z.
     Plate: |f| base(f, "free"), |f| f.support.ground().is_some_and(|ground| ground.normal == Condition::Free);
     /// Base that holds a slab along z only.
@@ -68,59 +68,59 @@ parts! {
     /// Base other than the rigid one that is bonded to a slab.
     OtherBase: |f| base(f, "given"), |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
     /// Second elastic body.
-    SecondBody: |_| ("--second-body", "given", "--second-body"), |f| f.second.is_some();
+    SecondBody: |_| (key("second_body"), "given", key("second_body")), |f| f.second.is_some();
     /// Layers below the top one.
-    Layers: |_| ("--layer", "given", "--layer"), |f| f.layers;
+    Layers: |_| (key("layer"), "given", key("layer")), |f| f.layers;
     /// Viscoelastic body.
-    Prony: |_| ("--prony", "given", "--prony"), |f| f.relaxes.is_some();
+    Prony: |_| (key("prony"), "given", key("prony")), |f| f.relaxes.is_some();
     /// Viscoelastic body with a constant bulk modulus.
-    Shear: |_| ("--relaxes", "shear", "--relaxes shear"), |f| f.relaxes == Some(Relaxes::Shear);
+    Shear: |_| (key("relaxes"), "shear", setting("relaxes", "shear")), |f| f.relaxes == Some(Relaxes::Shear);
     /// Surfaces that wear.
-    Wear: |_| ("--coefficient", "given", "wear"), |f| f.wears;
+    Wear: |_| (key("coefficient"), "given", "wear".into()), |f| f.wears;
     /// Patch on a slab.
-    FreeSlab: |_| ("--boundary", "free", "a slab with --boundary free"),
+    FreeSlab: |_| (key("boundary"), "free", words!["a slab with ", setting("boundary", "free")]),
         |f| f.boundary == Boundary::Free && f.support != Support::HalfSpace;
     /// Base that moves.
     MovedBase: |f| match f.moved_base {
-        Some(MovedBase::Traction) => ("--base-traction", "given", "--base-traction"),
-        _ => ("--base-displacement", "given", "--base-displacement"),
+        Some(MovedBase::Traction) => (key("base_traction"), "given", key("base_traction")),
+        _ => (key("base_displacement"), "given", key("base_displacement")),
     }, |f| f.moved_base.is_some();
     /// Profile.
-    Line: |_| ("--dim", "2", "a profile (--dim 2)"), |f| f.line;
+    Line: |_| (key("dim"), "2", words!["a profile (", setting("dim", 2), ")"]), |f| f.line;
     /// Displacement known up to a constant.
-    NoLevel: |_| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), |f| !f.has_level();
+    NoLevel: |_| (key("boundary"), "free", words!["a profile on a half-space (", setting("boundary", "free"), ", ", setting("dim", 2), ")"]), |f| !f.has_level();
     /// Prescribed approach.
-    Approach: |_| ("--displacement", "given", "--displacement"), |f| f.approach;
+    Approach: |_| (key("displacement"), "given", key("displacement")), |f| f.approach;
     /// Prescribed approach of a load, not of a path.
-    FixedApproach: |_| ("--displacement", "given", "--displacement"), |f| f.approach && f.task == Task::Loads;
+    FixedApproach: |_| (key("displacement"), "given", key("displacement")), |f| f.approach && f.task == Task::Loads;
     /// Lateral motion without friction.
-    Lateral: |_| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
+    Lateral: |_| (key("lateral"), "given", words![key("lateral"), ", unless there is ", key("friction"), " or ", key("shear_strength")]),
         |f| f.lateral && f.friction.is_none();
     /// Friction on a patch.
-    FreeFriction: |_| ("--boundary", "free", "friction and --boundary free"),
+    FreeFriction: |_| (key("boundary"), "free", words!["friction and ", setting("boundary", "free")]),
         |f| f.boundary == Boundary::Free && f.friction.is_some();
     /// Path.
-    Path: |_| ("path", "asked for", "a path"), |f| f.task == Task::Path;
+    Path: |_| ("path".into(), "asked for", "a path".into()), |f| f.task == Task::Path;
     /// Patches, distributions, spectra, conductance.
-    Statistics: |_| ("--statistics", "given", "--statistics"), |f| f.statistics;
+    Statistics: |_| (key("statistics"), "given", key("statistics")), |f| f.statistics;
     /// Flow through the gap.
-    Flow: |_| ("--flow", "given", "--flow"), |f| f.flow;
+    Flow: |_| (key("flow"), "given", key("flow")), |f| f.flow;
     /// Loads at which the flow stops.
-    FlowThreshold: |_| ("--flow-threshold", "given", "--flow-threshold"), |f| f.flow_threshold;
+    FlowThreshold: |_| (key("flow_threshold"), "given", key("flow_threshold")), |f| f.flow_threshold;
     /// Second solution on a finer grid.
-    Refine: |_| ("--grid-error", "refine", "--grid-error refine"), |f| f.grid_error == GridError::Refine;
+    Refine: |_| (key("grid_error"), "refine", setting("grid_error", "refine")), |f| f.grid_error == GridError::Refine;
     /// Record of the search.
-    History: |_| ("--history", "given", "--history"), |f| f.history;
+    History: |_| (key("history"), "given", key("history")), |f| f.history;
     /// Run that continues an earlier one.
-    Resume: |_| ("--resume", "given", "--resume"), |f| f.resume;
+    Resume: |_| (key("resume"), "given", key("resume")), |f| f.resume;
     /// Processes that share a problem.
-    Several: |_| ("mpirun", "given", "several processes"), |f| f.processes > 1;
+    Several: |_| ("mpirun".into(), "given", "several processes".into()), |f| f.processes > 1;
 }
 
 /// Returns the words for a base: its name if the facts have one, else the given `names`.
-fn base(facts: &Facts, names: &'static str) -> Words {
+fn base(facts: &Facts, names: &'static str) -> Described {
     let found = if let Support::Slab(base) = facts.support { base.name() } else { names };
-    ("--base", found, "--base")
+    (key("base"), found, key("base"))
 }
 
 /// Rule that refuses one part in combination with another.
@@ -240,7 +240,7 @@ pub const RULES: &[Rule] = {
         rule(Resume, Several, "left out", ALONE),
         rule(FiniteSlope, Path, "left out", LATER),
         rule(Lower, Path, "left out", LATER),
-        rule(All, Path, "normal", "--lateral and --friction make all components unknown"),
+        rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
         rule(Held, Path, "normal", LATER),
         rule(MovedBase, Path, "left out", LATER),
         rule(Statistics, Path, "left out", LATER),
@@ -258,11 +258,16 @@ pub struct Clash {
     facts: Facts,
 }
 
+impl From<Clash> for Unusable {
+    fn from(Clash { rule: Rule { part, with, allowed, why }, facts }: Clash) -> Self {
+        let ((name, found, _), (.., with)) = (part.words(&facts), with.words(&facts));
+        Self::value(name, found, words![allowed, " with ", with]).because(why)
+    }
+}
+
 impl fmt::Display for Clash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Rule { part, with, allowed, why } = self.rule;
-        let ((flag, found, _), (.., with)) = (part.words(&self.facts), with.words(&self.facts));
-        write!(f, "{flag} is {found}; it must be {allowed} with {with} ({why})")
+        Unusable::from(*self).fmt(f)
     }
 }
 
@@ -295,8 +300,8 @@ impl Facts {
     pub fn check_gradient(&self) -> Result<(), Unusable> {
         let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self));
         found.map_or(Ok(()), |part| {
-            let (flag, found, _) = part.words(self);
-            Err(Unusable::of(format!("{flag} is {found}; it must be left out for derivatives (not implemented)")))
+            let (name, found, _) = part.words(self);
+            Err(Unusable::value(name, found, "left out for derivatives").because(LATER))
         })
     }
 }
@@ -304,8 +309,14 @@ impl Facts {
 impl Part {
     /// Returns the flag, with its value if it is one of several.
     pub fn given(self) -> String {
-        let (flag, found, _) = self.words(&Facts::default());
-        if found == "given" || self == Self::Law { flag.to_owned() } else { format!("{flag} {found}") }
+        let (name, found, _) = self.words(&Facts::default());
+        let flag = name.spelled(Spelling::Flag);
+        if found == "given" || self == Self::Law { flag } else { format!("{flag} {found}") }
+    }
+
+    /// Returns the words for the part beside another one, with flags.
+    fn beside(self, facts: &Facts) -> String {
+        self.words(facts).2.spelled(Spelling::Flag)
     }
 
     /// Returns true if loads, or a path, can have the part.
@@ -329,11 +340,11 @@ impl Part {
 }
 
 /// Returns the rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
-pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
+pub fn rules_of(task: Task) -> Vec<(String, Vec<String>)> {
     let facts = Facts::default();
-    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for Rule { part, with, .. } in RULES.iter().filter(|rule| rule.part.is_of(task) && rule.with.is_of(task)) {
-        let (part, (.., with)) = (part.given(), with.words(&facts));
+        let (part, with) = (part.given(), with.beside(&facts));
         let words = format!("no {part}");
         match groups.iter_mut().find(|(other, _)| *other == with) {
             Some((_, all)) => all.push(words),
@@ -347,14 +358,14 @@ pub fn rules_of(task: Task) -> Vec<(&'static str, Vec<String>)> {
 pub fn rules_of_wear() -> Vec<String> {
     let beside = RULES.iter().filter(|rule| rule.with == Part::Wear).map(|rule| rule.part.given());
     let without = RULES.iter().filter(|rule| rule.part == Part::Wear);
-    beside.chain(without.map(|rule| rule.with.words(&Facts::default()).2.to_owned())).collect()
+    beside.chain(without.map(|rule| rule.with.beside(&Facts::default()))).collect()
 }
 
 /// Returns the rules as a Markdown table: part, other part, allowed values, reason.
 pub fn table() -> String {
     let facts = Facts::default();
     let row = |Rule { part, with, allowed, why }: &Rule| {
-        let (given, (.., with)) = (part.given(), with.words(&facts));
+        let (given, with) = (part.given(), with.beside(&facts));
         format!("| {given} | {with} | {allowed} | {why} |\n")
     };
     let head = "| given | with | must be | reason |\n|---|---|---|---|\n";

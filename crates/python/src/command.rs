@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyInt};
 use toml::{Table, Value};
 
-use crate::failure::{failed, refused};
+use crate::failure::{failed, refused, spelled, unusable};
 use crate::worker::{self, quick};
 
 /// Time between two checks for an interruption.
@@ -46,7 +46,7 @@ impl FileDraft {
             let output = Output::claim(path).map_err(|error| Failure::input("path", error))?;
             self.0.write(&output, &fields).map_err(Failure::from)
         })?;
-        written.map(|_| ()).map_err(|failure| failed(py, &failure))
+        written.map(|_| ()).map_err(|failure| failed(py, failure))
     }
 }
 
@@ -57,7 +57,7 @@ const FIELDS: &str = "/fields/";
 #[pyfunction]
 pub(crate) fn write_file(py: Python<'_>, path: &str, contents: &[u8]) -> PyResult<()> {
     let output = Output::claim(path).map_err(|error| refused(py, &format!("path: {error}")))?;
-    output.write(|file| file.write_all(contents)).map_err(|error| failed(py, &error.into()))
+    output.write(|file| file.write_all(contents)).map_err(|error| failed(py, error.into()))
 }
 
 /// Solves the problem given as a dictionary with the keys of a command's flags; its arrays are in a second one. If
@@ -77,10 +77,10 @@ pub(crate) fn solve<'py>(
 ) -> PyResult<Solved<'py>> {
     let problem = table(problem)?;
     let named = out.map(|out| ("out".to_owned(), Value::from(out)));
-    stay_in(&problem.clone().into_iter().chain(named).collect()).map_err(|failure| refused(py, &failure))?;
+    stay_in(&problem.clone().into_iter().chain(named).collect()).map_err(|failure| unusable(py, failure))?;
     let output = out.map(Output::claim).transpose().map_err(|error| refused(py, &format!("out: {error}")))?;
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
-    let command = Command::of(command, problem, arrays).map_err(|failure| refused(py, &failure))?;
+    let command = Command::of(command, problem, arrays).map_err(|failure| unusable(py, failure))?;
     let memory = Memory::default();
     let session = Session::embedded();
     let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
@@ -108,13 +108,13 @@ pub(crate) fn solve<'py>(
         Some(error) if !error.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(error),
         other => other,
     };
-    let (text, failure) = result.map_err(|failure| failed(py, &failure))?;
+    let (text, failure) = result.map_err(|failure| failed(py, failure))?;
     let failure = failure.or_else(|| raised.map(|_| ("interrupted", "interrupted at the end".into())));
     let (fields, mut draft) = memory.take(FIELDS);
     if let Some(draft) = &mut draft {
         words.into_iter().for_each(|words| draft.replace("/surface", "description", words));
         if let Some(output) = &output {
-            quick(py, || draft.write(output, &fields))?.map_err(|error| failed(py, &error.into()))?;
+            quick(py, || draft.write(output, &fields))?.map_err(|error| failed(py, error.into()))?;
         }
     }
     let field = |(path, values): (String, ArrayD<f64>)| (path.replacen(FIELDS, "", 1), values.into_pyarray(py));
@@ -123,10 +123,8 @@ pub(crate) fn solve<'py>(
 
 /// Returns the kind and the text of a failure with a state.
 pub(crate) fn kind_and_text(failure: Failure) -> (&'static str, String) {
-    match failure {
-        Failure::Interrupted(text) => ("interrupted", text),
-        Failure::Input(text) | Failure::Computation(text) => ("not converged", text),
-    }
+    let kind = if let Failure::Interrupted(_) = failure { "interrupted" } else { "not converged" };
+    (kind, spelled(&failure))
 }
 
 /// Converts a dictionary of NumPy arrays, or of configuration and values of a contact. Skips `None`.
@@ -195,7 +193,7 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
         command: Command,
     }
     let words = words.into_iter().map(Into::into).collect();
-    let words = of_words(&Line::command(), words).map_err(|failure| refused(py, &failure))?;
+    let words = of_words(&Line::command(), words).map_err(|failure| unusable(py, failure))?;
     let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
     let done = quick(py, || {
         let session = Session::embedded();
@@ -203,14 +201,14 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
         failure.map_or(Ok(()), Err)?;
         report.json(&session)
     })?;
-    done.map_err(|failure| failed(py, &failure))
+    done.map_err(|failure| failed(py, failure))
 }
 
 /// Returns the figures of the report page for a result file as SVG, by name.
 #[pyfunction]
 pub(crate) fn figures(py: Python<'_>, path: &str) -> PyResult<Vec<(String, String)>> {
     let drawn = quick(py, || gfmd_cli::report::figures(Path::new(path), &Session::embedded()))?;
-    drawn.map_err(|failure| failed(py, &failure))
+    drawn.map_err(|failure| failed(py, failure))
 }
 
 /// Runs the program `gfmd` with `words`, starting with its name, and returns the exit status.

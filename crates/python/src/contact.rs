@@ -13,7 +13,7 @@ use gfmd_interface::StoredFields;
 use gfmd_law::{Kind, Law};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
-use gfmd_problem::{Accuracy, Facts, Posed, Rest};
+use gfmd_problem::{Accuracy, Facts, Posed, Rest, Spelling, key};
 use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
 use gfmd_run::accuracy;
 use gfmd_run::failure::{Failure, reached};
@@ -31,7 +31,7 @@ use pyo3::types::PyDict;
 use toml::Table;
 
 use crate::command::{arrays, kind_and_text, table};
-use crate::failure::{failed, refused, unreached};
+use crate::failure::{failed, refused, unreached, unusable};
 use crate::surface::grid;
 use crate::worker::{quick, run};
 
@@ -50,7 +50,7 @@ fn law_of(py: Python<'_>, name: &str, param: Vec<(String, f64)>, law_table: Vec<
     if law != Kind::Table && law_table.is_empty() {
         return law.with(&param).map_err(|error| refused(py, &error));
     }
-    LawArgs { law, param, law_table, coarse: false }.build().map_err(|error| refused(py, &error))
+    LawArgs { law, param, law_table, coarse: false }.build().map_err(|error| unusable(py, error))
 }
 
 /// Checks the name and the parameters of a law, or its table.
@@ -75,7 +75,7 @@ pub(crate) fn check_compliance(py: Python<'_>, table: Vec<Vec<f64>>, uniform: f6
     let table = table.into_iter().map(row).collect::<PyResult<_>>()?;
     let args = ComplianceArgs { compliance: table, uniform_compliance: Some(uniform) };
     let body = BodyArgs { young: Some(1.0), ..BodyArgs::default() };
-    args.body(&body).map(|_| ()).map_err(|error| refused(py, &error))
+    args.body(&body).map(|_| ()).map_err(|error| unusable(py, error))
 }
 
 /// Returns the normal traction of a law at each gap.
@@ -98,8 +98,8 @@ pub(crate) fn described(
     values: &Bound<'_, PyDict>,
 ) -> PyResult<ContactArgs> {
     let (mut table, arrays) = (table(problem)?, arrays(values)?);
-    of_table("contact", &mut table, &arrays).map_err(|failure| refused(py, &failure))?;
-    of_keys(table, arrays).map_err(|unusable| refused(py, &unusable))
+    of_table("contact", &mut table, &arrays).map_err(|failure| unusable(py, failure))?;
+    of_keys(table, arrays).map_err(|error| unusable(py, error))
 }
 
 /// Prepares the parts of a contact that was posed before, without repeating its warnings.
@@ -113,7 +113,7 @@ pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
 pub(crate) fn adhesion(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>) -> PyResult<String> {
     let args = described(py, problem, arrays)?;
     let found = quick(py, || prepared(&args).map(|prepared| prepared.adhesion))?;
-    json::to_string(&found.map_err(|failure| failed(py, &failure))?).map_err(|error| refused(py, &error))
+    json::to_string(&found.map_err(|failure| failed(py, failure))?).map_err(|error| refused(py, &error))
 }
 
 /// Returns the conductance of the touching points between two conductors with electrodes at depth `height`.
@@ -138,10 +138,10 @@ pub(crate) fn conductance(
                 tracing::warn!("{inexact}");
                 Ok(reached.value)
             }
-            Err(error) => Err(Failure::Computation(error.to_string())),
+            Err(error) => Err(Failure::computation(error.to_string())),
         }
     })?;
-    found.map_err(|failure| failed(py, &failure))
+    found.map_err(|failure| failed(py, failure))
 }
 
 /// Contact problem of a surface and a body.
@@ -189,7 +189,7 @@ impl Problem {
         })?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet, so every failure is unusable input.
-        let (prepared, contact, finer) = made.map_err(|failure| refused(py, &failure))?;
+        let (prepared, contact, finer) = made.map_err(|failure| unusable(py, failure))?;
         Ok(Self { args, prepared, contact, finer })
     }
 
@@ -213,13 +213,13 @@ impl Problem {
         let (solved, raised) = run(py, threads, tick.as_ref(), |shared| {
             let mut watch = |now: &Progress| shared.see(now.iteration, now.residual);
             let tolerance = args.solver.tol;
-            check_drive(contact, drive, &format!("--{}", control.replace('_', "-")), tolerance)?;
+            check_drive(contact, drive, key(control), tolerance)?;
             let mut finer = finer.lock().unwrap_or_else(PoisonError::into_inner);
             if !finer.is_empty() {
                 Facts { approach: matches!(drive.load, Load::Approach(_)), ..prepared.facts }.check()?;
                 if start.is_some() && prepared.facts.has_law() && finer.iter().any(|finer| !finer.has_started()) {
                     let found = "refine, with start and a law, whose state on the finer grid is not known";
-                    return Err(Failure::value("--grid-error", found, "none or estimate"));
+                    return Err(Failure::value(key("grid_error"), found, "none or estimate"));
                 }
             }
             let first = match start {
@@ -251,7 +251,7 @@ impl Problem {
             (Ok(solved), raised) => (solved, raised),
             (Err(_), Some(raised)) if !raised.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(raised),
             // Without a state, the load was refused, or a load of a longer range was not reached.
-            (Err(failure), _) => return Err(unreached(py, &failure)),
+            (Err(failure), _) => return Err(unreached(py, failure)),
         };
         let text = json::to_string(&record).map_err(|error| refused(py, &error))?;
         let raised = raised.map(|error| error.into_value(py).into_any());
@@ -280,8 +280,8 @@ impl Problem {
             "p_star" => largest,
             _ => 0.0,
         };
-        doubts.extend(self.prepared.doubt_of_load(p_star, &format!("--{}", control.replace('_', "-"))));
-        doubts
+        doubts.extend(self.prepared.doubt_of_load(p_star, control));
+        doubts.into_iter().map(|doubt| doubt.spelled(Spelling::Argument)).collect()
     }
 
     /// Returns the numbers that statistics and flow add to a state, as JSON, and its patches, distributions and
@@ -302,7 +302,7 @@ impl Problem {
             measure(&args, &self.prepared, &self.contact, &state.rest, |text| tracing::warn!("{text}"))
         })?;
         raised.map_or(Ok(()), Err)?;
-        let (record, arrays) = measured.map_err(|failure| failed(py, &failure))?;
+        let (record, arrays) = measured.map_err(|failure| failed(py, failure))?;
         let grid = &self.prepared.surface.grid;
         let arrays = arrays.iter().flat_map(|found| {
             STATISTICS.iter().map(move |statistic| Measured {
@@ -363,7 +363,7 @@ impl Problem {
     fn check_accuracy(&self, py: Python<'_>, accuracy: &str, control: &str) -> PyResult<()> {
         let asked = accuracy.parse::<Accuracy>();
         let asked = asked.map_err(|error| refused(py, &format!("accuracy is {accuracy}; {error}")))?;
-        accuracy::check(asked, &self.prepared, control == "displacement").map_err(|failure| refused(py, &failure))
+        accuracy::check(asked, &self.prepared, control == "displacement").map_err(|failure| unusable(py, failure))
     }
 
     /// Returns the warning about large strain at an approach; `None` if the strain is small.
@@ -375,7 +375,7 @@ impl Problem {
     fn slopes(&self, largest: f64) -> Option<String> {
         let Prepared { facts, surface, body, .. } = &self.prepared;
         let slopes = Slopes::of(surface.rms_gradient(), || surface.max_slope(), facts)?;
-        Some(slopes.message(largest / body.contact_modulus()))
+        Some(slopes.message(largest / body.contact_modulus()).spelled(Spelling::Argument))
     }
 
     /// Restores a state from its fields, as a start.
@@ -397,7 +397,7 @@ impl Problem {
             let kept = StoredFields { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
             self.contact.recall(kept, lower.as_deref()).map_err(|error: Refusal| Failure::input("start", error))
         })?;
-        made.map(|rest| self.state(rest, None)).map_err(|failure| failed(py, &failure))
+        made.map(|rest| self.state(rest, None)).map_err(|failure| failed(py, failure))
     }
 
     fn __repr__(&self) -> String {

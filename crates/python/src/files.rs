@@ -17,7 +17,7 @@ use pyo3::types::PyDict;
 
 use crate::command::table;
 use crate::contact::{described, prepared};
-use crate::failure::{failed, refused};
+use crate::failure::{failed, refused, unusable};
 use crate::worker::quick;
 
 /// Scalars as JSON, and fields in file order.
@@ -43,7 +43,7 @@ pub(crate) fn save(
     let approach = config.contains_key("displacement");
     let config = toml::to_string(&config).map_err(|error| refused(py, &error))?;
     let prepared = quick(py, || prepared(&args))?;
-    let mut prepared = prepared.map_err(|failure| failed(py, &failure))?;
+    let mut prepared = prepared.map_err(|failure| failed(py, failure))?;
     let Prepared { surface, lower, facts, .. } = &mut prepared;
     facts.approach = approach;
     for (surface, (unit, description)) in std::iter::once(surface).chain(lower).zip(words) {
@@ -66,7 +66,7 @@ pub(crate) fn save(
         }
         file.finish(&records, records.len(), None).map(|_| ())
     })?;
-    written.map_err(|failure| failed(py, &failure))
+    written.map_err(|failure| failed(py, failure))
 }
 
 /// Reads an array of a file.
@@ -92,7 +92,7 @@ pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>,
         Ok::<_, Failure>((records, arrays(&facts).map(|array| array.name).filter(there).collect()))
     })?;
     // A missing file is unusable input, like a file of another kind.
-    let (records, fields) = read.map_err(|failure| refused(py, &failure))?;
+    let (records, fields) = read.map_err(|failure| unusable(py, failure))?;
     let texts = records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error)));
     Ok((texts.collect::<PyResult<_>>()?, fields))
 }
@@ -132,6 +132,6 @@ pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
         }
     })?;
     // A missing file is unusable input, like a file of another kind.
-    let table = read.map_err(|failure| refused(py, &failure))?;
+    let table = read.map_err(|failure| unusable(py, failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))
 }

@@ -19,7 +19,7 @@ use gfmd_surface::{
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::failure::{failed, refused};
+use crate::failure::{failed, refused, unusable};
 use crate::worker::quick;
 
 pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
@@ -74,7 +74,7 @@ pub(crate) fn self_affine<'py>(
         let grid = gfmd_run::source::grid_of(&args, &length)?;
         Ok((args.heights(&grid)?, grid.lengths()))
     })?;
-    let (heights, lengths) = made.map_err(|failure| failed(py, &failure))?;
+    let (heights, lengths) = made.map_err(|failure| failed(py, failure))?;
     Ok((heights.into_pyarray(py), lengths, args.to_string()))
 }
 
@@ -188,7 +188,7 @@ pub(crate) fn finer<'py>(
         memory::fits(memory::SURFACE, "times", [nx, if grid.is_line() { 1 } else { ny }])?;
         finer_heights(&heights, &grid, times, Interpolation::Waves).map_err(|error| Failure::input("times", error))
     })?;
-    let (heights, _) = made.map_err(|failure| refused(py, &failure))?;
+    let (heights, _) = made.map_err(|failure| unusable(py, failure))?;
     Ok(heights.into_pyarray(py))
 }
 
@@ -279,7 +279,7 @@ pub(crate) fn surface_report(
     let heights = heights.as_array().to_owned();
     let grid = grid(py, heights.dim().into(), lengths)?;
     let done = quick(py, || write_report(&heights, &grid, words, boundary, Path::new(path), &Session::embedded()))?;
-    done.map_err(|failure| failed(py, &failure))
+    done.map_err(|failure| failed(py, failure))
 }
 
 /// Builds the grid of an array in a cell.

@@ -18,7 +18,7 @@ const EVEN: f64 = 1e-6;
 /// Returns an error if the file has no depths.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let values = |name: &str| reader.values::<f64>(&format!("/fields/{name}"));
-    let depths = values("depth").map_err(|error| Failure::Input(error.to_string()))?;
+    let depths = values("depth").map_err(|error| Failure::refused(error.to_string()))?;
     let table = config(reader);
     let mut page = Page { title: "Fields below a surface".into(), ..Page::default() };
     let fields = Fields::read(reader, &depths);

@@ -293,11 +293,11 @@ fn drawn(
     let rows = reader.shape("/runs/kappa")?.first().copied().unwrap_or(0);
     let plan = Plan::new(config)?;
     if plan.runs.len() * plan.config.loads.p_star.len() != rows {
-        return Err(Failure::Input(format!("/runs has {rows} rows, another number than its configuration")));
+        return Err(Failure::refused(format!("/runs has {rows} rows, another number than its configuration")));
     }
     let runs = runs(reader, &plan, &mut Comparison::default())?;
     if session.is_interrupted() {
-        return Err(Failure::Interrupted("interrupted".into()));
+        return Err(Failure::interrupted("interrupted"));
     }
     let analysis = Analysis::new(&plan, &runs)?;
     let now = analysis.result().fit.kappa_tfc.value;

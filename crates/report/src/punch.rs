@@ -22,7 +22,7 @@ const PRESSURE: &str = "pressure / mean pressure";
 /// # Errors
 /// Returns an error if the file has no fields of a punch.
 pub fn page(reader: &Reader) -> Result<Page, Failure> {
-    let unusable = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
+    let unusable = |error: &dyn std::fmt::Display| Failure::refused(error.to_string());
     let table = config(reader);
     let value = |name: &str| single(reader, "/punch", name);
     let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
@@ -47,7 +47,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let (points, components) = match shape[..] {
         [nx, components @ (2 | 3)] => ([nx, 1], components),
         [nx, ny, components @ (2 | 3)] => ([nx, ny], components),
-        _ => return Err(Failure::Input(format!("{path} has the shape {shape:?}; it must be that of a surface"))),
+        _ => return Err(Failure::refused(format!("{path} has the shape {shape:?}; it must be that of a surface"))),
     };
     // The cell is one step longer than the distance from the first to the last point.
     let side = |axis: &str, n: usize| -> f64 {
@@ -78,7 +78,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         let all: Vec<f64> = reader.values(&format!("/fields/{name}")).map_err(|error| unusable(&error))?;
         let whole = all.len() == grid.len() * components && all.iter().all(|value| value.is_finite());
         if !whole {
-            return Err(Failure::Input(format!("/fields/{name} was not computed at all points of the surface")));
+            return Err(Failure::refused(format!("/fields/{name} was not computed at all points of the surface")));
         }
         let part = |component| all.iter().skip(component).step_by(components).copied().collect();
         Ok((0..components).map(part).collect())

@@ -1,7 +1,7 @@
 //! Grid on which all numbers of a contact have the requested accuracy.
 
 use gfmd_contact::Boundary;
-use gfmd_problem::Accuracy;
+use gfmd_problem::{Accuracy, Words, key, setting, words};
 use gfmd_record::{COLUMNS, Cell, FEWEST_WAVES, Record, not_calibrated};
 use serde::Serialize;
 
@@ -61,32 +61,34 @@ pub fn worst(records: &[Record], accuracy: Accuracy) -> Option<Worst> {
 /// # Errors
 /// Returns an error if one solution does not give the grid error, or if the surface is unknown between its points.
 pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<(), Failure> {
-    let refuse =
-        |reason: &str| Failure::Input(format!("--accuracy is {}; it must be left out: {reason}", accuracy.relative()));
+    let refuse = |reason: Words| Failure::value(key("accuracy"), accuracy.relative(), words!["left out: ", reason]);
     if let Some(reason) = not_calibrated(&prepared.facts) {
-        return Err(refuse(reason));
+        return Err(refuse(reason.into()));
     }
     if prepared.facts.boundary == Boundary::Free {
-        return Err(refuse("the rim of a patch moves with the grid"));
+        return Err(refuse("the rim of a patch moves with the grid".into()));
     }
     if approach {
-        return Err(refuse(
-            "the approach counts from the highest point, which depends on the grid (--p-star, --pressure)",
-        ));
+        let why = "the approach counts from the highest point, which depends on the grid (give ";
+        return Err(refuse(words![why, key("p_star"), " or ", key("pressure"), ")"]));
     }
     if prepared.waves().is_nan() || prepared.waves() < FEWEST_WAVES {
-        return Err(refuse(&format!(
-            "the surface has {:.1} waves, and the error of the grid is known of random ones with at least \
+        return Err(refuse(
+            format!(
+                "the surface has {:.1} waves, and the error of the grid is known of random ones with at least \
              {FEWEST_WAVES}",
-            prepared.waves()
-        )));
+                prepared.waves()
+            )
+            .into(),
+        ));
     }
     if prepared.short_waves() > gfmd_record::UNRESOLVED {
-        return Err(refuse(&format!(
+        let found = format!(
             "waves shorter than four points have {:.0} % of the mean square gradient, and what lies between the points \
-             is not known; --grid-error refine tells what it may be",
+             is not known; ",
             100.0 * prepared.short_waves()
-        )));
+        );
+        return Err(refuse(words![found, setting("grid_error", "refine"), " tells what it may be"]));
     }
     Ok(())
 }
@@ -95,12 +97,13 @@ pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<
 const NARROW: f64 = 1.5;
 
 /// Returns the remark on a load with too coarse a grid, and its area error if known; `None` if the grid is fine enough.
-pub fn too_coarse(record: &Record) -> Option<String> {
+pub fn too_coarse(record: &Record) -> Option<Words> {
     let narrow = record.number("boundary_links") / record.number("contact_nodes");
     let width = 100.0 * record.number("area_fraction_grid_error") / record.number("area_fraction");
     (narrow > NARROW && record.has("area_fraction_limit")).then(|| {
         let error = if width.is_nan() { String::new() } else { format!("; the area is {width:.0} % off") };
-        format!("contacts are {:.1} points wide{error}: a finer grid, or --accuracy, resolves them", 2.0 / narrow)
+        let found = format!("contacts are {:.1} points wide{error}: a finer grid, or ", 2.0 / narrow);
+        words![found, key("accuracy"), ", resolves them"]
     })
 }
 

@@ -7,6 +7,7 @@ use gfmd_body::{BaseField, Interior};
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
+use gfmd_problem::key;
 use gfmd_unit::Units;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
 use serde::{Deserialize, Serialize};
@@ -49,10 +50,10 @@ enum Kind {
     Traction,
 }
 
-/// Datasets of a file, by kind, with their flags.
+/// Datasets of a file, by kind, with their options.
 const STORED: [(Kind, &str, &str); 2] = [
-    (Kind::Displacement, "base-displacement", "/base/displacement"),
-    (Kind::Traction, "base-traction", "/base/traction"),
+    (Kind::Displacement, "base_displacement", "/base/displacement"),
+    (Kind::Traction, "base_traction", "/base/traction"),
 ];
 
 impl BaseArgs {
@@ -70,13 +71,12 @@ impl BaseArgs {
     /// Returns an error if a file cannot be read, has another shape or quantity, or is for another base.
     pub fn read(&self, body: &Body, grid: &Grid, unit: Option<&str>) -> Result<Option<MovedBase>, Failure> {
         let given = [&self.base_displacement, &self.base_traction];
-        let Some((name, (kind, flag, _))) =
+        let Some((name, (kind, option, _))) =
             given.into_iter().zip(STORED).find_map(|(name, stored)| Some((name.as_ref()?, stored)))
         else {
             return Ok(None);
         };
-        let flag = format!("--{flag}");
-        let refuse = |reason: String| Failure::input(&flag, format!("{name}: {reason}"));
+        let refuse = |reason: String| Failure::input(key(option), format!("{name}: {reason}"));
         let quantity = if kind == Kind::Displacement { Quantity::Length(unit) } else { Quantity::Stress };
         let found = array::read(name, quantity).map_err(refuse)?;
         let [nx, ny] = grid.points();
@@ -103,7 +103,7 @@ impl BaseArgs {
         let field = ArrayD::from_shape_fn(IxDyn(&[nx, ny, all]), |at| values[at[2] * points + at[0] * ny + at[1]]);
         let base =
             if kind == Kind::Displacement { BaseField::Displacement(values) } else { BaseField::Traction(values) };
-        let lifted = base.surface_displacement(body, *grid).map_err(|error| Failure::input(&flag, error))?;
+        let lifted = base.surface_displacement(body, *grid).map_err(|error| Failure::input(key(option), error))?;
         let lift = Array2::from_shape_fn((nx, ny), |(i, j)| lifted[(all - 1) * points + i * ny + j]);
         Ok(Some(MovedBase { kind, field, lift }))
     }

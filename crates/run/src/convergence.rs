@@ -4,6 +4,7 @@ use std::fmt;
 
 use gfmd_contact::{Fields, Why};
 use gfmd_files::{Archive, Dimension, Reader, Variable};
+use gfmd_problem::{Spelling, Words, key, setting, words};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -124,20 +125,34 @@ pub struct NotConverged {
 }
 
 impl NotConverged {
-    /// Reports a state that does not meet `tolerance`.
-    pub fn new(part: usize, state: &impl Fields, tolerance: f64, why: &Why, history: History) -> Self {
-        Self::of(part, state.residuals(), tolerance, why, history)
+    /// Reports a state that does not meet `tolerance`; `spelling` is of the options in the advice.
+    pub fn new(
+        part: usize,
+        state: &impl Fields,
+        tolerance: f64,
+        why: &Why,
+        history: History,
+        spelling: Spelling,
+    ) -> Self {
+        Self::of(part, state.residuals(), tolerance, why, history, spelling)
     }
 
     /// Reports like [`new`](Self::new), from named residuals.
-    pub fn of(part: usize, residuals: Vec<(&'static str, f64)>, allowed: f64, why: &Why, history: History) -> Self {
+    pub fn of(
+        part: usize,
+        residuals: Vec<(&'static str, f64)>,
+        allowed: f64,
+        why: &Why,
+        history: History,
+        spelling: Spelling,
+    ) -> Self {
         let history = history.closed();
         let unmet = residuals.into_iter().filter(|(_, value)| value.is_nan() || *value > allowed);
         Self {
             part,
             why: why.to_string(),
             criteria: unmet.map(|(name, value)| Criterion { name, value, allowed }).collect(),
-            advice: advice(why, &history, allowed),
+            advice: advice(why, &history, allowed).spelled(spelling),
             history,
         }
     }
@@ -210,32 +225,42 @@ impl StoredFailure {
 }
 
 /// Returns advice for a search that ended because of `why`.
-fn advice(why: &Why, history: &History, tolerance: f64) -> String {
+fn advice(why: &Why, history: &History, tolerance: f64) -> Words {
     // A search that sees no residual above the tolerance gains nothing from more iterations.
     let is_blind = *why == Why::Iterations && history.residual.last().is_some_and(|last| *last <= tolerance);
+    let looser = setting("tol", format!("{:.0e}", 10.0 * tolerance));
     match why {
         _ if is_blind => advice(&Why::Certificate, history, tolerance),
         Why::Iterations => match history.forecast(tolerance) {
-            Some(needed) => format!(
-                "at its rate over the last half of the search it needs about {needed:.0} iterations; try \
-                 --max-iter {:.0}",
-                1.5 * needed
-            ),
-            None => format!(
-                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tol above \
-                 {:.0e}",
-                history.residual.iter().copied().fold(tolerance, f64::min).max(tolerance)
-            ),
+            Some(needed) => words![
+                format!("at its rate over the last half of the search it needs about {needed:.0} iterations; try "),
+                setting("max_iter", format!("{:.0}", 1.5 * needed)),
+            ],
+            None => {
+                let reached = history.residual.iter().copied().fold(tolerance, f64::min).max(tolerance);
+                let above = format!(" above {reached:.0e}");
+                words![
+                    "the residual has stopped falling; try another ",
+                    key("solver"),
+                    ", smaller steps of the load, or a ",
+                    key("tol"),
+                    above,
+                ]
+            }
         },
         Why::Rounding | Why::Certificate => {
-            format!("this precision does not hold the tolerance here; try --tol {:.0e}", 10.0 * tolerance)
+            words!["this precision does not hold the tolerance here; try ", looser]
         }
         Why::Direction | Why::NoDescent => {
-            format!("rounding may keep the residual up; try --tol {:.0e}, or another --solver", 10.0 * tolerance)
+            words!["rounding may keep the residual up; try ", looser, ", or another ", key("solver")]
         }
         Why::Circles | Why::Displaced => "try smaller steps of the load".into(),
-        Why::Uphill { .. } | Why::Unsettled => "try another --solver, or smaller steps of the load".into(),
-        _ => "try another --solver, smaller steps of the load, and check the units of lengths and stresses".into(),
+        Why::Uphill { .. } | Why::Unsettled => words!["try another ", key("solver"), ", or smaller steps of the load"],
+        _ => words![
+            "try another ",
+            key("solver"),
+            ", smaller steps of the load, and check the units of lengths and stresses",
+        ],
     }
 }
 
@@ -288,10 +313,11 @@ mod tests {
         assert!(history((0..200).map(noise)).forecast(1e-12).is_none());
         assert!(history((0..200).map(|i| noise(i) * 1.01_f64.powi(i))).forecast(1e-12).is_none());
         assert!(history((0..200).map(|i| noise(i) * 0.9_f64.powi(i))).forecast(1e-30).is_some());
-        let seen = NotConverged::of(0, vec![("load", 1.0)], 1e-2, &Why::Iterations, falling);
+        let seen = NotConverged::of(0, vec![("load", 1.0)], 1e-2, &Why::Iterations, falling, Spelling::Flag);
         assert!(!seen.advice.contains("--max-iter"), "{}", seen.advice);
         let short = history((0..20).map(|i| 0.9_f64.powi(i)));
-        let reported = NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, short);
+        let reported =
+            NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, short, Spelling::Flag);
         assert_eq!(reported.criteria.len(), 1, "NaN passes no comparison");
         assert_eq!(reported.criteria[0].name, "gap");
         assert!(reported.advice.contains("--max-iter"), "{}", reported.advice);

@@ -29,6 +29,6 @@ pub fn through(
             warn(format!("the residual of the flow is {:.1e}", state.residual));
             Ok(*state)
         }
-        found => found.map_err(|error| Failure::Computation(error.to_string())),
+        found => found.map_err(|error| Failure::computation(error.to_string())),
     }
 }

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use gfmd_contact::Hardness;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
+use gfmd_problem::key;
 use gfmd_unit::Units;
 use ndarray::{Array2, Ix2};
 use serde::{Deserialize, Serialize};
@@ -42,7 +43,7 @@ impl fmt::Display for GivenHardness {
     }
 }
 
-const FLAG: &str = "--hardness";
+const OPTION: &str = "hardness";
 
 /// Dataset of the field in a result.
 const STORED: &str = "/surface/hardness";
@@ -55,10 +56,10 @@ impl GivenHardness {
     pub fn read(&self, grid: &Grid) -> Result<Hardness, Failure> {
         let name = match self {
             Self::Number(hardness) if hardness.is_finite() && *hardness > 0.0 => return Ok((*hardness).into()),
-            Self::Number(hardness) => return Err(Failure::value(FLAG, hardness, "positive and finite")),
+            Self::Number(hardness) => return Err(Failure::value(key(OPTION), hardness, "positive and finite")),
             Self::Field(given) => given,
         };
-        let refuse = |reason: String| Failure::input(FLAG, format!("{name}: {reason}"));
+        let refuse = |reason: String| Failure::input(key(OPTION), format!("{name}: {reason}"));
         let found = array::read(name, Quantity::Stress).map_err(refuse)?;
         let points = grid.points();
         let (shape, line) = (found.shape().to_vec(), grid.is_line());

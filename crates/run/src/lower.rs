@@ -2,6 +2,7 @@
 
 use clap::Args;
 use gfmd_files::{Archive, Dimension, Reader};
+use gfmd_problem::{key, words};
 use gfmd_surface::Periodisation;
 use serde::{Deserialize, Serialize};
 
@@ -40,11 +41,11 @@ impl LowerArgs {
     /// Keys of these flags in a configuration.
     pub const NAMES: [&'static str; 2] = ["lower_surface", "lower_seed"];
 
-    /// Returns the flag that is given.
-    pub fn flag(&self) -> Option<&'static str> {
+    /// Returns the key of the given option.
+    pub fn given(&self) -> Option<&'static str> {
         match (&self.lower_surface, self.lower_seed) {
-            (Some(_), _) => Some("--lower-surface"),
-            (_, Some(_)) => Some("--lower-seed"),
+            (Some(_), _) => Some("lower_surface"),
+            (_, Some(_)) => Some("lower_seed"),
             _ => None,
         }
     }
@@ -65,18 +66,16 @@ impl LowerArgs {
             source.surface(session)?
         } else if let Some(seed) = self.lower_seed {
             if source.surface.is_some() {
-                return Err(Failure::value(
-                    "--lower-seed",
-                    seed,
-                    "left out with --surface; use --lower-surface FILE for the lower surface",
-                ));
+                let (surface, lower) = (key("surface"), key("lower_surface"));
+                let allowed = words!["left out with ", surface, "; use ", lower, " for the lower surface"];
+                return Err(Failure::value(key("lower_seed"), seed, allowed));
             }
             let generator = GeneratorArgs { seed, ..source.generator.clone() };
             SourceArgs { generator, ..source.clone() }.surface(session)?
         } else {
             return Ok(None);
         };
-        let refuse = |reason: String| Err(Failure::Input(format!("--lower-surface: {reason}")));
+        let refuse = |reason: String| Err(Failure::input(key("lower_surface"), reason));
         if lower.grid != upper.grid {
             let words = |surface: &Surface| {
                 let ([nx, ny], [x, y]) = (surface.grid.points(), surface.grid.lengths());

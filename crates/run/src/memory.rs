@@ -1,7 +1,7 @@
 //! Memory: the need of each problem, and the use of this process.
 
 use gfmd_files::Reader;
-use gfmd_problem::MemoryNeed;
+use gfmd_problem::{MemoryNeed, Words};
 
 use crate::failure::Failure;
 
@@ -29,11 +29,11 @@ impl Processes {
     pub const ALONE: Self = Self { here: 1, all: 1 };
 }
 
-/// Refuses a grid of `points` that does not fit into memory; the message begins with `name`, its flag or file.
+/// Refuses a grid of `points` that does not fit into memory; the message begins with `name`, its option or file.
 ///
 /// # Errors
 /// Returns an error if more memory is needed than available.
-pub fn fits(need: MemoryNeed, name: &str, points: [usize; 2]) -> Result<(), Failure> {
+pub fn fits(need: MemoryNeed, name: impl Into<Words>, points: [usize; 2]) -> Result<(), Failure> {
     fits_with(0, need, name, points, Processes::ALONE)
 }
 
@@ -43,7 +43,7 @@ pub fn fits(need: MemoryNeed, name: &str, points: [usize; 2]) -> Result<(), Fail
 /// Returns an error if more memory is needed than available.
 pub(crate) fn fits_shared(
     need: MemoryNeed,
-    name: &str,
+    name: impl Into<Words>,
     points: [usize; 2],
     processes: Processes,
 ) -> Result<(), Failure> {
@@ -63,7 +63,7 @@ pub(crate) fn resident(processes: Processes) -> u64 {
 pub(crate) fn fits_with(
     there: u64,
     need: MemoryNeed,
-    name: &str,
+    name: impl Into<Words>,
     points: [usize; 2],
     processes: Processes,
 ) -> Result<(), Failure> {
@@ -81,7 +81,7 @@ pub(crate) fn fits_with(
 ///
 /// # Errors
 /// Returns an error if more memory is needed than available.
-pub fn check_count(name: &str, what: &str, count: u64, each: u64) -> Result<(), Failure> {
+pub fn check_count(name: impl Into<Words>, what: &str, count: u64, each: u64) -> Result<(), Failure> {
     check(name, &format!("{count} {what}"), count.saturating_mul(each), 0)
 }
 
@@ -95,7 +95,7 @@ pub fn check_file(reader: &Reader) -> Result<(), Failure> {
 }
 
 /// Refuses a need that exceeds the available memory plus the memory already `held`.
-fn check(name: &str, what: &str, needed: u64, held: u64) -> Result<(), Failure> {
+fn check(name: impl Into<Words>, what: &str, needed: u64, held: u64) -> Result<(), Failure> {
     let available = available_bytes().map(|available| available.saturating_add(held));
     let Some(available) = available.filter(|available| needed > *available) else { return Ok(()) };
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
@@ -178,6 +178,8 @@ pub fn peak_bytes() -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use gfmd_problem::key;
+
     use super::*;
 
     #[test]
@@ -186,7 +188,7 @@ mod tests {
         for fields in all {
             for points in [[1 << 31; 2], [1 << 33, 1 << 28], [usize::MAX, 1]] {
                 assert!(fields.bytes(points) > 1 << 60, "{fields:?} {points:?}");
-                assert!(available_bytes().is_none() || fits(fields, "--n", points).is_err());
+                assert!(available_bytes().is_none() || fits(fields, key("n"), points).is_err());
             }
         }
         let shared = Processes { here: 2, all: 4 };
@@ -197,9 +199,9 @@ mod tests {
         let held = fits_with(u64::MAX, MemoryNeed::HARD_WALL, "the grid", [1 << 20, 1 << 20], Processes::ALONE);
         assert!(held.is_ok(), "what is held already need not be available");
         for count in [1 << 40, u64::MAX] {
-            assert!(available_bytes().is_none() || check_count("--steps", "steps", count, 64).is_err());
+            assert!(available_bytes().is_none() || check_count(key("steps"), "steps", count, 64).is_err());
         }
-        assert!(check_count("--steps", "steps", 1000, 64).is_ok());
+        assert!(check_count(key("steps"), "steps", 1000, 64).is_ok());
         assert_eq!(MemoryNeed::HARD_WALL.bytes([512, 256]), 8 * 13 * 512 * 256);
     }
 

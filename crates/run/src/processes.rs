@@ -18,9 +18,9 @@ pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Fai
     let (status, text) = first.split_once('\n').unwrap_or(("", first));
     let text = text.to_owned();
     Err(match status {
-        "2" => Failure::Input(text),
-        "130" => Failure::Interrupted(text),
-        _ => Failure::Computation(text),
+        "2" => Failure::refused(text),
+        "130" => Failure::interrupted(text),
+        _ => Failure::computation(text),
     })
 }
 
@@ -60,7 +60,7 @@ mod tests {
         let found = ThreadRanks::of(3, |ranks| {
             let own = match ranks.rank() {
                 0 => Ok(7),
-                rank => Err(Failure::Input(format!("of process {rank}"))),
+                rank => Err(Failure::refused(format!("of process {rank}"))),
             };
             agree(&*ranks, own).map_err(|failure| (failure.status(), failure.to_string()))
         });

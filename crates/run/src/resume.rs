@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use gfmd_contact::Visit;
 use gfmd_files::{Journal, JournalError, Output};
+use gfmd_problem::{Unusable, Words, key, words};
 
 use crate::failure::Failure;
 use snapshot::{Stored, Writer};
@@ -49,7 +50,7 @@ impl CheckpointArgs {
         match self.checkpoint {
             0.0 => Ok(None),
             seconds if seconds > 0.0 && seconds <= CENTURY => Ok(Some(Duration::from_secs_f64(seconds))),
-            found => Err(Failure::value("--checkpoint", found, format!("between 0 and {CENTURY:.0e}"))),
+            found => Err(Failure::value(key("checkpoint"), found, format!("between 0 and {CENTURY:.0e}"))),
         }
     }
 }
@@ -123,11 +124,12 @@ impl<'a> UnfinishedRun<'a> {
             cost: FIRST_COST,
             every,
         };
-        output.check_beside(&[".checkpoint.part", ".journal"]).map_err(|error| Failure::input("--out", error))?;
+        output.check_beside(&[".checkpoint.part", ".journal"]).map_err(|error| Failure::input(key("out"), error))?;
         let Some(found) = kept.paths().into_iter().find(|path| path.exists()) else { return Ok(kept) };
         if !resume {
-            let reason = "this file of an unfinished run exists; continue the run with --resume, or delete the file";
-            return Err(Failure::input(&found.display().to_string(), reason));
+            let (exists, file) = ("this file of an unfinished run exists; continue the run with ", found.display());
+            let why = words![exists, key("resume"), ", or delete the file"];
+            return Err(Unusable::of(why).at(file.to_string()).into());
         }
         kept.recall(parts)?;
         Ok(kept)
@@ -167,7 +169,7 @@ impl<'a> UnfinishedRun<'a> {
     /// # Errors
     /// Returns an error if a file cannot be read.
     pub fn part(&self, index: usize) -> Result<Part<'static>, Failure> {
-        let missing = || Failure::Computation(format!("there is no part {index}"));
+        let missing = || Failure::computation(format!("there is no part {index}"));
         let journal = self.journal.as_ref().ok_or_else(missing)?;
         let record = journal.read(index).map_err(refused)?;
         Part::decode(&record).ok_or_else(|| refused(journal.unusable(index, "this is not a part of a run")))
@@ -178,7 +180,7 @@ impl<'a> UnfinishedRun<'a> {
         let text = reason.to_string();
         match &self.journal {
             Some(journal) => refused(journal.unusable(index, text)),
-            None => Failure::Computation(text),
+            None => Failure::computation(text),
         }
     }
 
@@ -205,7 +207,7 @@ impl<'a> UnfinishedRun<'a> {
     pub fn keep_state(&mut self, state: impl FnOnce(&mut dyn Visit)) -> Result<(), Failure> {
         let mut writer = Writer::new(Vec::new(), &self.head, self.done);
         state(&mut writer);
-        self.latest = writer.finish().map_err(|error| Failure::Computation(error.to_string()))?;
+        self.latest = writer.finish().map_err(|error| Failure::computation(error.to_string()))?;
         let waiting: usize = self.waiting.iter().map(Vec::len).sum::<usize>() + self.latest.len();
         if self.written.elapsed() >= PATIENCE * self.cost || waiting > MOST_WAITING {
             self.flush()?;
@@ -262,18 +264,19 @@ impl<'a> UnfinishedRun<'a> {
     }
 
     /// Returns the remark on a failure: the parts that are kept, and how to continue.
-    pub fn remark(&self) -> String {
+    pub fn remark(&self) -> Words {
         let parts = self.done - self.waiting.len();
         if !self.on_disk {
-            return String::new();
+            return Words::default();
         }
         let ([journal, state, running], path) = (self.paths(), self.output.path().display());
         let plural = if parts == 1 { "" } else { "s" };
         // A checkpoint may precede the first finished part.
         if (journal.exists() && state.exists()) || (parts == 0 && running.exists()) {
-            format!("; {parts} finished part{plural} and the state are kept beside {path}, --resume continues")
+            let kept = format!("; {parts} finished part{plural} and the state are kept beside {path}, ");
+            words![kept, key("resume"), " continues"]
         } else {
-            format!("; the files beside {path} that kept {parts} finished part{plural} and the state are gone")
+            format!("; the files beside {path} that kept {parts} finished part{plural} and the state are gone").into()
         }
     }
 
@@ -292,13 +295,13 @@ impl<'a> UnfinishedRun<'a> {
 pub fn refused(error: JournalError) -> Failure {
     match error {
         JournalError::Io { .. } => not_written(error),
-        error => Failure::Input(error.to_string()),
+        error => Failure::refused(error.to_string()),
     }
 }
 
 /// Returns the failure for a file that cannot be written.
 pub(crate) fn not_written(error: JournalError) -> Failure {
-    Failure::Computation(error.to_string())
+    Failure::computation(error.to_string())
 }
 
 impl Part<'_> {
@@ -339,6 +342,8 @@ impl From<JournalError> for Failure {
 
 #[cfg(test)]
 mod tests {
+    use gfmd_problem::Spelling;
+
     use super::*;
 
     #[test]
@@ -421,14 +426,14 @@ mod tests {
         std::fs::create_dir(&inner).unwrap();
         let output = Output::claim(inner.join("a.h5")).unwrap();
         let mut kept = UnfinishedRun::open(&output, "one".into(), 4, ResumeArgs { resume: false }, None).unwrap();
-        assert_eq!(kept.remark(), "");
+        assert!(kept.remark().is_empty());
         kept.add(&Part { text: "0".into(), fields: vec![] });
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
-        let remark = kept.remark();
+        let remark = kept.remark().spelled(Spelling::Flag);
         assert!(remark.starts_with("; 1 finished part and the state are kept beside"), "{remark}");
         std::fs::remove_dir_all(&inner).unwrap();
-        let remark = kept.remark();
+        let remark = kept.remark().spelled(Spelling::Flag);
         assert!(remark.ends_with("that kept 1 finished part and the state are gone"), "{remark}");
         assert!(!remark.contains("--resume"), "{remark}");
     }

@@ -18,7 +18,7 @@ use std::time::Instant;
 use gfmd_contact::{Drive, Fields as _, Refusal, SolveError, Visit};
 use gfmd_files::{Output, contiguous};
 use gfmd_interface::{Path, Step};
-use gfmd_problem::{Posed, Rest, Task};
+use gfmd_problem::{Posed, Rest, Task, Words};
 use gfmd_record::{At, Record};
 
 use crate::convergence::NotConverged;
@@ -201,7 +201,7 @@ impl Series<'_> {
                 Err(SolveError::Refused(refusal)) if index == 0 => return Err(outlet.refused(refusal)),
                 // Numbers of this part alone are too large; earlier parts stay.
                 Err(SolveError::Refused(refusal)) => {
-                    ended.failure = Some(Failure::Computation(refusal.to_string()).at(&place));
+                    ended.failure = Some(Failure::computation(refusal.to_string()).at(&place));
                     break;
                 }
                 Err(SolveError::Detached { .. }) if facts.task == Task::Path => {
@@ -209,14 +209,14 @@ impl Series<'_> {
                     break;
                 }
                 Err(SolveError::Interrupted { state }) => {
-                    (Step::default(), Some(state), Some(Failure::Interrupted("interrupted".into())))
+                    (Step::default(), Some(state), Some(Failure::interrupted("interrupted")))
                 }
                 Err(error) => {
                     let text = error.to_string();
                     if let SolveError::NotConverged { why: found, .. } = &error {
                         why = Some(*found);
                     }
-                    (Step::default(), error.into_state().map(Box::new), Some(Failure::Computation(text)))
+                    (Step::default(), error.into_state().map(Box::new), Some(Failure::computation(text)))
                 }
             };
             let Some(state) = cut.as_deref().or(path.state()) else { break };
@@ -232,7 +232,7 @@ impl Series<'_> {
             progress.advance(1.0, &progress_line(&record));
             check_range(&place, &record)?;
             if let Some(why) = why {
-                let unmet = NotConverged::new(index, state, tolerance, &why, history);
+                let unmet = NotConverged::new(index, state, tolerance, &why, history, session.spelling());
                 unmet.tell(part);
                 ended.not_converged = Some(unmet);
             }
@@ -242,7 +242,7 @@ impl Series<'_> {
             }
             if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
                 let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, lift) } else { Vec::new() };
-                let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
+                let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
                 kept.add(&Part { text, fields: fields.iter().map(|field| contiguous(field)).collect() });
                 kept.keep_state(|visitor| {
                     path.keep(visitor);
@@ -301,7 +301,7 @@ fn progress_line(record: &Record) -> String {
 /// Refuses units in which a number of a converged part is not finite.
 fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
     match record.overflow() {
-        Some((name, found)) if record.is("converged") => Err(Failure::Computation(format!(
+        Some((name, found)) if record.is("converged") => Err(Failure::computation(format!(
             "{place}: {name} is {found}; it must be finite, which other units of stress or length make it"
         ))),
         _ => Ok(()),
@@ -320,11 +320,11 @@ pub fn keeping<R>(
         // The failure itself is reported; a full disk keeps what it has.
         let _ = kept.flush();
     }
-    let remark = kept.as_ref().map_or_else(String::new, UnfinishedRun::remark);
-    let Outcome { report, failure } = outcome.map_err(|failure| failure.with(&remark))?;
+    let remark = kept.as_ref().map_or_else(Words::default, UnfinishedRun::remark);
+    let Outcome { report, failure } = outcome.map_err(|failure| failure.with(remark.clone()))?;
     let written = out(&report).map_or_else(String::new, |out| format!("; kept in {}", out.display()));
     let failure = match (failure, kept) {
-        (Some(interrupted @ Failure::Interrupted(_)), Some(_)) => Some(interrupted.with(&remark)),
+        (Some(interrupted @ Failure::Interrupted(_)), Some(_)) => Some(interrupted.with(remark)),
         (failure, kept) => {
             kept.into_iter().for_each(UnfinishedRun::remove);
             failure.map(|failure| failure.with(&written))

@@ -10,7 +10,7 @@ use gfmd_contact::{Contact, Progress, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
 use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
-use gfmd_problem::MemoryNeed;
+use gfmd_problem::{MemoryNeed, Spelling, Words, key};
 use gfmd_vector::Ranks;
 use ndarray::Array2;
 use serde::Serialize;
@@ -140,7 +140,7 @@ impl Session {
     pub fn output(&self, named: Option<&PathBuf>) -> Result<Option<Output>, Failure> {
         match &self.memory {
             Some(memory) => Ok(Some(Output::memory(memory))),
-            None => named.map(Output::claim).transpose().map_err(|error| Failure::input("--out", error)),
+            None => named.map(Output::claim).transpose().map_err(|error| Failure::input(key("out"), error)),
         }
     }
 
@@ -171,8 +171,8 @@ impl Session {
 
     /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that
     /// does not change (docs/interface.md).
-    pub fn warn(&self, code: &'static str, text: impl fmt::Display) {
-        let text = line(&text.to_string());
+    pub fn warn(&self, code: &'static str, text: impl Into<Words>) {
+        let text = line(&text.into().spelled(self.spelling()));
         tracing::warn!("{text}");
         self.note(code, text);
     }
@@ -180,6 +180,11 @@ impl Session {
     /// Records a warning like [`warn`](Self::warn), for a remark that the printed report contains itself.
     pub fn note(&self, code: &'static str, text: String) {
         self.warnings.add(Warning { code, text: line(&text) });
+    }
+
+    /// Returns the spelling of options in texts for the user.
+    pub fn spelling(&self) -> Spelling {
+        if self.is_embedded { Spelling::Argument } else { Spelling::Flag }
     }
 
     /// Returns the report of a command as one JSON object, with the warnings of the run.
@@ -200,7 +205,7 @@ impl Session {
         }
         let remark = |Warning { code, text }| Remark { code, text };
         let whole = Whole { report, warnings: self.warnings.list().into_iter().map(remark).collect() };
-        crate::json::to_string(&whole).map_err(|error| Failure::Computation(error.to_string()))
+        crate::json::to_string(&whole).map_err(|error| Failure::computation(error.to_string()))
     }
 
     /// Returns the text that identifies a run by its version, its configuration and the checksum of its heights:

@@ -22,7 +22,7 @@ use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::sides;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{named, named_if, parse_choice};
-use gfmd_problem::{SIZES, check_size};
+use gfmd_problem::{SIZES, check_size, key, setting, words};
 
 use scan::{PeriodicScan, Scan};
 
@@ -150,10 +150,10 @@ pub fn grid_of(generator: &GeneratorArgs, length: &[f64]) -> Result<Grid, Failur
 
 /// Builds the grid like [`grid_of`], for several processes that share the points.
 fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processes) -> Result<Grid, Failure> {
-    memory::fits_shared(memory::SURFACE, "--n", generator.points()?, processes)?;
+    memory::fits_shared(memory::SURFACE, key("n"), generator.points()?, processes)?;
     // Other impossible lengths are refused with the grid.
     let given = length.iter().filter(|length| length.is_finite() && **length > 0.0);
-    given.into_iter().try_for_each(|length| check_size("--length", *length))?;
+    given.into_iter().try_for_each(|length| check_size("length", *length))?;
     Ok(generator.grid(length)?)
 }
 
@@ -406,22 +406,23 @@ impl SourceArgs {
     pub fn bounded(&self, boundary: Boundary, session: &Session) -> Result<Surface, Failure> {
         // The parser accepts these flags beside a flag of the generator.
         let of_files = [
-            ("--channel", self.channel.is_some()),
-            ("--fill", self.fill.is_some()),
-            ("--refine", self.refine.is_some() && self.second_surface.is_none()),
+            ("channel", self.channel.is_some()),
+            ("fill", self.fill.is_some()),
+            ("refine", self.refine.is_some() && self.second_surface.is_none()),
         ];
-        if let (None, Some((flag, _))) = (&self.surface, of_files.into_iter().find(|(_, given)| *given)) {
-            return Err(Failure::value(flag, "given", "left out without --surface"));
+        if let (None, Some((option, _))) = (&self.surface, of_files.into_iter().find(|(_, given)| *given)) {
+            return Err(Failure::value(key(option), "given", words!["left out without ", key("surface")]));
         }
         if boundary == Boundary::Free && self.refine.is_some_and(|times| times > 1) {
-            return Err(Failure::value(
-                "--refine",
-                self.refine.unwrap_or(1),
-                "1 with --boundary free, which has no waves",
-            ));
+            let allowed = words!["1 with ", setting("boundary", "free"), ", which has no waves"];
+            return Err(Failure::value(key("refine"), self.refine.unwrap_or(1), allowed));
         }
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
-            return Err(Failure::value("--periodise", self.periodise.name(), "as-is with --boundary free"));
+            return Err(Failure::value(
+                key("periodise"),
+                self.periodise.name(),
+                words!["as-is with ", setting("boundary", "free")],
+            ));
         }
         let Made { heights, grid, share, mut description, scan, origin, second } = self.made(boundary, session)?;
         for scan in scan.iter().chain(second.as_ref().map(|second| &second.second_scan)) {
@@ -471,7 +472,7 @@ impl SourceArgs {
         });
         let [nx, ny, x, y] = processes::of_first(&**ranks, words);
         let (points, lengths) = ([nx as usize, ny as usize], [f64::from_bits(x), f64::from_bits(y)]);
-        let grid = Grid::new(points, lengths).map_err(|error| Failure::input("--length", error))?;
+        let grid = Grid::new(points, lengths).map_err(|error| Failure::input(key("length"), error))?;
         let share = shared(&grid)?;
         let heights = rows::handed_out(&share, made.as_ref().map(|made| &made.heights), points[1]);
         if let Some(made) = &mut made {
@@ -501,7 +502,7 @@ impl SourceArgs {
             Some(file) => {
                 let (second, there) = self.second(file, &grid, scan.as_ref())?;
                 let made = composed(&heights, &there, &grid, (second.shift, boundary));
-                (heights, grid) = made.map_err(|error| Failure::input("--shift", error))?;
+                (heights, grid) = made.map_err(|error| Failure::input(key("shift"), error))?;
                 description += &format!("; against {file}, moved by {:?}", second.shift);
                 Some(second)
             }
@@ -509,9 +510,9 @@ impl SourceArgs {
         };
         if let Some(times) = self.refine.filter(|times| *times > 1) {
             let [nx, ny] = grid.points().map(|points| points.saturating_mul(times as usize));
-            memory::fits(memory::SURFACE, "--refine", [nx, if grid.is_line() { 1 } else { ny }])?;
+            memory::fits(memory::SURFACE, key("refine"), [nx, if grid.is_line() { 1 } else { ny }])?;
             let found = finer(&heights, &grid, times as usize, self.interpolation);
-            (heights, grid) = found.map_err(|error| Failure::input("--refine", error))?;
+            (heights, grid) = found.map_err(|error| Failure::input(key("refine"), error))?;
             description += &format!("; {times} times as many points along each side");
         }
         Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
@@ -531,14 +532,14 @@ impl SourceArgs {
             finer.generator.n.iter_mut().for_each(|n| *n = n.saturating_mul(times as usize));
         } else {
             let method = format!("{:?}", self.generator.method).to_lowercase();
-            return Err(Failure::value("--method", method, "psd for a finer grid of the same surface"));
+            return Err(Failure::value(key("method"), method, "psd for a finer grid of the same surface"));
         }
         Ok(finer)
     }
 
     /// Reads the second surface, which must have the cell and the points of the first.
     fn second(&self, file: &ArrayOption, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
-        const FLAG: &str = "--second-surface";
+        const OPTION: &str = "second_surface";
         let cell = first.map_or(grid.lengths(), |scan| scan.length);
         let PeriodicScan { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
         let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
@@ -548,12 +549,15 @@ impl SourceArgs {
                 let ([nx, ny], [x, y]) = (grid.points(), grid.lengths());
                 format!("{nx} x {ny} points on {x} x {y}")
             };
-            return Err(Failure::input(FLAG, format!("{file} has {}; it must have {}", size(&there), size(grid))));
+            return Err(Failure::input(
+                key(OPTION),
+                format!("{file} has {}; it must have {}", size(&there), size(grid)),
+            ));
         }
         if let (Some(found), Some(allowed)) = (&scan.unit, first.and_then(|first| first.unit.as_ref()))
             && found != allowed
         {
-            return Err(Failure::input(FLAG, format!("the unit of {file} is {found}; it must be {allowed}")));
+            return Err(Failure::input(key(OPTION), format!("the unit of {file} is {found}; it must be {allowed}")));
         }
         let shift = [0, 1].map(|axis| self.shift.get(axis).copied().unwrap_or(0.0));
         Ok((Second { second_surface: file.to_string(), shift, second_scan: scan, checksum }, heights))
@@ -561,7 +565,7 @@ impl SourceArgs {
 
     /// Checks that squares of the lengths are finite numbers, for the statistics and the units of the results.
     fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>, share: &Share) -> Result<(), Failure> {
-        sides(grid).into_iter().try_for_each(|side| check_size("--length", side))?;
+        sides(grid).into_iter().try_for_each(|side| check_size("length", side))?;
         let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
         let largest = share.each(largest).into_iter().fold(0.0, f64::max);
         let first = share.first(heights.first().copied());
@@ -569,17 +573,16 @@ impl SourceArgs {
         if all_equal || !largest.is_finite() {
             return Ok(()); // checked where the heights are used
         }
-        let name = self.name();
-        let flag = match (&self.surface, self.generator.rms_height) {
-            (Some(_), _) => &name,
-            (None, Some(_)) => "--rms-height",
-            (None, None) => "--rms-gradient",
+        let name = match (&self.surface, self.generator.rms_height) {
+            (Some(_), _) => self.name().into(),
+            (None, Some(_)) => key("rms_height"),
+            (None, None) => key("rms_gradient"),
         };
         if SIZES.contains(&largest) {
             return Ok(());
         }
         let reason = format!("the largest height is {largest:e}; it must be between 1e-140 and 1e140");
-        Err(Failure::input(flag, reason + "; choose another unit of length"))
+        Err(Failure::input(name, reason + "; choose another unit of length"))
     }
 }
 

@@ -62,12 +62,12 @@ pub fn runs(reader: &Reader, plan: &Plan, comparison: &mut Comparison) -> Result
     let rows = plan.runs.len() * loads;
     if let Some((name, found)) = columns.iter().find(|(_, values)| values.len() != rows) {
         let name = format!("/runs/{name}");
-        return Err(Failure::Input(format!("{name} has {} values; it must have {rows}", found.len())));
+        return Err(Failure::refused(format!("{name} has {} values; it must have {rows}", found.len())));
     }
     let of_row = |row: usize| {
         let value = |column: &Column| columns.get(column.name).map_or(f64::NAN, |values| values[row]);
         let record: Record = Record::stored(&Facts::default(), |column| (value(column), None));
-        pressed(&record).map_err(|error| Failure::Input(format!("/runs, row {row}: {error}")))
+        pressed(&record).map_err(|error| Failure::refused(format!("/runs, row {row}: {error}")))
     };
     let tolerance = plan.config.solver.budget().tolerance;
     let of_run = |run: usize| (0..loads).map(|load| of_row(run * loads + load)).collect::<Result<Vec<_>, Failure>>();
@@ -91,7 +91,7 @@ pub fn example(reader: &Reader, plan: &Plan, rerun: bool, comparison: &mut Compa
     let shape = reader.shape("/example/height")?;
     let hurst = reader.number("/example", "hurst")?;
     let same = |point: &&gfmd_sweep::Point| point.grid.points()[..] == shape[..] && point.hurst == hurst;
-    let missing = || Failure::Input(format!("/example/height has the shape {shape:?}; no point of the sweep has it"));
+    let missing = || Failure::refused(format!("/example/height has the shape {shape:?}; no point of the sweep has it"));
     let point = *plan.points.iter().find(same).ok_or_else(missing)?;
     let field = |name: &str| -> Result<Array2<f64>, Failure> {
         let [nx, ny] = point.grid.points();

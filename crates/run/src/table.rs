@@ -1,6 +1,7 @@
 //! Tables of two or three columns in text files that options name.
 
 use gfmd_files::input;
+use gfmd_problem::key;
 
 use crate::failure::Failure;
 
@@ -13,8 +14,8 @@ use crate::failure::Failure;
 ///
 /// # Errors
 /// Returns an error if the file is unreadable, not regular or too large, a line is not a row, or heads are unknown.
-pub(crate) fn rows(flag: &str, file: &str, columns: &[&[&str]], in_units: bool) -> Result<String, Failure> {
-    let refuse = |reason: String| Failure::input(flag, format!("{file}: {reason}"));
+pub(crate) fn rows(option: &str, file: &str, columns: &[&[&str]], in_units: bool) -> Result<String, Failure> {
+    let refuse = |reason: String| Failure::input(key(option), format!("{file}: {reason}"));
     let text = input::text(file).map_err(|error| refuse(error.to_string()))?;
     // Columns, once they are known, and their units.
     let (mut known, mut units, mut rows) = (None, Vec::new(), Vec::new());
@@ -89,8 +90,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("law.csv");
         std::fs::write(&file, text).unwrap();
-        rows("--law-table", file.to_str().unwrap(), &[&["gap", "traction"]], in_units)
-            .map_err(|error| error.to_string())
+        rows("law_table", file.to_str().unwrap(), &[&["gap", "traction"]], in_units).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -116,7 +116,7 @@ mod tests {
         let columns: &[&[&str]] = &[&["wavenumber", "compliance"], &["qx", "qy", "compliance"]];
         let of = |text: &str| {
             std::fs::write(&file, text).unwrap();
-            rows("--compliance", file.to_str().unwrap(), columns, true).map_err(|error| error.to_string())
+            rows("compliance", file.to_str().unwrap(), columns, true).map_err(|error| error.to_string())
         };
         assert_eq!(of("1,2\n2 1\n"), Ok("1:2,2:1".into()));
         assert_eq!(of("1,-2,3\n"), Ok("1:-2:3".into()));
@@ -155,10 +155,7 @@ mod tests {
         let large = "0,1\n".repeat(300_000);
         assert!(of(&large, true).unwrap_err().contains("it has 1200000 bytes; it must have at most 1048576"));
         assert!(
-            rows("--law-table", "none.csv", &[&["gap", "traction"]], true)
-                .unwrap_err()
-                .to_string()
-                .contains("none.csv")
+            rows("law_table", "none.csv", &[&["gap", "traction"]], true).unwrap_err().to_string().contains("none.csv")
         );
     }
 }

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Variable};
+use gfmd_problem::{key, words};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -152,20 +153,20 @@ impl TraceArgs {
     /// Returns a recorder of displacements on `grid` with components along `axes`, if requested.
     pub fn tracer(&self, grid: &Grid, axes: &[usize]) -> Result<Option<Tracer>, Failure> {
         if !self.history {
-            let given = [
-                ("--history-mode", !self.history_mode.is_empty()),
-                ("--history-point", !self.history_point.is_empty()),
-            ];
+            let given =
+                [("history_mode", !self.history_mode.is_empty()), ("history_point", !self.history_point.is_empty())];
             return match given.into_iter().find(|(_, given)| *given) {
-                Some((flag, _)) => Err(Failure::value(flag, "given", "left out without --history")),
+                Some((option, _)) => {
+                    Err(Failure::value(key(option), "given", words!["left out without ", key("history")]))
+                }
                 None => Ok(None),
             };
         }
-        let place = |flag: &str, axis: usize| {
+        let place = |option: &str, axis: usize| {
             let names: Vec<&str> = axes.iter().map(|axis| AXES[*axis]).collect();
             let found = axes.iter().position(|of| *of == axis);
             found.ok_or_else(|| {
-                Failure::value(flag, AXES[axis], format!("a component that moves: {}", names.join(", ")))
+                Failure::value(key(option), AXES[axis], format!("a component that moves: {}", names.join(", ")))
             })
         };
         let ([nx, ny], lengths) = (grid.points(), grid.lengths());
@@ -178,7 +179,7 @@ impl TraceArgs {
                 let (sin, cos) = (TAU * turns).sin_cos();
                 [cos, -sin]
             };
-            tracer.waves.push((place("--history-mode", *axis)?, (0..grid.len()).map(wave).collect()));
+            tracer.waves.push((place("history_mode", *axis)?, (0..grid.len()).map(wave).collect()));
             let (mode, component) = (*numbers, AXES[*axis]);
             tracer.trace.modes.push(ModeTrace { mode, component, re: Vec::new(), im: Vec::new() });
         }
@@ -188,7 +189,7 @@ impl TraceArgs {
                 (position[axis].rem_euclid(lengths[axis]) / spacing).round() as usize % [nx, ny][axis]
             };
             let (i, j) = (nearest(0), nearest(1));
-            tracer.entries.push(place("--history-point", *axis)? * grid.len() + i * ny + j);
+            tracer.entries.push(place("history_point", *axis)? * grid.len() + i * ny + j);
             let point = [i as f64 * grid.spacing()[0], j as f64 * grid.spacing()[1]];
             tracer.trace.points.push(PointTrace { point, component: AXES[*axis], u: Vec::new() });
         }

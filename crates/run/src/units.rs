@@ -71,7 +71,7 @@ impl Source {
             return Ok(Units::new(units.length(), stress.or(units.stress())));
         }
         let topography = Topography::read(surface, self.channel.as_deref());
-        let topography = topography.map_err(|error| Failure::Input(error.to_string()))?;
+        let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
         Ok(Units::new(topography.unit.as_deref(), stress))
     }
 }

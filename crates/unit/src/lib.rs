@@ -28,4 +28,4 @@ pub use dimension::Dimension;
 pub use length::{Conversion, canonical, convert_lengths, is_length};
 pub use quantity::{Quantity, UnknownUnit};
 pub use shown::Shown;
-pub use units::{Units, Unusable};
+pub use units::{NoValue, Units};

@@ -14,7 +14,7 @@ pub struct Units {
 
 /// Error: a quantity has no value in the units of a problem.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Unusable {
+pub enum NoValue {
     /// The quantity is of another kind.
     #[error("it is {found}; it must be {allowed}")]
     Kind {
@@ -25,12 +25,12 @@ pub enum Unusable {
     },
     /// The problem has no unit of length.
     #[error(
-        "it has a unit, and the lengths have none; --unit gives them one, as in --unit um, or leave the unit out: a \
-             number is then in the units of the other numbers"
+        "it has a unit, and the lengths have none; name their unit, or leave this one out: a number is then in the units \
+             of the other numbers"
     )]
     NoLength,
     /// The unit of length is unknown.
-    #[error("it has a unit, and that of the lengths, {0}, is not known; --unit names one, as in --unit um")]
+    #[error("it has a unit, and the unit of the lengths, {0}, is not known")]
     Length(String),
 }
 
@@ -77,15 +77,15 @@ impl Units {
     ///
     /// # Errors
     /// Another kind of quantity; lengths without a unit, or with an unknown one.
-    pub fn value(&self, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
+    pub fn value(&self, quantity: &Quantity, kind: &str) -> Result<f64, NoValue> {
         let allowed = Dimension::of(kind).unwrap_or_default();
         let found = quantity.dimension();
         if found != allowed {
-            return Err(Unusable::Kind { found, allowed });
+            return Err(NoValue::Kind { found, allowed });
         }
         // A problem without a unit of length has no unit of stress either: its numbers are in any consistent units.
-        let name = self.length().ok_or(Unusable::NoLength)?;
-        let length = Unit::parse(name).ok_or_else(|| Unusable::Length(name.into()))?;
+        let name = self.length().ok_or(NoValue::NoLength)?;
+        let length = Unit::parse(name).ok_or_else(|| NoValue::Length(name.into()))?;
         let stress = self.stress_unit().or_else(|| Unit::parse(Self::PASCAL)).unwrap_or(Unit::ONE);
         let unit = Unit::ONE.times(stress, allowed.stress).and_then(|unit| unit.times(length, allowed.length));
         Ok(quantity.over(&unit.unwrap_or(Unit::ONE)))
@@ -171,7 +171,7 @@ mod tests {
         let known = Units::new(Some("nm"), None);
         says(&known, "2 nm", "stress", "it is a length (such as µm); it must be a stress (such as MPa)");
         says(&known, "2 N", "1", "it is a force (such as N); it must be a number without a unit");
-        says(&Units::default(), "1MPa", "stress", "--unit gives them one");
+        says(&Units::default(), "1MPa", "stress", "name their unit");
         says(&Units::new(Some("sigma"), None), "1MPa", "stress", "sigma, is not known");
     }
 

@@ -183,7 +183,7 @@ impl Case {
         let written = |heights: Array2<f64>| {
             let path = folder.join(format!("{}-{n}.npy", self.seed));
             let written = ndarray_npy::write_npy(&path, &heights);
-            written.map_err(|error| Failure::Computation(error.to_string()))?;
+            written.map_err(|error| Failure::computation(error.to_string()))?;
             Ok::<_, Failure>(format!("--surface {} --length 1", path.display()))
         };
         let at = |i: usize, axis: usize| i as f64 / n as f64 - self.random[axis];
@@ -231,7 +231,7 @@ impl Case {
 
     /// Returns a rough sphere on a grid of n × n points.
     fn rough_sphere(&self, n: usize) -> Result<Array2<f64>, Failure> {
-        let failed = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
+        let failed = |error: &dyn std::fmt::Display| Failure::computation(error.to_string());
         let grid = Grid::square(n, 1.0).map_err(|error| failed(&error))?;
         let rough = SelfAffine {
             hurst: self.hurst,

@@ -96,7 +96,7 @@ struct TheirLoad {
 /// Tamaas is not installed; a failed run of this program; a file that cannot be written.
 pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> Result<Adhesion, Failure> {
     if !environment.has(Peer::Tamaas) {
-        return Err(Failure::Input("--adhesion needs Tamaas, which is not installed".into()));
+        return Err(Failure::refused("--adhesion needs Tamaas, which is not installed"));
     }
     let mut made = Adhesion {
         date: jiff::Zoned::now().date().to_string(),
@@ -167,7 +167,7 @@ impl Trial<'_> {
     }
 
     fn own(&self) -> Result<Course, Failure> {
-        let program = std::env::current_exe().map_err(|error| Failure::Computation(error.to_string()))?;
+        let program = std::env::current_exe().map_err(|error| Failure::computation(error.to_string()))?;
         let [work, range] = self.law();
         let mut command = Command::new(program);
         command.args(["contact", "--json", "--quiet", "--grid-error", "none", "--surface"]).arg(&self.problem.heights);
@@ -176,7 +176,7 @@ impl Trial<'_> {
         command.arg(self.pressures().map(|p| format!("{p:?}")).join(","));
         command.arg("--tol").arg(format!("{:e}", self.args.tol)).arg("--threads").arg(self.threads.to_string());
         let printed = output(&mut command, LONG, self.session).map_err(|ended| ended.failure("adhesion by gfmd"))?;
-        let report: Value = serde_json::from_str(&printed).map_err(|error| Failure::Computation(error.to_string()))?;
+        let report: Value = serde_json::from_str(&printed).map_err(|error| Failure::computation(error.to_string()))?;
         let loads = crate::solved::loads(&report);
         let residuals = loads.iter().flat_map(|load| load["residual"].as_object()).flat_map(|all| all.values());
         Ok(Course {
@@ -258,7 +258,7 @@ impl Adhesion {
         let Self { date, machine, commit, tamaas, tolerance, patience, .. } = self;
         let short = commit.get(..12).unwrap_or(commit);
         let text = std::fs::read_to_string(page)
-            .map_err(|error| Failure::Computation(format!("{}: {error}", page.display())))?;
+            .map_err(|error| Failure::computation(format!("{}: {error}", page.display())))?;
         let table = format!(
             "{}\n{date}. {machine}. Commit {short}. Tamaas {tamaas} (`PolonskyKeerRey` on the gap, \
              `ExponentialAdhesionFunctional`).\n\

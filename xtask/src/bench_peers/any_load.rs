@@ -338,7 +338,7 @@ impl AnyLoad {
 
     /// Writes the table to its file, so that a later failure does not lose it.
     fn keep(&self) -> Result<(), Failure> {
-        let text = gfmd_run::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
+        let text = gfmd_run::json::to_string(self).map_err(|error| Failure::computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
     }
 }

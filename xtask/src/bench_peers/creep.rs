@@ -89,7 +89,7 @@ struct Theirs {
 /// Tamaas is not installed; a failed run of a program; a file that cannot be written.
 pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> Result<Creep, Failure> {
     if !environment.has(Peer::Tamaas) {
-        return Err(Failure::Input("--creep needs Tamaas, which is not installed".into()));
+        return Err(Failure::refused("--creep needs Tamaas, which is not installed"));
     }
     let mut creep = Creep {
         date: jiff::Zoned::now().date().to_string(),
@@ -142,7 +142,7 @@ impl Trial<'_> {
             theirs.push(tamaas.seconds.iter().sum());
             last = Some((ours, tamaas));
         }
-        let (ours, tamaas) = last.ok_or_else(|| Failure::Input("--repeats is 0; it must be at least 1".into()))?;
+        let (ours, tamaas) = last.ok_or_else(|| Failure::refused("--repeats is 0; it must be at least 1"))?;
         let end = ours.steps.last().map_or(f64::NAN, |step| step.area_fraction);
         let spread = |[time, weight]: [f64; 2]| weight / (1.0 + STEP / time).powi(STEPS as i32);
         Ok(Row {
@@ -165,7 +165,7 @@ impl Trial<'_> {
     }
 
     fn own(&self) -> Result<Own, Failure> {
-        let program = std::env::current_exe().map_err(|error| Failure::Computation(error.to_string()))?;
+        let program = std::env::current_exe().map_err(|error| Failure::computation(error.to_string()))?;
         let branches: Vec<String> = self.branches.iter().map(|[time, fraction]| format!("{time}:{fraction}")).collect();
         let mut command = Command::new(program);
         command.args([
@@ -187,9 +187,9 @@ impl Trial<'_> {
         let printed =
             output(&mut command, LONG, self.session).map_err(|ended| ended.failure("a creep test of gfmd"))?;
         let own: Own = serde_json::from_str(&printed)
-            .map_err(|error| Failure::Computation(format!("the output of a creep test has {error}")))?;
+            .map_err(|error| Failure::computation(format!("the output of a creep test has {error}")))?;
         match own.steps.iter().position(|step| !step.converged) {
-            Some(step) => Err(Failure::Computation(format!("step {step} of a creep test did not converge"))),
+            Some(step) => Err(Failure::computation(format!("step {step} of a creep test did not converge"))),
             None => Ok(own),
         }
     }

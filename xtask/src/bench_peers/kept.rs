@@ -12,7 +12,7 @@ use serde_json::Value;
 /// # Errors
 /// A file that cannot be read; an earlier run that differs from `now`, without results yet, in more than `results`.
 pub(super) fn read<T: DeserializeOwned>(file: &Path, now: &impl Serialize, results: &[&str]) -> Result<T, Failure> {
-    let refused = |why: String| Failure::Input(format!("--resume: {}: {why}", file.display()));
+    let refused = |why: String| Failure::refused(format!("--resume: {}: {why}", file.display()));
     let parsed = |text: &str| serde_json::from_str(text).map_err(|error| refused(error.to_string()));
     let kept: Value = parsed(&std::fs::read_to_string(file).map_err(|error| refused(error.to_string()))?)?;
     let now: Value = parsed(&gfmd_run::json::to_string(now).map_err(|error| refused(error.to_string()))?)?;

@@ -255,7 +255,7 @@ impl<'a> Bench<'a> {
         let solve = contestant.solve(problem, starter.tolerance, threads, file.as_deref(), self.place(INDULGENCE));
         let solve = solve.and_then(Solve::converged).map_err(|ended| ended.failure(&contestant.to_string()))?;
         match starter.cost {
-            Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::Computation(format!(
+            Some(cost) if cost != (solve.iterations, solve.transform_pairs) => Err(Failure::computation(format!(
                 "{contestant} on {threads} threads took {:?} iterations and {:?} pairs; they must be {:?} and {:?} as \
                  before",
                 solve.iterations, solve.transform_pairs, cost.0, cost.1
@@ -286,13 +286,13 @@ impl<'a> Bench<'a> {
         for starter in starters {
             let contestant = starter.contestant.to_string();
             if !verdicts.contains_key(&contestant) {
-                return Err(Failure::Computation(format!("{contestant} at {name}: its pressure is no number")));
+                return Err(Failure::computation(format!("{contestant} at {name}: its pressure is no number")));
             }
         }
         for (contestant, verdict) in &verdicts {
             if let Some(objection) = verdict.objection(self.args.tol, problem.points) {
                 let text = format!("{contestant} at {name}, {threads} threads, against {reference}: {objection}");
-                return Err(Failure::Computation(text));
+                return Err(Failure::computation(text));
             }
         }
         Ok(verdicts)

@@ -23,8 +23,8 @@ impl Ended {
     /// Returns the failure of a program that the command cannot do without.
     pub(super) fn failure(self, what: &str) -> Failure {
         match self {
-            Self::Interrupted => Failure::Interrupted(format!("interrupted: {what}")),
-            other => Failure::Computation(format!("{what}: {}", other.in_words())),
+            Self::Interrupted => Failure::interrupted(format!("interrupted: {what}")),
+            other => Failure::computation(format!("{what}: {}", other.in_words())),
         }
     }
 

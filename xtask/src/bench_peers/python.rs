@@ -214,7 +214,7 @@ impl Environment {
         session: &Session,
     ) -> Result<Vec<Yardstick>, Failure> {
         if self.fftw.threads.is_none() && threads.iter().any(|t| *t > 1) {
-            return Err(Failure::Input("--thread-counts must be 1, since this FFTW has no threads".into()));
+            return Err(Failure::refused("--thread-counts must be 1, since this FFTW has no threads"));
         }
         Ok(self.yardsticks(&[points], threads, 0.5, session)?.pairs)
     }
@@ -299,7 +299,7 @@ fn install(program: &Path, venv: &Path, session: &Session) -> Result<(PathBuf, V
         // A package that cannot be built here does not block the others.
         for package in packages {
             match pip(&python, &[package], session) {
-                Err(Failure::Computation(said)) => notes.push(format!("{package} is not installed: {said}")),
+                Err(failure @ Failure::Computation(_)) => notes.push(format!("{package} is not installed: {failure}")),
                 done => done?,
             }
         }
@@ -316,5 +316,5 @@ fn pip(python: &Path, packages: &[&str], session: &Session) -> Result<(), Failur
 }
 
 fn cannot_write(file: &Path, error: &std::io::Error) -> Failure {
-    Failure::Computation(format!("cannot write {}: {error}", file.display()))
+    Failure::computation(format!("cannot write {}: {error}", file.display()))
 }

@@ -134,7 +134,7 @@ const BUSY: f64 = 0.9;
 impl Report {
     /// Writes the report to its file, so that a later failure does not lose it.
     pub(super) fn keep(&self) -> Result<(), Failure> {
-        let text = gfmd_run::json::to_string(self).map_err(|error| Failure::Computation(error.to_string()))?;
+        let text = gfmd_run::json::to_string(self).map_err(|error| Failure::computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
     }
 
@@ -156,7 +156,7 @@ impl Report {
     /// `bench-rows` and of `--adhesion` stay on the page.
     pub(super) fn write_page(&self, file: &Path) -> Result<(), Failure> {
         let figure = file.with_file_name(FIGURE);
-        let unmade = |error| Failure::Computation(format!("cannot make the folder of {}: {error}", figure.display()));
+        let unmade = |error| Failure::computation(format!("cannot make the folder of {}: {error}", figure.display()));
         figure.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(unmade)?;
         write_beside(&figure, &self.figure()?)?;
         write_beside(file, &self.page(&[rows::PLACE, adhesion::PLACE].map(|place| rows::section(file, place)).concat()))

@@ -202,7 +202,7 @@ impl Rows {
 
     fn write(&self, data: &Path, page: &Path) -> Result<(), Failure> {
         let cannot =
-            |file: &Path, error: &dyn fmt::Display| Failure::Computation(format!("{}: {error}", file.display()));
+            |file: &Path, error: &dyn fmt::Display| Failure::computation(format!("{}: {error}", file.display()));
         let text = std::fs::read_to_string(page).map_err(|error| cannot(page, &error))?;
         let text = filled(&text, PLACE, &self.markdown())?;
         let json = gfmd_run::json::to_string(self).map_err(|error| cannot(data, &error))?;

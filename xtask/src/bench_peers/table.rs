@@ -60,7 +60,7 @@ pub(super) fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
         opened.sync_all()?;
         std::fs::rename(&beside, file)
     };
-    write().map_err(|error| Failure::Computation(format!("cannot write {}: {error}", file.display())))
+    write().map_err(|error| Failure::computation(format!("cannot write {}: {error}", file.display())))
 }
 
 pub(super) fn in_words(threads: usize) -> String {

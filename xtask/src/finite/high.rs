@@ -16,7 +16,7 @@ pub(super) type Parts = [f64; PRESSURES.len()];
 
 /// Computes the fractions of a surface for each reduced pressure.
 pub(super) fn parts(hurst: f64, (eps_f_inv, points): (usize, usize), seed: u64) -> Result<Vec<Parts>, Failure> {
-    let fail = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
+    let fail = |error: &dyn std::fmt::Display| Failure::computation(error.to_string());
     let grid = Grid::square(points * EPS_T_INV * eps_f_inv, 1.0).map_err(|error| fail(&error))?;
     let material = Material::from_contact_modulus(1.0, 0.0).map_err(|error| fail(&error))?;
     let numbers = Discretisation { eps_t_inv: EPS_T_INV as f64, eps_f_inv: eps_f_inv as f64, eps_c_inv: points as f64 };

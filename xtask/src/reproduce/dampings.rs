@@ -61,9 +61,9 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
         // Reads the displacement of the converged state from the file of the figures below the punch.
         runs.run(super::PREPARATION[0])?;
         let file = gfmd_files::Reader::open(runs.folder.path().join("punch.h5"));
-        let file = file.map_err(|error| Failure::Computation(error.to_string()))?;
+        let file = file.map_err(|error| Failure::computation(error.to_string()))?;
         let u: Vec<f64> =
-            file.values("/fields/displacement").map_err(|error| Failure::Computation(error.to_string()))?;
+            file.values("/fields/displacement").map_err(|error| Failure::computation(error.to_string()))?;
         let n = POINTS as usize;
         let exact = (0..n).map(|i| (i as f64 / POINTS, u[(i * n + n / 2) * 3] / LENGTH));
         profiles.push(Series { mark: Mark::Dashes, ..Series::line("converged", 6, exact) });
@@ -75,7 +75,7 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
         };
         return Ok(vec![("", svg(Chart::new(vec![panel]))?)]);
     }
-    let failed = |reason: &dyn std::fmt::Display| Failure::Computation(format!("the free slab: {reason}"));
+    let failed = |reason: &dyn std::fmt::Display| Failure::computation(format!("the free slab: {reason}"));
     let material = Material::from_young(YOUNG, POISSON).map_err(|error| failed(&error))?;
     let body = Body::slab(material, HEIGHT).map_err(|error| failed(&error))?;
     let grid = Grid::square(POINTS as usize, 1.0).map_err(|error| failed(&error))?;
@@ -102,5 +102,5 @@ pub(super) fn draw(number: &str, runs: &mut Runs) -> Result<Vec<(&'static str, S
 
 fn numbers(value: &Value) -> Result<Vec<f64>, Failure> {
     let list: Option<Vec<f64>> = value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
-    list.ok_or_else(|| Failure::Computation("a history has no numbers".into()))
+    list.ok_or_else(|| Failure::computation("a history has no numbers"))
 }

@@ -43,7 +43,7 @@ pub(super) fn slab_figure(summaries: &Summaries) -> Result<String, Failure> {
             let point = |height: &&str| -> Result<Point, Failure> {
                 let summary = slab(summaries, height, hurst, ratio)?;
                 let cell = summary.cell()?;
-                let x = height.parse().map_err(|_| Failure::Input(format!("{height} is no height")))?;
+                let x = height.parse().map_err(|_| Failure::refused(format!("{height} is no height")))?;
                 Ok(Point::with_error(x, cell.kappa, cell.kappa_sem.unwrap_or(0.0)))
             };
             let points = HEIGHTS.iter().map(point).collect::<Result<_, _>>()?;

@@ -74,7 +74,7 @@ pub(super) fn limits(sweep: &Summary) -> Vec<Limit> {
 /// Returns the limit at one H and load.
 pub(super) fn at(limits: &[Limit], hurst: f64, p_star: f64) -> Result<Limit, Failure> {
     let found = limits.iter().find(|limit| limit.hurst == hurst && limit.p_star == p_star);
-    found.copied().ok_or_else(|| Failure::Input(format!("there is no limit for H = {hurst} at p* = {p_star}")))
+    found.copied().ok_or_else(|| Failure::refused(format!("there is no limit for H = {hurst} at p* = {p_star}")))
 }
 
 /// Returns the text of data/results/limits.json, one limit per line.
@@ -143,7 +143,7 @@ pub(super) fn loads(summaries: &Summaries) -> Result<String, Failure> {
 /// Returns the fit of counted areas at one H and load.
 pub(super) fn fit(sweep: &Summary, hurst: f64, p_star: f64) -> Result<&Fit, Failure> {
     let wanted = |fit: &&Fit| fit.hurst == hurst && fit.p_star == p_star && fit.area == "raw";
-    let missing = || Failure::Input(format!("a summary has no fit for H = {hurst} at p* = {p_star}"));
+    let missing = || Failure::refused(format!("a summary has no fit for H = {hurst} at p* = {p_star}"));
     sweep.fits.iter().find(wanted).ok_or_else(missing)
 }
 
@@ -196,7 +196,8 @@ pub(super) fn between(summaries: &Summaries) -> Result<String, Failure> {
     hursts.dedup();
     let mut all = Vec::new();
     for hurst in hursts {
-        let area = SelfAffineArea::new(hurst).ok_or_else(|| Failure::Input(format!("H is {hurst} in between.json")))?;
+        let area =
+            SelfAffineArea::new(hurst).ok_or_else(|| Failure::refused(format!("H is {hurst} in between.json")))?;
         let formula = |p_star: f64| area.at(p_star) / p_star;
         let fits = sweep.fits.iter().filter(|fit| fit.hurst == hurst && fit.area == "raw");
         let errors: Vec<f64> = fits.map(|fit| formula(fit.p_star) / fit.kappa_tfc - 1.0).collect();

@@ -102,7 +102,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
                             .points
                             .iter()
                             .find(|at| [at.hurst, at.eps_t_inv, at.eps_f_inv, at.eps_c_inv, at.p_star] == wanted);
-                        let missing = || Failure::Input(format!("ladders.json has no point at 1/eps_f = {band}"));
+                        let missing = || Failure::refused(format!("ladders.json has no point at 1/eps_f = {band}"));
                         let point = found.ok_or_else(missing)?;
                         Ok(format!("{:.2}", point.kappa - point.edge.unwrap_or(0.0)))
                     };

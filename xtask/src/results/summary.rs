@@ -136,7 +136,7 @@ impl Summaries {
 impl Summary {
     /// Returns the only cell of a sweep at one discretisation and load.
     pub(super) fn cell(&self) -> Result<&Point, Failure> {
-        self.points.first().ok_or_else(|| Failure::Input("a summary has no points; it must have one".into()))
+        self.points.first().ok_or_else(|| Failure::refused("a summary has no points; it must have one"))
     }
 }
 

@@ -10,7 +10,7 @@ use super::{Report, figures};
 
 /// Writes `validation.md` and `images/validation-*` into `folder`.
 pub(super) fn write(folder: &Path, report: &Report, reference: &Reference) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |path: &Path, error| Failure::Computation(format!("cannot write {}: {error}", path.display()));
+    let failed = |path: &Path, error| Failure::computation(format!("cannot write {}: {error}", path.display()));
     let images = folder.join("images");
     std::fs::create_dir_all(&images).map_err(|error| failed(&images, error))?;
     let path = folder.join("validation.md");

@@ -45,7 +45,7 @@ pub(super) const CAPTIONS: [(&str, &str); 10] = [
 
 /// Writes `PREFIX-name.svg` and `PREFIX-name.png` of each figure.
 pub(super) fn draw(prefix: &Path, reference: &Reference) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |error: &dyn ToString| Failure::Computation(error.to_string());
+    let failed = |error: &dyn ToString| Failure::computation(error.to_string());
     let named = |what: &str| prefix.with_file_name(format!("validation-{what}"));
     let material = Material::from_young(70.0, 0.33).map_err(|error| failed(&error))?;
     let slab = |height: f64| Body::slab(material, height).map_err(|error| failed(&error));
@@ -110,7 +110,7 @@ fn decay(slab: &Body) -> Result<Chart, Failure> {
         let mut curves = [Vec::new(), Vec::new()];
         for i in 0..=100 {
             let z = f64::from(i) / 100.0;
-            let section = slab.at_height(z).map_err(|error| Failure::Computation(error.to_string()))?;
+            let section = slab.at_height(z).map_err(|error| Failure::computation(error.to_string()))?;
             let transfer = section.plane_displacement_transfer(number);
             curves[0].push((z, transfer[1][1].re));
             curves[1].push((z, transfer[0][1].im));

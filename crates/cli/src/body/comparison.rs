@@ -2,6 +2,7 @@
 
 use gfmd_field::Grid;
 use gfmd_files::{Reader, npy};
+use gfmd_problem::key;
 use serde::Serialize;
 
 use super::component::Component;
@@ -51,7 +52,7 @@ pub(super) fn compare(
     grid: &Grid,
     depths: &[f64],
 ) -> Result<(Comparison, Vec<Compared>), Failure> {
-    let refuse = |reason: String| Failure::input("--compare", format!("{name}: {reason}"));
+    let refuse = |reason: String| Failure::input(key("compare"), format!("{name}: {reason}"));
     let wanted: Vec<Component> = pictures.values().map(|(component, _)| component).collect();
     let stored = if name.to_ascii_lowercase().ends_with(".npy") {
         array(name, pictures, grid)

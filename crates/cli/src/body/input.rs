@@ -4,6 +4,7 @@ use gfmd_field::Grid;
 use gfmd_files::input::MOST_BYTES;
 use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
+use gfmd_problem::key;
 
 use super::wave::{self, Wave};
 use gfmd_problem::options::given::{ArrayOption, StoredLoad};
@@ -97,7 +98,7 @@ impl Surface {
         };
         let found = found.map_err(refuse)?;
         if let (Some(_), None) = (load, found.load) {
-            return Err(Failure::input("--load", format!("{name} has no loads")));
+            return Err(Failure::input(key("load"), format!("{name} has no loads")));
         }
         let allowed = "it must be [nx, ny, 3], or [n, 2] for a line";
         let (points, components) = match (found.kind, &found.shape[..]) {
@@ -108,7 +109,8 @@ impl Surface {
         };
         let lengths = cell(length, found.lengths, points);
         let grid = Grid::new(points, lengths);
-        let grid = grid.map_err(|error| Failure::input(if length.is_empty() { name } else { "--length" }, error))?;
+        let grid =
+            grid.map_err(|error| Failure::input(if length.is_empty() { name.into() } else { key("length") }, error))?;
         let values = (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
         let description = match (found.load, found.kind) {
             (Some(load), Kind::Normal) => {
@@ -148,10 +150,11 @@ impl Surface {
             [nx, ny, ..] => [*nx, *ny],
         };
         if points[0] < 2 || points[1] == 0 {
-            return Err(Failure::value("--n", format!("{points:?}"), "at least 2 along x, and at least 1 along y"));
+            return Err(Failure::value(key("n"), format!("{points:?}"), "at least 2 along x, and at least 1 along y"));
         }
-        memory::fits(memory::BODY, "--n", points)?;
-        let grid = Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input("--length", error))?;
+        memory::fits(memory::BODY, key("n"), points)?;
+        let grid =
+            Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input(key("length"), error))?;
         let words: Vec<String> = waves.iter().map(Wave::to_string).collect();
         Ok(Self {
             grid,
@@ -348,7 +351,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
             let loads = shape.remove(0);
             let load = load.unwrap_or(loads.saturating_sub(1));
             if load >= loads {
-                return Err(format!("--load is {load}; it must be below {loads}, the number of loads"));
+                return Err(format!("load {load} was asked for; it must be below {loads}, the number of loads"));
             }
             (reader.slab(dataset, load).map_err(words)?, Some(load))
         }

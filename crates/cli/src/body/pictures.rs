@@ -157,7 +157,7 @@ pub fn draw_middle(
     for (number, depth) in evenly_spaced(levels, deepest).enumerate() {
         for family in [Family::Displacement, Family::Deformation] {
             let fields = Fields::at(interior, family, Plane { depth, side: None }, &mut ws);
-            pictures.take(family, number, &fields.map_err(|error| Failure::Computation(error.to_string()))?);
+            pictures.take(family, number, &fields.map_err(|error| Failure::computation(error.to_string()))?);
         }
     }
     pictures.draw(prefix, &Place { grid: interior.grid(), deepest, unit, units: &Units::default() }, &[])

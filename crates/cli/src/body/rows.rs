@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use gfmd_field::Grid;
+use gfmd_problem::key;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -83,10 +84,14 @@ impl Rows {
         }
         let (name, length) = (AXES[slice.axis], grid.lengths()[slice.axis]);
         if grid.is_line() {
-            return Err(Failure::Input(format!("--slice is {slice}; it must be left out for a line")));
+            return Err(Failure::value(key("slice"), slice, "left out for a line"));
         }
         if !(0.0..length).contains(&slice.position) {
-            return Err(Failure::Input(format!("--slice is {slice}; {name} must be at least 0 and below {length}")));
+            return Err(Failure::contradicts(
+                key("slice"),
+                slice,
+                format!("{name} must be at least 0 and below {length}"),
+            ));
         }
         let count = grid.points()[slice.axis];
         let index = (slice.position / grid.spacing()[slice.axis]).round() as usize % count;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use gfmd_field::Grid;
 use gfmd_files::vti::{Image, Lattice};
 use gfmd_files::{Archive, Dimension, Output, PointArray, Provenance, Variable, axes};
+use gfmd_problem::{key, words};
 
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
@@ -52,7 +53,7 @@ impl<'a> Volume<'a> {
             Some("vti") => image(output, planes, quantities)?,
             _ if output.in_memory().is_some() => archive(output, planes, quantities, provenance, origin)?,
             Some("h5" | "hdf5") => archive(output, planes, quantities, provenance, origin)?,
-            _ => return Err(Failure::value("--out", output.path().display(), "NAME.h5 or NAME.vti")),
+            _ => return Err(Failure::value(key("out"), output.path().display(), "NAME.h5 or NAME.vti")),
         };
         let components = |quantity| match sink {
             Sink::Archive(_) => archive_components(quantity, planes.grid.is_line()),
@@ -161,10 +162,13 @@ fn image_components(quantity: Quantity) -> &'static [usize] {
 /// Creates image data. z is the height above the base of a slab, or above the surface of a half-space.
 fn image<'a>(output: &'a Output, planes: &Planes, quantities: &[Quantity]) -> Result<Sink<'a>, Failure> {
     let [Plane { depth: first, .. }, Plane { depth: second, .. }, ..] = planes.below else {
-        return Err(Failure::input("--out", "image data needs at least two depths"));
+        return Err(Failure::input(key("out"), "image data needs at least two depths"));
     };
     if !planes.even {
-        return Err(Failure::input("--out", "image data needs evenly spaced depths: --levels instead of --depths"));
+        return Err(Failure::because(
+            key("out"),
+            words!["image data needs evenly spaced depths: ", key("levels"), " instead of ", key("depths")],
+        ));
     }
     let ([nx, ny], [x, y], [dx, dy]) = (planes.rows.shape(planes.grid), planes.rows.origin(), planes.grid.spacing());
     let top = planes.below.len() - 1;

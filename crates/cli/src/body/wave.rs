@@ -5,6 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use gfmd_field::Grid;
+use gfmd_problem::key;
 use gfmd_response::Components;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -67,7 +68,7 @@ pub(super) fn displacement(waves: &[Wave], grid: &Grid) -> Result<Vec<f64>, Fail
     let mut field = vec![0.0; axes.len() * grid.len()];
     for wave in waves {
         let component = axes.iter().position(|axis| *axis == wave.axis);
-        let component = component.ok_or_else(|| Failure::value("--wave", wave, "a wave of x or z on a line"))?;
+        let component = component.ok_or_else(|| Failure::value(key("wave"), wave, "a wave of x or z on a line"))?;
         let least = |points: usize| if points == 1 { 0 } else { points as u64 / 2 };
         let resolved = |(number, points): (i32, usize)| {
             let number = u64::from(number.unsigned_abs());
@@ -78,7 +79,7 @@ pub(super) fn displacement(waves: &[Wave], grid: &Grid) -> Result<Vec<f64>, Fail
             let below = format!("a wave with |M| below {x}, half the points along x, and |N| below {y}");
             let allowed =
                 if ny == 1 { format!("a wave with |M| below {x}, half the points, and N = 0") } else { below };
-            return Err(Failure::value("--wave", wave, allowed));
+            return Err(Failure::value(key("wave"), wave, allowed));
         }
         let turns = |number: i32, i: usize, points: usize| {
             // Leave out whole turns, so that equal values have equal bits.

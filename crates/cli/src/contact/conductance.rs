@@ -6,7 +6,7 @@ use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Conductor, Height};
 use gfmd_law::Kind;
-use gfmd_problem::Unknown;
+use gfmd_problem::{Unknown, key, words};
 use ndarray::ArrayRef2;
 
 use super::Args;
@@ -47,9 +47,13 @@ impl Conducting {
     pub(super) fn new(args: &Args, body: &Body, surface: &Surface) -> Result<Self, Failure> {
         let (height, Surface { grid, boundary, .. }) = (args.conductor_height, surface);
         if let (Height::Finite(height), false) = (height, args.statistics) {
-            return Err(Failure::value("--conductor-height", height, "left out without --statistics"));
+            return Err(Failure::value(
+                key("conductor_height"),
+                height,
+                words!["left out without ", key("statistics")],
+            ));
         }
-        let refuse = |error: &dyn std::fmt::Display| Failure::input("--conductor-height", error);
+        let refuse = |error: &dyn std::fmt::Display| Failure::input(key("conductor_height"), error);
         Conductor::new(height).map_err(|error| refuse(&error))?;
         let is_endless = |body: &Body| body.height() == Height::Infinite;
         let are_alike = args.problem.law.law == Kind::HardWall
@@ -97,7 +101,7 @@ impl Conducting {
             Way::Undefined(reason) => return Ok((Err(reason), None)),
             Way::OfStiffness(factor) => stiffness.map_or(f64::NAN, |stiffness| factor * stiffness),
             Way::Solved => {
-                let failed = |error: &dyn std::fmt::Display| Failure::Computation(format!("the conductance: {error}"));
+                let failed = |error: &dyn std::fmt::Display| Failure::computation(format!("the conductance: {error}"));
                 let conductors = self.conductors().map_err(|error| failed(&error))?;
                 let Conductance { value, .. } = match &conductors.conductance(repulsion) {
                     Ok(found) => *found,

@@ -33,7 +33,7 @@ pub(super) fn measured(
     gap: ArrayView2<f64>,
 ) -> Result<(Statistics, Patches), Failure> {
     let found = Statistics::of(&surface.grid, surface.boundary, repulsion, gap);
-    found.map_err(|error| Failure::Computation(error.to_string()))
+    found.map_err(|error| Failure::computation(error.to_string()))
 }
 
 /// Returns the record of a single state with the measurements requested by the flags, and its patches, distributions

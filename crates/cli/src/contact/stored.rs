@@ -14,7 +14,7 @@ use gfmd_run::series::records_of;
 /// # Errors
 /// Returns an error if the file cannot be read, a key does not belong to such results, or a value has another type.
 pub fn configuration(reader: &Reader) -> Result<toml::Table, Failure> {
-    let text = reader.text("/", "config").map_err(|error| Failure::Input(error.to_string()))?;
+    let text = reader.text("/", "config").map_err(|error| Failure::refused(error.to_string()))?;
     Configuration::read::<Args>(Kind::Contact, &text).map(Configuration::into_table)
 }
 
@@ -23,7 +23,7 @@ pub fn configuration(reader: &Reader) -> Result<toml::Table, Failure> {
 /// # Errors
 /// Returns an error if the file is not a contact result.
 pub fn records(reader: &Reader) -> Result<(Facts, Vec<Record>), Failure> {
-    let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
+    let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
     let config = reader.text("/", "config").map_err(refuse)?;
     let line = reader.shape("/surface/height").map_err(refuse)?.get(1) == Some(&1);
     let facts = Configuration::read::<Args>(Kind::Contact, &config)?.as_named::<Args>()?.facts(line);

@@ -3,7 +3,7 @@
 use gfmd_contact::{Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_measure::Patches;
-use gfmd_problem::{Facts, Posed, Rest};
+use gfmd_problem::{Facts, Posed, Rest, key};
 use gfmd_record::{At, COLUMNS, Column, Record};
 use gfmd_unit::Units;
 use serde::{Serialize, Serializer};
@@ -67,9 +67,8 @@ pub(super) fn check(args: &Args) -> Result<(), Failure> {
     loads.sort_by(f64::total_cmp);
     loads.dedup();
     if loads.len() < 2 {
-        let found =
-            format!("--flow-threshold: one load, {loads:?}; it needs two loads or more, between which the flow stops");
-        return Err(Failure::Input(found));
+        let why = format!("one load, {loads:?}; it needs two loads or more, between which the flow stops");
+        return Err(Failure::input(key("flow_threshold"), why));
     }
     Ok(())
 }
@@ -126,7 +125,7 @@ impl Loads {
         let Prepared { facts, surface, .. } = &self.prepared;
         let load = if facts.approach { Load::Approach(asked) } else { Load::MeanPressure(asked) };
         let budget = args.problem.solver.budget();
-        let place = format!("--flow-threshold, load {asked:e}");
+        let place = format!("flow threshold, load {asked:e}");
         let mut watch = Watching::new(place.clone(), progress, session);
         let press = contact.press(load).solver(args.problem.solver.solver).budget(budget).starting_from(last.as_ref());
         let (state, stopped) = reached(press.watch(&mut watch).solve())?;

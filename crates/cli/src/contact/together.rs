@@ -1,7 +1,7 @@
 //! Problem requested by the flags: facts that decide which options combine, and rules that need numbers.
 
 use gfmd_contact::{Contact, Solver};
-use gfmd_problem::Facts;
+use gfmd_problem::{Facts, key};
 
 use super::Args;
 use gfmd_problem::options::values::numbers;
@@ -25,7 +25,7 @@ impl Args {
     pub(super) fn check_history(&self) -> Result<(), Failure> {
         let loads: usize = self.control.given().into_iter().map(|(_, values)| numbers(values).count()).sum();
         if self.trace.is_wanted() && loads > 1 {
-            return Err(Failure::Input(format!("--history: {loads} loads; it records the search for one load")));
+            return Err(Failure::input(key("history"), format!("{loads} loads; it records the search for one load")));
         }
         Ok(())
     }
@@ -37,6 +37,6 @@ impl Args {
             return Ok(());
         }
         let names: Vec<&str> = Contact::FREE_SOLVERS.iter().copied().map(Solver::name).collect();
-        Err(Failure::value("--solver", solver, format!("one of {} with several processes", names.join(", "))))
+        Err(Failure::value(key("solver"), solver, format!("one of {} with several processes", names.join(", "))))
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use gfmd_files::vti::{Image, Lattice};
 use gfmd_files::vtp::{Sheet, write};
 use gfmd_files::{Output, PointArray, contiguous};
+use gfmd_problem::key;
 use ndarray::Array2;
 
 use gfmd_report::figures::Shown;
@@ -26,7 +27,7 @@ enum Kind {
     Polygons,
 }
 
-const FLAG: &str = "--vtk";
+const OPTION: &str = "vtk";
 
 impl VtkFile {
     /// Claims the path.
@@ -38,9 +39,9 @@ impl VtkFile {
         let kind = match extension.as_ref().and_then(|extension| extension.to_str()) {
             Some("vti") => Kind::Image,
             Some("vtp") => Kind::Polygons,
-            _ => return Err(Failure::value(FLAG, path.display(), "NAME.vti or NAME.vtp")),
+            _ => return Err(Failure::value(key(OPTION), path.display(), "NAME.vti or NAME.vtp")),
         };
-        let output = Output::claim(path).map_err(|error| Failure::input(FLAG, error))?;
+        let output = Output::claim(path).map_err(|error| Failure::input(key(OPTION), error))?;
         Ok(Self { output, kind })
     }
 

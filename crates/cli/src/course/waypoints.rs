@@ -1,8 +1,10 @@
 //! Loads or approaches at the waypoints of a path, and the steps of the legs between them.
 
+use crate::contact::one_of_loads;
 use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_problem::{key, words};
 use gfmd_run::failure::Failure;
 use gfmd_run::memory;
 use gfmd_run::series::Places;
@@ -49,63 +51,64 @@ impl LoadArgs {
     /// # Errors
     /// Returns an error for a value that cannot be used, or for several flags.
     pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, LoadOf), Failure> {
-        let flag = self.flag();
+        let option = self.given();
         let given = [&self.pressure, &self.p_star, &self.displacement];
         if given.into_iter().filter(|values| !values.is_empty()).count() > 1 {
-            return Err(Failure::Input(format!(
-                "{flag} is given beside another of --pressure, --p-star, --displacement"
-            )));
+            return Err(Failure::refused(words![key(option), " is given beside another of ", one_of_loads()]));
         }
-        let (given, unit, load): (_, f64, LoadOf) = match flag {
-            "--pressure" => (&self.pressure, 1.0, Load::MeanPressure),
-            "--p-star" => (&self.p_star, unit_pressure, Load::MeanPressure),
+        let (given, unit, load): (_, f64, LoadOf) = match option {
+            "pressure" => (&self.pressure, 1.0, Load::MeanPressure),
+            "p_star" => (&self.p_star, unit_pressure, Load::MeanPressure),
             _ => (&self.displacement, 1.0, Load::Approach),
         };
         let allowed = if hard { "positive and finite" } else { "finite" };
         match numbers(given).find(|value| !(value.is_finite() && (!hard || *value > 0.0))) {
-            Some(bad) => Err(Failure::value(flag, bad, allowed)),
+            Some(bad) => Err(Failure::value(key(option), bad, allowed)),
             None => Ok((numbers(given).map(|value| value * unit).collect(), load)),
         }
     }
 
-    /// Returns the flag of the loads or approaches.
-    pub(crate) fn flag(&self) -> &'static str {
+    /// Returns the key of the loads or approaches.
+    pub(crate) fn given(&self) -> &'static str {
         match (self.pressure.is_empty(), self.p_star.is_empty()) {
-            (false, _) => "--pressure",
-            (_, false) => "--p-star",
-            _ => "--displacement",
+            (false, _) => "pressure",
+            (_, false) => "p_star",
+            _ => "displacement",
         }
     }
 }
 
-/// Returns the lengths of legs, in time or in distance, given by `flag`.
+/// Returns the lengths of legs, in time or in distance, given by the `option`.
 ///
 /// # Errors
 /// Returns an error if a length is negative or not finite.
-pub(crate) fn lengths(flag: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure> {
+pub(crate) fn lengths(option: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure> {
     let lengths: Vec<f64> = numbers(entries).collect();
     match lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
-        Some(bad) => Err(Failure::value(flag, bad, "finite and not negative")),
+        Some(bad) => Err(Failure::value(key(option), bad, "finite and not negative")),
         None => Ok(lengths),
     }
 }
 
-/// Returns the number of waypoints of `lists` (flag, length). `legs` gives the number of legs of `steps` steps for a
+/// Returns the number of waypoints of `lists` (key, length). `legs` gives the number of legs of `steps` steps for a
 /// number of waypoints.
 ///
 /// # Errors
 /// Returns an error if a list has another length, or if there are too many steps.
 pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
     let count = lists.iter().map(|(_, length)| *length).max().unwrap_or(0);
-    if let Some((flag, length)) = lists.iter().find(|(_, length)| *length != 1 && *length != count) {
-        return Err(Failure::Input(format!("{flag} has {length} waypoints; it must have 1 or {count}")));
+    if let Some((option, length)) = lists.iter().find(|(_, length)| *length != 1 && *length != count) {
+        return Err(Failure::refused(words![
+            key(option),
+            format!(" has {length} waypoints; it must have 1 or {count}"),
+        ]));
     }
     let made = (legs(count) as u64).saturating_mul(u64::from(steps));
     if made > MOST_STEPS {
         let found = format!("{steps}, in all {made} for {count} waypoints");
-        return Err(Failure::value("--steps", found, format!("at most {MOST_STEPS} in all")));
+        return Err(Failure::value(key("steps"), found, format!("at most {MOST_STEPS} in all")));
     }
-    memory::check_count("--steps", "steps", made + 1, STEP_BYTES)?;
+    memory::check_count(key("steps"), "steps", made + 1, STEP_BYTES)?;
     Ok(count)
 }
 

@@ -13,7 +13,7 @@ const MILLION: f64 = 1_048_576.0;
 /// # Errors
 /// None on a machine that can transform 256 x 256 points.
 pub(super) fn seconds_per_pair() -> Result<f64, Failure> {
-    let failed = |error: &dyn std::fmt::Display| Failure::Computation(error.to_string());
+    let failed = |error: &dyn std::fmt::Display| Failure::computation(error.to_string());
     let grid = Grid::square(256, 1.0).map_err(|error| failed(&error))?;
     let transform = Transform::new(grid);
     let mut workspace = transform.workspace();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use gfmd_files::{Output, Reader};
+use gfmd_problem::key;
 use gfmd_record::Origin;
 use gfmd_sweep::{Analysis, Config, Plan, Pressed, Study, run_one};
 
@@ -18,8 +19,9 @@ use gfmd_run::sweep::{columns, example, record, runs};
 /// # Errors
 /// Returns an error for another configuration, a damaged file, or loads that miss their tolerance.
 pub(super) fn earlier(path: &Path, plan: &Plan) -> Result<Vec<Vec<Pressed>>, Failure> {
-    let refuse = |reason: &dyn std::fmt::Display| Failure::input("--runs-of", format!("{}: {reason}", path.display()));
-    let reader = Reader::open(path).map_err(|error| Failure::input("--runs-of", error))?;
+    let refuse =
+        |reason: &dyn std::fmt::Display| Failure::input(key("runs_of"), format!("{}: {reason}", path.display()));
+    let reader = Reader::open(path).map_err(|error| Failure::input(key("runs_of"), error))?;
     if reader.is_intact().unwrap_or(Some(false)) == Some(false) {
         return Err(refuse(&"it is damaged, or was changed; gfmd check says where"));
     }
@@ -70,7 +72,7 @@ fn again(study: &Study, sample: Option<u64>, comparison: &mut Comparison, sessio
     let count = sample.map_or(all, |sample| (sample as usize).min(all));
     for run in (0..count).map(|k| k * all / count) {
         if session.is_interrupted() {
-            return Err(Failure::Interrupted(format!("interrupted before run {run}")));
+            return Err(Failure::interrupted(format!("interrupted before run {run}")));
         }
         let loads = run_one(&study.plan, run, &())?;
         for (stored, found) in study.runs[run].iter().zip(&loads) {

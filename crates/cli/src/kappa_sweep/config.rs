@@ -132,5 +132,5 @@ fn field(before: &str) -> Option<String> {
 /// # Errors
 /// None for values that were read from TOML.
 pub(super) fn text(config: &Config) -> Result<String, Failure> {
-    toml::to_string(config).map_err(|error| Failure::Computation(error.to_string()))
+    toml::to_string(config).map_err(|error| Failure::computation(error.to_string()))
 }

@@ -6,6 +6,7 @@ use std::collections::btree_map::Entry as Slot;
 use std::path::Path;
 
 use gfmd_files::Journal as Records;
+use gfmd_problem::{key, words};
 use gfmd_sweep::Pressed;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +47,9 @@ impl Journal {
     /// a file that cannot be read or written.
     pub(super) fn open(path: &Path, config: &str, size: Size, resume: bool) -> Result<(Self, Finished), Failure> {
         if path.exists() && !resume {
-            let reason = "the journal of an unfinished sweep exists; continue it with --resume, or delete it";
-            return Err(Failure::input(&path.display().to_string(), reason));
+            let exists = "the journal of an unfinished sweep exists; continue it with ";
+            let why = words![exists, key("resume"), ", or delete it"];
+            return Err(Failure::because(path.display().to_string(), why));
         }
         let records = Records::open(path, head(config)?.as_bytes())?;
         let finished = runs(&records, size)?;
@@ -71,9 +73,9 @@ impl Journal {
     /// A number that is not finite, which could not be read again; a file that cannot be written.
     pub(super) fn record(&self, run: usize, loads: &[Pressed]) -> Result<(), Failure> {
         let text = json::to_string(&Entry { run, loads: loads.to_vec() })
-            .map_err(|error| Failure::Computation(error.to_string()))?;
+            .map_err(|error| Failure::computation(error.to_string()))?;
         if text.contains("null") {
-            return Err(Failure::Computation(format!("run {run} has a number that is not finite: {text}")));
+            return Err(Failure::computation(format!("run {run} has a number that is not finite: {text}")));
         }
         Ok(self.0.append(&[text])?)
     }
@@ -94,7 +96,7 @@ impl Journal {
 /// The head of the journals of a sweep.
 fn head(config: &str) -> Result<String, Failure> {
     let head = Head { version: env!("CARGO_PKG_VERSION").into(), config: config.into() };
-    json::to_string(&head).map_err(|error| Failure::Computation(error.to_string()))
+    json::to_string(&head).map_err(|error| Failure::computation(error.to_string()))
 }
 
 /// The runs of a journal.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use gfmd_files::{Output, Reader, folder};
+use gfmd_problem::key;
 use gfmd_sweep::{Plan, Shard};
 use rayon::prelude::*;
 
@@ -21,7 +22,7 @@ pub(super) fn suffix(shard: Shard) -> String {
 fn find(out: &Path) -> Result<BTreeMap<Shard, Option<PathBuf>>, Failure> {
     let name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let failed =
-        |error: std::io::Error| Failure::Computation(format!("cannot read {}: {error}", folder(out).display()));
+        |error: std::io::Error| Failure::computation(format!("cannot read {}: {error}", folder(out).display()));
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder(out)).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
@@ -60,7 +61,7 @@ impl Gathered {
     pub(super) fn read(out: &Path, config: &str, size: Size, claim: bool) -> Result<Self, Failure> {
         let read = |(shard, journal): (Shard, Option<PathBuf>)| {
             let claimed = claim.then(|| Output::claim_beside(out, &suffix(shard))).transpose();
-            let _claimed = claimed.map_err(|error| Failure::input("--merge", error))?;
+            let _claimed = claimed.map_err(|error| Failure::input(key("merge"), error))?;
             let Some(path) = journal else { return Ok((shard, None, Finished::new())) };
             let length = length(&path);
             let runs = Journal::look(&path, config, size)?;

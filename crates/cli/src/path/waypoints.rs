@@ -2,6 +2,7 @@
 
 use clap::Args as ClapArgs;
 use gfmd_contact::Drive;
+use gfmd_problem::key;
 use serde::{Deserialize, Serialize};
 
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
@@ -40,15 +41,15 @@ impl WaypointArgs {
     /// # Errors
     /// Returns an error naming a flag that cannot be used.
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<(Vec<Drive>, Places), Failure> {
-        let flag = self.flag();
+        let option = self.given();
         let (values, load) = self.loads.values(unit_pressure, hard)?;
-        let all = self.lateral.iter().map(|value| ("--lateral", value)).chain([("--direction", &self.direction)]);
-        if let Some((flag, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
-            return Err(Failure::value(flag, bad, "finite"));
+        let all = self.lateral.iter().map(|value| ("lateral", value)).chain([("direction", &self.direction)]);
+        if let Some((option, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(Failure::value(key(option), bad, "finite"));
         }
         let lateral = if self.lateral.is_empty() { vec![0.0] } else { self.lateral.clone() };
-        let times = lengths("--time", &self.time)?;
-        let lists = [(flag, values.len()), ("--lateral", lateral.len()), ("--time", times.len().max(1))];
+        let times = lengths("time", &self.time)?;
+        let lists = [(option, values.len()), ("lateral", lateral.len()), ("time", times.len().max(1))];
         // With times, the first leg ends at the first waypoint.
         let count = counted(&lists, steps, |count| count - usize::from(times.is_empty()))?;
         if !times.is_empty() {
@@ -69,8 +70,8 @@ impl WaypointArgs {
     }
 
     /// Returns the flag of the loads or approaches.
-    pub(super) fn flag(&self) -> &'static str {
-        self.loads.flag()
+    pub(super) fn given(&self) -> &'static str {
+        self.loads.given()
     }
 
     /// Returns the unit vector of the lateral displacement.

@@ -2,6 +2,7 @@
 
 use gfmd_files::{Reader, npy, split_dataset};
 use gfmd_mixed::MixedSolution;
+use gfmd_problem::key;
 use ndarray::{Array3, ArrayD, Axis, Slice};
 use serde::Serialize;
 
@@ -31,7 +32,7 @@ impl Reference {
     /// Reads `.npy` or `FILE.h5[:/dataset]` with the shape [m, m, 3], or [m, 2] or [m, 1, 2] of a line, to compare
     /// with a grid of `points`.
     pub(super) fn read(name: &str, points: [usize; 2], components: usize) -> Result<Self, Failure> {
-        let fail = |reason: String| Failure::input("--compare", format!("{name}: {reason}"));
+        let fail = |reason: String| Failure::input(key("compare"), format!("{name}: {reason}"));
         let found = match split_dataset(name) {
             Some((path, "")) => dataset(path, DISPLACEMENT),
             Some((path, name)) => dataset(path, name),

@@ -4,7 +4,7 @@ use clap::Args;
 use gfmd_contact::Budget;
 use gfmd_field::Grid;
 use gfmd_heat::{Flash, HeatError, Heated, Thermal, Watch};
-use gfmd_problem::SIZES;
+use gfmd_problem::{SIZES, key, words};
 use gfmd_run::failure::Failure;
 use gfmd_viscoelastic::Velocity;
 use ndarray::Array2;
@@ -36,19 +36,22 @@ impl HeatArgs {
     /// The heat that is asked for, if any is.
     pub(super) fn source(&self) -> Result<Option<Source>, Failure> {
         let thermal = |conductivity: f64, diffusivity: f64| {
-            Thermal::new(conductivity, diffusivity).map_err(|error| Failure::input("--heat", error))
+            Thermal::new(conductivity, diffusivity).map_err(|error| Failure::input(key("heat"), error))
         };
         let (body, indenter) = match (&self.heat[..], self.friction) {
             ([], None) => return Ok(None),
             ([], Some(_)) => {
-                return Err(Failure::Input("--friction is given; it must be left out without --heat".into()));
+                return Err(Failure::value(key("friction"), "given", words!["left out without ", key("heat")]));
             }
-            (_, None) => return Err(Failure::Input("--friction is missing; it is needed with --heat".into())),
+            (_, None) => return Err(Failure::missing("friction", words!["it is needed with ", key("heat")])),
             ([k, alpha], _) => (thermal(*k, *alpha)?, None),
             ([k, alpha, k2, alpha2], _) => (thermal(*k, *alpha)?, Some(thermal(*k2, *alpha2)?)),
             (found, _) => {
                 let allowed = "two, or four with those of the rough surface";
-                return Err(Failure::Input(format!("--heat has {} numbers; it must have {allowed}", found.len())));
+                return Err(Failure::refused(words![
+                    key("heat"),
+                    format!(" has {} numbers; it must have {allowed}", found.len())
+                ]));
             }
         };
         match self.friction {
@@ -57,7 +60,7 @@ impl HeatArgs {
             }
             found => {
                 let allowed = format!("positive and at most {:e}", SIZES.end());
-                Err(Failure::value("--friction", found.unwrap_or(f64::NAN), allowed))
+                Err(Failure::value(key("friction"), found.unwrap_or(f64::NAN), allowed))
             }
         }
     }

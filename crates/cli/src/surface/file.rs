@@ -4,6 +4,7 @@ use std::path::Path;
 
 use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, X3p, axes, contiguous, npy};
+use gfmd_problem::key;
 use gfmd_surface::RadialBin;
 use ndarray::{Array2, Axis};
 
@@ -30,9 +31,9 @@ impl Target {
             Some("npy") => Format::Npy,
             Some("x3p") => Format::X3p,
             Some("h5" | "hdf5") => Format::Hdf5,
-            _ => return Err(Failure::value("--out", path.display(), "NAME.npy, NAME.x3p or NAME.h5")),
+            _ => return Err(Failure::value(key("out"), path.display(), "NAME.npy, NAME.x3p or NAME.h5")),
         };
-        let output = Output::claim(path).map_err(|error| Failure::input("--out", error))?;
+        let output = Output::claim(path).map_err(|error| Failure::input(key("out"), error))?;
         Ok(Self { output, format })
     }
 

@@ -31,7 +31,7 @@ impl Listing {
     /// # Errors
     /// A file that cannot be read.
     pub fn of(file: &str) -> Result<Self, Failure> {
-        let listing = Topography::list(file).map_err(|error| Failure::Input(error.to_string()))?;
+        let listing = Topography::list(file).map_err(|error| Failure::refused(error.to_string()))?;
         let channel = |(number, channel): (usize, gfmd_files::ListedChannel)| Channel {
             number,
             default: listing.default == Some(number),

@@ -11,7 +11,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::choice::{named, named_if, parse_choice};
-use crate::{Facts, SIZES, Support, Unusable, check_size};
+use crate::{Facts, SIZES, Support, Unusable, Words, check_size, key, setting, words};
 
 /// Flags that describe the elastic body.
 #[derive(Args, Clone, Debug, Serialize, Deserialize)]
@@ -143,12 +143,12 @@ impl Layer {
         }
     }
 
-    fn material(&self, flag: &str) -> Result<Material, Unusable> {
-        material([flag, flag], self.young, self.poisson)
+    fn material(&self, option: &'static str) -> Result<Material, Unusable> {
+        material([option, option], self.young, self.poisson)
     }
 
-    fn body(&self, flag: &str) -> Result<Body, Unusable> {
-        Body::new(self.material(flag)?, self.height).map_err(|error| Unusable::input(flag, error))
+    fn body(&self, option: &'static str) -> Result<Body, Unusable> {
+        Body::new(self.material(option)?, self.height).map_err(|error| Unusable::input(key(option), error))
     }
 
     /// Describes the material in words.
@@ -157,13 +157,14 @@ impl Layer {
     }
 }
 
-/// Builds a material. Errors name the flags `[young, poisson]` of its modulus and Poisson's ratio.
-fn material([young_flag, poisson_flag]: [&str; 2], young: f64, poisson: f64) -> Result<Material, Unusable> {
+/// Builds a material. Errors name the options `[young, poisson]` of its modulus and Poisson's ratio.
+fn material([young_option, poisson_option]: [&'static str; 2], young: f64, poisson: f64) -> Result<Material, Unusable> {
     if young.is_finite() && young > 0.0 {
-        check_size(young_flag, young)?;
+        check_size(young_option, young)?;
     }
     Material::from_young(young, poisson).map_err(|error| {
-        Unusable::input(if matches!(error, GreenError::Young(_)) { young_flag } else { poisson_flag }, error)
+        let option = if matches!(error, GreenError::Young(_)) { young_option } else { poisson_option };
+        Unusable::input(key(option), error)
     })
 }
 
@@ -178,14 +179,14 @@ impl BodyArgs {
         let material = match self.e_star {
             Some(modulus) => {
                 if modulus.is_finite() && modulus > 0.0 {
-                    check_size("--e-star", modulus)?;
+                    check_size("e_star", modulus)?;
                 }
                 Material::from_contact_modulus(modulus, self.poisson).map_err(|error| {
                     let of_modulus = matches!(error, GreenError::ContactModulus(_));
-                    Unusable::input(if of_modulus { "--e-star" } else { "--poisson" }, error)
+                    Unusable::input(key(if of_modulus { "e_star" } else { "poisson" }), error)
                 })?
             }
-            None => self::material(["--young", "--poisson"], self.young(), self.poisson)?,
+            None => self::material(["young", "poisson"], self.young(), self.poisson)?,
         };
         self.others.below(material, self.height)
     }
@@ -201,10 +202,16 @@ impl BodyArgs {
     /// Returns an error if lengths have a known unit and no modulus is given.
     pub fn check_modulus(&self, unit: Option<&str>) -> Result<(), Unusable> {
         match unit.filter(|unit| is_length(unit)) {
-            Some(unit) if self.young.is_none() && self.e_star.is_none() => Err(Unusable::of(format!(
-                "--young is missing; lengths are in {unit}, and pressures need a modulus, such as --young 70GPa, or \
-                 --e-star 1 for pressures over the contact modulus"
-            ))),
+            Some(unit) if self.young.is_none() && self.e_star.is_none() => Err(Unusable::missing(
+                "young",
+                words![
+                    format!("lengths are in {unit}, and pressures need a modulus, such as "),
+                    setting("young", "70GPa"),
+                    ", or ",
+                    setting("e_star", 1),
+                    " for pressures divided by the contact modulus",
+                ],
+            )),
             _ => Ok(()),
         }
     }
@@ -242,13 +249,13 @@ impl BodyArgs {
     /// Returns an error if a slab is so thin or so high, or the unit so small or so large, that digits are lost.
     pub fn check_on(&self, grid: &Grid, unit: f64) -> Result<(), Unusable> {
         self.others.check_heights(self.height, &sides(grid))?;
-        let flag = if self.e_star.is_some() { "--e-star" } else { "--young" };
+        let option = if self.e_star.is_some() { "e_star" } else { "young" };
         // A flat surface is checked where it is used.
         if SIZES.contains(&unit) || unit == 0.0 {
             return Ok(());
         }
         let reason = format!("E* times the rms gradient is {unit:e}; it must be between 1e-140 and 1e140");
-        Err(Unusable::input(flag, reason + ", which another unit of stress makes it"))
+        Err(Unusable::input(key(option), reason + ", which another unit of stress makes it"))
     }
 }
 
@@ -258,50 +265,63 @@ impl OtherArgs {
     /// # Errors
     /// Returns an error if a flag is out of range, or if flags cannot be combined.
     pub fn below(&self, material: Material, height: Height) -> Result<Body, Unusable> {
-        let top = Body::new(material, height).map_err(|error| Unusable::input("--height", error))?;
+        let top = Body::new(material, height).map_err(|error| Unusable::input(key("height"), error))?;
         let Self { base, base_young, base_poisson, layer, second_body } = self;
         if *base != BaseKind::HalfSpace {
-            for (flag, value) in [("--base-young", base_young), ("--base-poisson", base_poisson)] {
+            for (option, value) in [("base_young", base_young), ("base_poisson", base_poisson)] {
                 if let Some(value) = value {
-                    return Err(Unusable::value(flag, value, "left out without --base half-space"));
+                    return Err(Unusable::value(
+                        key(option),
+                        value,
+                        words!["left out without ", setting("base", "half-space")],
+                    ));
                 }
             }
         }
         let body = match height {
             Height::Infinite => {
                 if let Some(layer) = layer.first() {
-                    return Err(Unusable::value("--layer", layer, "left out with --height inf: nothing lies below"));
+                    return Err(Unusable::value(
+                        key("layer"),
+                        layer,
+                        words!["left out with ", setting("height", "inf"), ": nothing lies below"],
+                    ));
                 }
                 if *base != BaseKind::Bonded {
-                    return Err(Unusable::value("--base", base, "bonded with --height inf: a half-space has no base"));
+                    return Err(Unusable::value(
+                        key("base"),
+                        base,
+                        words!["bonded with ", setting("height", "inf"), ": a half-space has no base"],
+                    ));
                 }
                 top
             }
             Height::Finite(height) => {
                 let mut layers = vec![(material, height)];
                 for layer in layer {
-                    layer.body("--layer")?;
+                    layer.body("layer")?;
                     let Height::Finite(height) = layer.height else {
-                        return Err(Unusable::value("--layer", layer, "E,NU,H with a height"));
+                        return Err(Unusable::value(key("layer"), layer, "E,NU,H with a height"));
                     };
-                    layers.push((layer.material("--layer")?, height));
+                    layers.push((layer.material("layer")?, height));
                 }
                 let below = match base {
                     BaseKind::HalfSpace => {
-                        let missing =
-                            |flag| Unusable::of(format!("{flag} is missing; it is needed with --base half-space"));
-                        let young = base_young.ok_or_else(|| missing("--base-young"))?;
-                        let poisson = base_poisson.ok_or_else(|| missing("--base-poisson"))?;
-                        Some(self::material(["--base-young", "--base-poisson"], young, poisson)?)
+                        let missing = |option| {
+                            Unusable::missing(option, words!["it is needed with ", setting("base", "half-space")])
+                        };
+                        let young = base_young.ok_or_else(|| missing("base_young"))?;
+                        let poisson = base_poisson.ok_or_else(|| missing("base_poisson"))?;
+                        Some(self::material(["base_young", "base_poisson"], young, poisson)?)
                     }
                     _ => None,
                 };
                 let stack = base.with(below).and_then(|base| Body::stack(&layers, base));
-                stack.map_err(|error| Unusable::input("--layer", error))?
+                stack.map_err(|error| Unusable::input(key("layer"), error))?
             }
         };
         match second_body {
-            Some(second) => Ok(body.against(second.body("--second-body")?)),
+            Some(second) => Ok(body.against(second.body("second_body")?)),
             None => Ok(body),
         }
     }
@@ -312,15 +332,15 @@ impl OtherArgs {
     /// # Errors
     /// Returns an error if a slab is so thin or so high that digits are lost.
     pub fn check_heights(&self, height: Height, sides: &[f64]) -> Result<(), Unusable> {
-        let others = self.layer.iter().map(|layer| ("--layer", layer.height));
-        let second = self.second_body.iter().map(|layer| ("--second-body", layer.height));
-        for (flag, height) in std::iter::once(("--height", height)).chain(others).chain(second) {
+        let others = self.layer.iter().map(|layer| ("layer", layer.height));
+        let second = self.second_body.iter().map(|layer| ("second_body", layer.height));
+        for (option, height) in std::iter::once(("height", height)).chain(others).chain(second) {
             let Height::Finite(height) = height else { continue };
             if let Some(side) = sides.iter().find(|side| !HEIGHTS.contains(&(height / **side))) {
-                let or = if flag == "--layer" { "" } else { ", or inf" };
+                let or = if option == "layer" { "" } else { ", or inf" };
                 let allowed = format!("between 1e-12 and 1e12 times the cell length {side:e}{or}");
-                let name = if flag == "--height" { flag.to_owned() } else { format!("the height of {flag}") };
-                return Err(Unusable::value(&name, format!("{height:e}"), allowed));
+                let name = if option == "height" { Words::default() } else { "the height of ".into() }.and(key(option));
+                return Err(Unusable::value(name, format!("{height:e}"), allowed));
             }
         }
         Ok(())
@@ -443,12 +463,9 @@ impl RecordedBodyArgs {
         }
         table.extend(given);
         let has = |key: &str| table.contains_key(key);
-        let needed =
-            [("--young", has("young") || has("e_star")), ("--poisson", has("poisson")), ("--height", has("height"))];
+        let needed = [("young", has("young") || has("e_star")), ("poisson", has("poisson")), ("height", has("height"))];
         match needed.into_iter().find(|(_, has)| !has) {
-            Some((flag, _)) => {
-                Err(Unusable::of(format!("{flag} is missing; it is needed because the input does not record it")))
-            }
+            Some((option, _)) => Err(Unusable::missing(option, "it is needed because the input does not record it")),
             None => BodyArgs::deserialize(table).map_err(|error| unusable(&error.message())),
         }
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::BodyArgs;
 use super::law::LONGEST_TABLE;
-use crate::{Facts, Support, Unusable};
+use crate::{Facts, Support, Unusable, key, words};
 
 /// Flags of a body that is known by its compliance.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
@@ -54,8 +54,8 @@ impl Row {
 /// The longest table by wave vector.
 const LONGEST_BY_DIRECTION: usize = 20_000;
 
-/// The flag of the table.
-const FLAG: &str = "--compliance";
+/// The key of the table.
+const TABLE: &str = "compliance";
 
 /// Rounding of wavenumbers at the ends of a table.
 const ROUNDING: f64 = 1e-9;
@@ -72,26 +72,34 @@ impl ComplianceArgs {
         let own = args.body()?;
         if self.compliance.is_empty() {
             let uniform = self.uniform_compliance.map(|found| {
-                Unusable::value("--uniform-compliance", format!("{found:e}"), "left out without --compliance")
+                Unusable::value(
+                    key("uniform_compliance"),
+                    format!("{found:e}"),
+                    words!["left out without ", key("compliance")],
+                )
             });
             return uniform.map_or(Ok(own), Err);
         }
-        let without = |flag: &str, found: &dyn std::fmt::Display| {
-            Err(Unusable::value(flag, found, "left out with --compliance, which is that of the whole body"))
+        let without = |option: &'static str, found: &dyn std::fmt::Display| {
+            let allowed = words!["left out with ", key("compliance"), ", which describes the whole body"];
+            Err(Unusable::value(key(option), found, allowed))
         };
         if let Height::Finite(height) = args.height {
-            return without("--height", &height);
+            return without("height", &height);
         }
         if args.poisson != 0.0 {
-            return without("--poisson", &args.poisson);
+            return without("poisson", &args.poisson);
         }
         if args.others.second_body.is_some() {
-            return without("--second-body", &"given");
+            return without("second_body", &"given");
         }
         if args.young.is_none() && args.e_star.is_none() {
-            let reason =
-                "--young or --e-star is missing; p* and kappa are over E*, which a table of compliances does not have";
-            return Err(Unusable::of(reason));
+            return Err(Unusable::of(words![
+                key("young"),
+                " or ",
+                key("e_star"),
+                " is missing; p* and kappa are divided by E*, which a table of compliances does not have",
+            ]));
         }
         self.tabulated(own.contact_modulus())
     }
@@ -105,7 +113,10 @@ impl ComplianceArgs {
             }
         }
         if !by_wavenumber.is_empty() && !by_direction.is_empty() {
-            return Err(Unusable::input(FLAG, "some rows have two numbers and some three; all must have the same"));
+            return Err(Unusable::input(
+                key(TABLE),
+                "some rows have two numbers and some three; all must have the same",
+            ));
         }
         let uniform = self.uniform_compliance.unwrap_or(0.0);
         let (rows, most) = match by_direction.is_empty() {
@@ -113,7 +124,7 @@ impl ComplianceArgs {
             false => (by_direction.len(), LONGEST_BY_DIRECTION),
         };
         if rows > most {
-            return Err(Unusable::value(FLAG, format!("{rows} rows"), format!("at most {most}")));
+            return Err(Unusable::value(key(TABLE), format!("{rows} rows"), format!("at most {most}")));
         }
         let body = match by_direction.is_empty() {
             true => Body::tabulated(contact_modulus, &by_wavenumber, uniform),
@@ -121,7 +132,7 @@ impl ComplianceArgs {
         };
         body.map_err(|error| {
             let of_uniform = matches!(error, GreenError::UniformCompliance(_));
-            Unusable::input(if of_uniform { "--uniform-compliance" } else { FLAG }, error)
+            Unusable::input(key(if of_uniform { "uniform_compliance" } else { TABLE }), error)
         })
     }
 
@@ -149,5 +160,5 @@ pub fn check_wavenumbers(body: &Body, grid: &Grid) -> Result<(), Unusable> {
     }
     let [from, to] = wanted;
     let found = format!("the table has the wavenumbers {low:.4e} to {high:.4e}");
-    Err(Unusable::input(FLAG, format!("{found}; it must have those of the grid, {from:.4e} to {to:.4e}")))
+    Err(Unusable::input(key(TABLE), format!("{found}; it must have those of the grid, {from:.4e} to {to:.4e}")))
 }

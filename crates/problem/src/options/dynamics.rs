@@ -5,7 +5,7 @@ use gfmd_contact::Factors;
 use serde::{Deserialize, Serialize};
 
 use super::values::up_to;
-use crate::Unusable;
+use crate::{Unusable, key, setting, words};
 
 /// Flags of the dynamics.
 #[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
@@ -41,10 +41,12 @@ impl DynamicsArgs {
     /// Returns an error for a flag that the method does not take, or for two numbers instead of one or three.
     pub fn check(&self, method: DampedBy) -> Result<(), Unusable> {
         if let (Some(dt), DampedBy::Other) = (self.dt, method) {
-            return Err(Unusable::value("--dt", dt, "left out without --solver verlet-critical or verlet-modes"));
+            let allowed = words!["left out without ", setting("solver", "verlet-critical"), " or verlet-modes"];
+            return Err(Unusable::value(key("dt"), dt, allowed));
         }
         if let (Some(factor), false) = (self.damping.first(), method == DampedBy::Numbers) {
-            return Err(Unusable::value("--damping", factor, "left out without --solver verlet-critical"));
+            let allowed = words!["left out without ", setting("solver", "verlet-critical")];
+            return Err(Unusable::value(key("damping"), factor, allowed));
         }
         self.factors().map(drop)
     }
@@ -63,7 +65,7 @@ impl DynamicsArgs {
             [] => Ok(Factors::Softest(1.0)),
             [factor] => Ok(Factors::Softest(factor)),
             [x, y, z] => Ok(Factors::Components([x, y, z])),
-            _ => Err(Unusable::value("--damping", format!("{:?}", self.damping), "one number, or three")),
+            _ => Err(Unusable::value(key("damping"), format!("{:?}", self.damping), "one number, or three")),
         }
     }
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
 use super::values::within;
-use crate::{Unusable, check_size};
+use crate::{Unusable, check_size, key, setting, words};
 
 /// The largest seed: whole numbers of a configuration, which is TOML, have 63 bits.
 pub const LARGEST_SEED: u64 = i64::MAX as u64;
@@ -130,12 +130,12 @@ impl GeneratorArgs {
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),
-            (2, _) => return Err(Unusable::value("--length", format!("{length:?}"), "one length for a profile")),
+            (2, _) => return Err(Unusable::value(key("length"), format!("{length:?}"), "one length for a profile")),
             (_, [lx, ly]) => Grid::new([nx, ny], [*lx, *ly]),
             (_, [] | [_]) => Grid::new([nx, ny], [along_x, along_x * ny as f64 / nx as f64]),
-            _ => return Err(Unusable::value("--length", format!("{length:?}"), "L or LX,LY")),
+            _ => return Err(Unusable::value(key("length"), format!("{length:?}"), "L or LX,LY")),
         };
-        grid.map_err(|error| Unusable::input("--length", error))
+        grid.map_err(|error| Unusable::input(key("length"), error))
     }
 
     /// Generates the heights on a grid from [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
@@ -162,16 +162,16 @@ impl GeneratorArgs {
     /// Fails like [`heights`](Self::heights), on all processes.
     pub fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
-        self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| flagged(&error))
+        self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| of_option(&error))
     }
 
     fn check_normalisation(&self) -> Result<(), Unusable> {
-        let (flag, size) = match self.normalisation() {
-            Normalisation::RmsGradient(gradient) => ("--rms-gradient", gradient),
-            Normalisation::RmsHeight(height) => ("--rms-height", height),
+        let (option, size) = match self.normalisation() {
+            Normalisation::RmsGradient(gradient) => ("rms_gradient", gradient),
+            Normalisation::RmsHeight(height) => ("rms_height", height),
         };
         if size.is_finite() && size > 0.0 {
-            check_size(flag, size)?;
+            check_size(option, size)?;
         }
         Ok(())
     }
@@ -181,17 +181,22 @@ impl GeneratorArgs {
     /// # Errors
     /// Returns an error if the numbers do not make a grid.
     pub fn points(&self) -> Result<[usize; 2], Unusable> {
-        let allowed = || Unusable::value("--n", format!("{:?}", self.n), "N, or NX,NY for a surface");
+        let allowed = || Unusable::value(key("n"), format!("{:?}", self.n), "N, or NX,NY for a surface");
         let [nx, ny] = match (&self.n[..], self.eps_c_inv) {
-            (_, Some(_)) if self.method != Method::Psd => return Err(self.no_cut_offs("--eps-c-inv")),
+            (_, Some(_)) if self.method != Method::Psd => return Err(self.no_cut_offs("eps_c_inv")),
             ([_, ..], Some(_)) => {
-                return Err(Unusable::of("--eps-c-inv follows from --n; give one of the two"));
+                return Err(Unusable::of(words![
+                    key("eps_c_inv"),
+                    " follows from ",
+                    key("n"),
+                    "; give one of the two"
+                ]));
             }
             ([], Some(eps_c_inv)) => {
                 let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
                 let eps_f_inv = self.eps_f_inv.unwrap_or(EPS_F_INV);
                 let points = Discretisation { eps_t_inv, eps_f_inv, eps_c_inv }.points();
-                [points.map_err(|error| flagged(&error))?; 2]
+                [points.map_err(|error| of_option(&error))?; 2]
             }
             ([], None) => [POINTS; 2],
             ([n], None) => [*n; 2],
@@ -199,7 +204,7 @@ impl GeneratorArgs {
             _ => return Err(allowed()),
         };
         if nx < 2 || ny < 2 {
-            return Err(Unusable::value("--n", nx.min(ny), "at least 2"));
+            return Err(Unusable::value(key("n"), nx.min(ny), "at least 2"));
         }
         Ok([nx, if self.dim == 2 { 1 } else { ny }])
     }
@@ -214,9 +219,9 @@ impl GeneratorArgs {
         let larger = |values: [f64; 2]| values[..sides].iter().copied().fold(0.0, f64::max);
         let eps_t_inv = self.eps_t_inv.unwrap_or(EPS_T_INV);
         let eps_f_inv = self.eps_f_inv_on(smaller(grid.lengths()) / larger(grid.spacing()));
-        for (flag, found) in [("--eps-t-inv", eps_t_inv), ("--eps-f-inv", eps_f_inv)] {
+        for (option, found) in [("eps_t_inv", eps_t_inv), ("eps_f_inv", eps_f_inv)] {
             if !(1.0..=MOST_POINTS).contains(&found) {
-                return Err(Unusable::value(flag, found, format!("between 1 and {MOST_POINTS}")));
+                return Err(Unusable::value(key(option), found, format!("between 1 and {MOST_POINTS}")));
             }
         }
         let longest = smaller(grid.lengths()) / eps_t_inv;
@@ -225,10 +230,17 @@ impl GeneratorArgs {
         if per_wave < 2.0 * (1.0 - 1e-12) {
             let n = self.n.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
             let n = if n.is_empty() { POINTS.to_string() } else { n };
-            return Err(Unusable::of(format!(
-                "--n is {n}; with --eps-t-inv {eps_t_inv} and --eps-f-inv {eps_f_inv} the shortest wavelength has \
-                 {per_wave} points, and it must have at least 2"
-            )));
+            return Err(Unusable::contradicts(
+                key("n"),
+                n,
+                words![
+                    "with ",
+                    setting("eps_t_inv", eps_t_inv),
+                    " and ",
+                    setting("eps_f_inv", eps_f_inv),
+                    format!(" the shortest wavelength has {per_wave} points, and it must have at least 2"),
+                ],
+            ));
         }
         let roll_off = self.roll_off.map(|wavelength| RollOff { wavelength, shape: self.roll_off_shape });
         Ok(SelfAffine {
@@ -256,12 +268,13 @@ impl GeneratorArgs {
     /// Generates heights by subdivision on at least as many points as the grid has, crops them to the grid, subtracts
     /// their mean and scales them.
     fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Unusable> {
-        let options = [("--eps-t-inv", self.eps_t_inv), ("--eps-f-inv", self.eps_f_inv), ("--roll-off", self.roll_off)];
-        if let Some((flag, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
-            return Err(self.no_cut_offs(flag));
+        let options = [("eps_t_inv", self.eps_t_inv), ("eps_f_inv", self.eps_f_inv), ("roll_off", self.roll_off)];
+        if let Some((option, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
+            return Err(self.no_cut_offs(option));
         }
         if self.amplitudes == Amplitudes::Fixed {
-            return Err(Unusable::value("--amplitudes", "fixed", format!("gaussian with --method {}", self.method)));
+            let allowed = words!["gaussian with ", setting("method", self.method)];
+            return Err(Unusable::value(key("amplitudes"), "fixed", allowed));
         }
         let [nx, ny] = grid.points();
         let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
@@ -270,25 +283,27 @@ impl GeneratorArgs {
             Dimension::Profile => generator.profile(self.seed),
             Dimension::Surface => generator.surface(self.seed),
         };
-        let mut heights = made.map_err(|error| flagged(&error))?.slice(s![..nx, ..ny]).to_owned();
+        let mut heights = made.map_err(|error| of_option(&error))?.slice(s![..nx, ..ny]).to_owned();
         heights -= heights.mean().unwrap_or(0.0);
-        let moments = PowerSpectrum::of(&heights, grid).map_err(|error| flagged(&error))?.moments();
-        let (flag, found, asked) = match self.normalisation() {
-            Normalisation::RmsGradient(asked) => ("--rms-gradient", moments.rms_gradient(), asked),
-            Normalisation::RmsHeight(asked) => ("--rms-height", moments.rms_height(), asked),
+        let moments = PowerSpectrum::of(&heights, grid).map_err(|error| of_option(&error))?.moments();
+        let (option, found, asked) = match self.normalisation() {
+            Normalisation::RmsGradient(asked) => ("rms_gradient", moments.rms_gradient(), asked),
+            Normalisation::RmsHeight(asked) => ("rms_height", moments.rms_height(), asked),
         };
         if !(asked.is_finite() && asked > 0.0) {
-            return Err(Unusable::value(flag, asked, "positive and finite"));
+            return Err(Unusable::value(key(option), asked, "positive and finite"));
         }
         if found == 0.0 {
-            return Err(Unusable::input("--n", format!("{nx} x {ny} points make a flat surface; more are needed")));
+            return Err(Unusable::input(key("n"), format!("{nx} x {ny} points make a flat surface; more are needed")));
         }
         heights *= asked / found;
         Ok(heights)
     }
 
-    fn no_cut_offs(&self, flag: &str) -> Unusable {
-        Unusable::input(flag, format!("--method {} has no cut-offs; only --method psd has them", self.method))
+    fn no_cut_offs(&self, option: &'static str) -> Unusable {
+        let why =
+            words![setting("method", self.method), " has no cut-offs; only ", setting("method", "psd"), " has them"];
+        Unusable::of(why).at(key(option))
     }
 }
 
@@ -310,20 +325,22 @@ impl fmt::Display for Method {
     }
 }
 
-/// Returns an error of the library under the name of its flag.
-fn flagged(error: &SurfaceError) -> Unusable {
-    let flag = match error {
-        SurfaceError::Hurst(_) => "--hurst",
-        SurfaceError::RollOff { .. } => "--roll-off",
-        SurfaceError::NotPositive { what: "rms height", .. } => "--rms-height",
-        SurfaceError::NotPositive { .. } => "--rms-gradient",
-        SurfaceError::Discretisation { name: "1/eps_t", .. } | SurfaceError::LongerThanCell { .. } => "--eps-t-inv",
-        SurfaceError::Discretisation { name: "1/eps_f", .. } | SurfaceError::Wavelengths { .. } => "--eps-f-inv",
-        SurfaceError::NoModes { .. } => "--eps-t-inv, --eps-f-inv",
-        SurfaceError::Discretisation { .. } | SurfaceError::PointCount { .. } => "--eps-c-inv",
-        _ => "--n",
+/// Returns an error of the library under the name of its option.
+fn of_option(error: &SurfaceError) -> Unusable {
+    let option = match error {
+        SurfaceError::Hurst(_) => "hurst",
+        SurfaceError::RollOff { .. } => "roll_off",
+        SurfaceError::NotPositive { what: "rms height", .. } => "rms_height",
+        SurfaceError::NotPositive { .. } => "rms_gradient",
+        SurfaceError::Discretisation { name: "1/eps_t", .. } | SurfaceError::LongerThanCell { .. } => "eps_t_inv",
+        SurfaceError::Discretisation { name: "1/eps_f", .. } | SurfaceError::Wavelengths { .. } => "eps_f_inv",
+        SurfaceError::NoModes { .. } => {
+            return Unusable::input(words![key("eps_t_inv"), ", ", key("eps_f_inv")], error);
+        }
+        SurfaceError::Discretisation { .. } | SurfaceError::PointCount { .. } => "eps_c_inv",
+        _ => "n",
     };
-    Unusable::input(flag, error)
+    Unusable::input(key(option), error)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use gfmd_law::{Kind, Law, LawError, Tabulated};
 use serde::{Deserialize, Serialize};
 
 use super::values::parse_row;
-use crate::Unusable;
+use crate::{Unusable, key, setting, words};
 
 /// The largest number of rows of a table.
 pub(super) const LONGEST_TABLE: usize = 1000;
@@ -77,7 +77,7 @@ impl LawArgs {
         if let Some(table) = self.tabulated()? {
             return Ok(Box::new(table));
         }
-        self.law.with(&self.param).map_err(|error| Unusable::input("--param", error))
+        self.law.with(&self.param).map_err(|error| Unusable::input(key("param"), error))
     }
 
     /// Returns the work of separation, stress × length; `None` for a law without one.
@@ -89,21 +89,24 @@ impl LawArgs {
 
     /// Returns the law of the table; `None` for other laws.
     fn tabulated(&self) -> Result<Option<Tabulated>, Unusable> {
-        const FLAG: &str = "--law-table";
+        const TABLE: &str = "law_table";
         match (self.law, self.param.first(), self.law_table.len()) {
-            (Kind::Table, Some((name, _)), _) => {
-                Err(Unusable::value("--param", name, "left out with --law table, which has its rows"))
-            }
-            (Kind::Table, None, 0) => Err(Unusable::input(FLAG, LawError::NoTable)),
+            (Kind::Table, Some((name, _)), _) => Err(Unusable::value(
+                key("param"),
+                name,
+                words!["left out with ", setting("law", "table"), ", which has its rows"],
+            )),
+            (Kind::Table, None, 0) => Err(Unusable::input(key(TABLE), LawError::NoTable)),
             (Kind::Table, None, rows) if rows > LONGEST_TABLE => {
-                Err(Unusable::value(FLAG, format!("{rows} rows"), format!("at most {LONGEST_TABLE}")))
+                Err(Unusable::value(key(TABLE), format!("{rows} rows"), format!("at most {LONGEST_TABLE}")))
             }
             (Kind::Table, None, _) => {
-                Tabulated::new(&self.law_table).map(Some).map_err(|error| Unusable::input(FLAG, error))
+                Tabulated::new(&self.law_table).map(Some).map_err(|error| Unusable::input(key(TABLE), error))
             }
             (_, _, 0) => Ok(None),
             (law, ..) => {
-                Err(Unusable::value(FLAG, "given", format!("left out with --law {}; --law table has it", law.name())))
+                let (own, table) = (setting("law", law.name()), setting("law", "table"));
+                Err(Unusable::value(key(TABLE), "given", words!["left out with ", own, "; ", table, " has it"]))
             }
         }
     }

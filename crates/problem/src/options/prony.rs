@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::body::BodyArgs;
 use super::choice::{named, parse_choice};
-use crate::{Moduli, Unusable};
+use crate::{Moduli, Unusable, key, setting, words};
 
 /// Flags of the relaxation of the body.
 #[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,13 +73,13 @@ impl PronyArgs {
     /// Returns an error for a series that no material has, and for flags that need a series.
     pub fn series(&self) -> Result<Option<Prony>, Unusable> {
         if !self.prony.is_empty() {
-            return Prony::from_fractions(&self.prony).map(Some).map_err(|error| Unusable::input("--prony", error));
+            return Prony::from_fractions(&self.prony).map(Some).map_err(|error| Unusable::input(key("prony"), error));
         }
         if self.moduli != Moduli::LongTerm {
-            return Err(Unusable::value("--moduli", self.moduli, "left out without --prony"));
+            return Err(Unusable::value(key("moduli"), self.moduli, words!["left out without ", key("prony")]));
         }
         if self.relaxes != Relaxes::Both {
-            return Err(Unusable::value("--relaxes", self.relaxes, "left out without --prony"));
+            return Err(Unusable::value(key("relaxes"), self.relaxes, words!["left out without ", key("prony")]));
         }
         Ok(None)
     }
@@ -93,9 +93,16 @@ impl PronyArgs {
         let Some(prony) = self.series()? else { return Ok(given.clone()) };
         if let (Relaxes::Shear, Some(modulus)) = (self.relaxes, given.e_star) {
             return Err(Unusable::value(
-                "--e-star",
+                key("e_star"),
                 modulus,
-                "left out with --relaxes shear, which needs --young and --poisson",
+                words![
+                    "left out with ",
+                    setting("relaxes", "shear"),
+                    ", which needs ",
+                    key("young"),
+                    " and ",
+                    key("poisson")
+                ],
             ));
         }
         if self.moduli == Moduli::LongTerm {
@@ -121,7 +128,7 @@ impl PronyArgs {
     pub fn relaxation(&self, given: &BodyArgs) -> Result<Option<Relaxation>, Unusable> {
         let Some(series) = self.series()? else { return Ok(None) };
         let soft = *self.long_term(given)?.body()?.material();
-        let stiff = series.at_once(&soft, self.relaxes).map_err(|error| Unusable::input("--prony", error))?;
+        let stiff = series.at_once(&soft, self.relaxes).map_err(|error| Unusable::input(key("prony"), error))?;
         Ok(Some(Relaxation {
             prony: self.prony.clone(),
             moduli: self.moduli,

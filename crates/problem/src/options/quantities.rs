@@ -5,10 +5,10 @@
 //! a plain number in the units of the surface.
 
 use gfmd_law::Kind;
-use gfmd_unit::{Quantity, Units};
+use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 
-use crate::Unusable;
+use crate::{Unusable, Words, key, setting, words};
 
 /// Kinds of the numbers of options, by key; lists have a kind for each number in turn.
 const KINDS: &[(&str, &[&str])] = &[
@@ -110,7 +110,7 @@ pub trait Take {
     ///
     /// # Errors
     /// Returns an error for a quantity of another kind, or without a value.
-    fn take(&mut self, flag: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable>;
+    fn take(&mut self, option: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable>;
 }
 
 /// Finds out whether there is a quantity with a unit, and whether one of them has a part of stress.
@@ -131,27 +131,44 @@ impl Take for Sought {
 }
 
 impl Take for &Units {
-    fn take(&mut self, flag: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
-        self.value(quantity, kind).map_err(|error| Unusable::input(flag, format!("{:?}: {error}", quantity.text())))
+    fn take(&mut self, option: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
+        self.value(quantity, kind).map_err(|error| {
+            let why = words![format!("{:?}: ", quantity.text()), without_value(&error)];
+            Unusable::of(why).at(key(option))
+        })
     }
 }
 
-/// Returns the flag of a key.
-fn flag(key: &str) -> String {
-    format!("--{}", key.replace('_', "-"))
+/// Says why a quantity has no value in the units of a problem.
+fn without_value(error: &NoValue) -> Words {
+    match error {
+        NoValue::Kind { found, allowed } => format!("it is {found}; it must be {allowed}").into(),
+        NoValue::NoLength => words![
+            "it has a unit, and the lengths have none; ",
+            key("unit"),
+            " gives them one, as in ",
+            setting("unit", "um"),
+            ", or leave the unit out: a number is then in the units of the other numbers",
+        ],
+        NoValue::Length(name) => words![
+            format!("it has a unit, and the unit of the lengths, {name}, is not known; "),
+            key("unit"),
+            " names one, as in ",
+            setting("unit", "um"),
+        ],
+    }
 }
 
 /// Replaces a number with a unit; `None` if the text stays as it is.
-fn number(key: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
+fn number(option: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
     // The hardness may be a file name.
-    if key == "hardness" && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
+    if option == "hardness" && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
         return Ok(None);
     }
-    let flag = flag(key);
     match Quantity::parse(text) {
-        Ok(Some(quantity)) => take.take(&flag, &quantity, kind).map(Some),
+        Ok(Some(quantity)) => take.take(option, &quantity, kind).map(Some),
         Ok(None) => Ok(None),
-        Err(error) => Err(Unusable::input(&flag, format!("{text:?}: {error}"))),
+        Err(error) => Err(Unusable::input(key(option), format!("{text:?}: {error}"))),
     }
 }
 

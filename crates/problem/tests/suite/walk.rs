@@ -304,7 +304,7 @@ fn rules_of_bases_name_them() {
 #[test]
 fn the_page_has_the_rules() {
     let lines = |task| {
-        let line = |(with, others): (&str, Vec<String>)| format!("- with {with}: {}\n", others.join(", "));
+        let line = |(with, others): (String, Vec<String>)| format!("- with {with}: {}\n", others.join(", "));
         rules_of(task).into_iter().map(line).collect::<String>()
     };
     let text = format!(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 import warnings
-from typing import Any
+from typing import Any, Optional
 
 __all__ = ["Error", "InputError", "Interrupted", "NotConverged"]
 
@@ -16,7 +15,22 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """Invalid input. The message has the argument, the value found and the allowed values. Nothing was computed."""
+    """Invalid input. The message has the argument, the value found and the allowed values. Nothing was computed.
+
+    Attributes:
+        argument: name of the argument, or None if the message is not about a single one.
+        found: value found, as text, or None.
+        allowed: allowed values in words, or None.
+    """
+
+    def __init__(
+        self, text: str, argument: Optional[str] = None, found: Optional[str] = None, allowed: Optional[str] = None
+    ) -> None:
+        super().__init__(text)
+        self.argument, self.found, self.allowed = argument, found, allowed
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.argument, self.found, self.allowed)
 
 
 class NotConverged(Error):
@@ -48,48 +62,17 @@ class Interrupted(KeyboardInterrupt):
         return type(self), (str(self), self.state)
 
 
-# Arguments that have other names than the flags of the program.
-_NAMES = {
-    "tol": "tolerance",
-    "displacement": "approach",
-    "pressure": "mean_pressure",
-    "max_iter": "max_iterations",
-    "param": "law",
-    "length": "size",
-}
-
-
-# Values of flags in messages: numbers with their unit, and names of choices.
-_VALUE = r"[+-]?\d(?:[^\s,;:)]*[^\s,;:).])?|(?:inf|um|nm|refine|none|all|held|free|half-space|table|mirror|harmonic)\b"
-
-
-def _spoken(text: str) -> str:
-    """Replaces flags in a message by Python arguments: `young="70GPa"` for `--young 70GPa`."""
-
-    def argument(flag: re.Match[str]) -> str:
-        words, parameter, value = flag[1].replace("-", "_"), flag[2], flag[3]
-        name = _NAMES.get(words, words)
-        if value is None:
-            return name
-        is_number = re.fullmatch(r"[+-]?[\d.]+(?:e[+-]?\d+)?", value)
-        given = value if is_number else f'"{value}"'
-        return f"{parameter or name}={given}"
-
-    flags = rf"--([a-z](?:[a-z0-9-]*[a-z0-9])?)(?:[ =](?:([a-z_]+)=)?({_VALUE}))?"
-    return re.sub(flags, argument, text).replace("\n", " ")
-
-
 # The native module calls these.
-def refused(text: str) -> InputError:
-    return InputError(_spoken(text))
+def refused(text: str, *found: Optional[str]) -> InputError:
+    return InputError(text.replace("\n", " "), *found)
 
 
-def failed(text: str) -> NotConverged | Error:
-    return NotConverged(text) if "converge" in text else Error(_spoken(text))
+def failed(text: str) -> Error:
+    return Error(text)
 
 
 def unreached(text: str) -> NotConverged:
-    return NotConverged(_spoken(text))
+    return NotConverged(text)
 
 
 def interrupted(text: str) -> Interrupted:
@@ -102,4 +85,4 @@ def warned(lines: str) -> None:
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
         level, frame = level + 1, frame.f_back
     for line in lines.splitlines():
-        warnings.warn(_spoken(line.strip()), UserWarning, stacklevel=level)
+        warnings.warn(line.strip(), UserWarning, stacklevel=level)

@@ -36,7 +36,7 @@ impl<'a> Stored<'a> {
     /// Returns an error if the file has no column `first`.
     pub(crate) fn new(reader: &'a Reader, group: &'a str, first: &str) -> Result<Self, Failure> {
         let values = reader.values::<f64>(&format!("{group}/{first}"));
-        let values = values.map_err(|error| Failure::Input(error.to_string()))?;
+        let values = values.map_err(|error| Failure::refused(error.to_string()))?;
         Ok(Self { reader, group, length: values.len() })
     }
 

@@ -14,7 +14,7 @@ impl Folder {
     /// Returns an error if a temporary folder cannot be created.
     pub fn new() -> Result<Self, Failure> {
         let made = tempfile::tempdir();
-        made.map(Self).map_err(|error| Failure::Computation(format!("cannot make a folder: {error}")))
+        made.map(Self).map_err(|error| Failure::computation(format!("cannot make a folder: {error}")))
     }
 
     /// Returns the path of the file.

@@ -122,7 +122,7 @@ impl Stored {
         if self.next == self.bytes.len() {
             return Ok(made);
         }
-        Err(Failure::Input("the stored state has other variables than this run; delete it".into()))
+        Err(Failure::refused("the stored state has other variables than this run; delete it"))
     }
 
     fn word(&mut self, word: [u8; 8]) -> [u8; 8] {

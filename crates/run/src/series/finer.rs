@@ -1,7 +1,7 @@
 //! Same contact on a finer grid, to find the grid error of its numbers.
 
 use gfmd_contact::{Drive, Watch};
-use gfmd_problem::{GridError, Posed, Rest};
+use gfmd_problem::{GridError, Posed, Rest, key, words};
 use gfmd_record::{At, OnFinerGrid, UNRESOLVED};
 use gfmd_surface::Interpolation;
 
@@ -20,7 +20,11 @@ fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failur
         return Ok(Vec::new());
     }
     if let Some(GivenHardness::Field(_)) = asked.hardness {
-        return Err(Failure::value("--grid-error", how, "none or estimate with a --hardness of each point"));
+        return Err(Failure::value(
+            key("grid_error"),
+            how,
+            words!["none or estimate with a ", key("hardness"), " of each point"],
+        ));
     }
     let both = prepared.surface.is_read() && prepared.short_waves() > UNRESOLVED;
     let ways = [Interpolation::Waves, Interpolation::Cubic].into_iter().take(1 + usize::from(both));
@@ -49,7 +53,7 @@ pub fn beside(found: Result<OnFinerGrid, Failure>) -> Result<Result<OnFinerGrid,
     match found {
         Ok(found) => Ok(Ok(found)),
         Err(failure @ Failure::Interrupted(_)) => Err(failure),
-        Err(Failure::Computation(reason) | Failure::Input(reason)) => Ok(Err(reason)),
+        Err(failure) => Ok(Err(failure.to_string())),
     }
 }
 

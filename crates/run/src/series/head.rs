@@ -137,7 +137,7 @@ impl Head {
             rms_height: surface.rms_height(),
             e_star: prepared.body.contact_modulus(),
             others: asked.body.others.clone(),
-            body: asked.body.words(asked.lower.flag().map(|_| lower::BETWEEN), &given.units()),
+            body: asked.body.words(asked.lower.given().map(|_| lower::BETWEEN), &given.units()),
             relaxation: None,
             base: asked.base.clone().into_owned(),
             lower: prepared.lower.as_ref().map(|lower| Lower {

@@ -9,7 +9,7 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
-use gfmd_problem::{Facts, Given, Posed, Rest, pose};
+use gfmd_problem::{Facts, Given, Posed, Rest, Words, key, pose, setting, words};
 use gfmd_record::At;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
@@ -100,10 +100,10 @@ impl Prepared {
     /// Returns an error if parts cannot be combined, cannot be read, or do not fit into memory.
     pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
         let body = asked.compliance.body(&asked.body)?;
-        asked.budget.check().map_err(|error| Failure::input("--tol", error))?;
+        asked.budget.check().map_err(|error| Failure::input(key("tol"), error))?;
         let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
         facts(false).check()?;
-        let limit = asked.limit.map(|(limit, flag)| limit.check().map_err(|error| Failure::input(flag, error)));
+        let limit = asked.limit.map(|(limit, flag)| limit.check().map_err(|error| Failure::input(key(flag), error)));
         let limit = limit.transpose()?;
         let law = asked.law.build()?.into_shared();
         let surface = asked.source.bounded(asked.boundary, session)?;
@@ -247,7 +247,7 @@ impl Prepared {
             tracing::info!("{adhesion}");
         }
         if let Some(trapping) = contact.trapping() {
-            session.warn("lattice-trapping", trapping);
+            session.warn("lattice-trapping", trapping.to_string());
         } else if let Some(unresolved) = self.adhesion.as_ref().and_then(Adhesion::unresolved) {
             session.warn("process-zone", unresolved);
         }
@@ -273,7 +273,7 @@ impl Prepared {
     }
 
     /// Describes numbers of the problem that no material has, as signs of mixed-up units.
-    pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<String> {
+    pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<Words> {
         let units = self.surface.units();
         let modulus = self.body.contact_modulus();
         let Some(metres) = units.metres() else { return Vec::new() };
@@ -283,33 +283,34 @@ impl Prepared {
         if let Some(pascals) = pascals
             && modulus * pascals < SOFTEST
         {
-            doubts.push(format!(
-                "the contact modulus is {:.3e} Pa, softer than any gel: a stress without a unit is in {}; \
-                 --young 70GPa has its own",
+            let found = format!(
+                "the contact modulus is {:.3e} Pa, softer than any gel: a stress without a unit is in {}; ",
                 modulus * pascals,
                 units.stress().unwrap_or_default()
-            ));
+            );
+            doubts.push(words![found, setting("young", "70GPa"), " has its own"]);
         }
         if let (Some(pascals), Some(adhesion)) = (pascals, adhesion) {
             let work = adhesion.work * pascals * metres;
             if work < WEAKEST {
-                doubts.push(format!(
+                let found = format!(
                     "the work of adhesion is {work:.1e} J/m^2, weaker than any attraction of solids (0.001 to 10): \
-                     one without a unit is in {}; --param gamma=0.05J/m^2 has its own",
+                     one without a unit is in {}; ",
                     Units::new(units.length(), Some(units.stress().unwrap_or(Units::PASCAL))).name("stress*length")
-                ));
+                );
+                doubts.push(words![found, setting("param", "gamma=0.05J/m^2"), " has its own"]);
             }
         }
         doubts
     }
 
-    /// Warns about drives, given by `flag`, far beyond full contact: their units are mixed up.
-    pub fn warn_of_drives(&self, drives: &[Drive], flag: &str, session: &Session) {
+    /// Warns about drives, given by the `option`, far beyond full contact: their units are mixed up.
+    pub fn warn_of_drives(&self, drives: &[Drive], option: &str, session: &Session) {
         let reduced = drives.iter().filter_map(|drive| match drive.load {
             Load::MeanPressure(pressure) => Some(pressure / self.unit_pressure()),
             Load::Approach(_) => None,
         });
-        if let Some(doubt) = self.doubt_of_load(reduced.fold(0.0, f64::max), flag) {
+        if let Some(doubt) = self.doubt_of_load(reduced.fold(0.0, f64::max), option) {
             session.warn(UNITS, doubt);
         }
     }
@@ -335,28 +336,35 @@ impl Prepared {
         (part > STRAINED).then(doubt)
     }
 
-    /// Returns a warning if the largest reduced pressure, given by `name`, is far beyond full contact.
-    pub fn doubt_of_load(&self, p_star: f64, name: &str) -> Option<String> {
+    /// Returns a warning if the largest reduced pressure, given by the `option`, is far beyond full contact.
+    pub fn doubt_of_load(&self, p_star: f64, option: &str) -> Option<Words> {
         let units = self.surface.units();
         let said = units.words(self.unit_pressure(), "stress");
         let hint = match units.stress() {
-            Some(unit) => format!("a stress without a unit is in {unit}"),
-            None => {
-                "pressure and modulus may be in different units, as --pressure 1MPa and --young 70GPa are not".into()
-            }
+            Some(unit) => format!("a stress without a unit is in {unit}").into(),
+            None => words![
+                "pressure and modulus may be in different units, as ",
+                setting("pressure", "1MPa"),
+                " and ",
+                setting("young", "70GPa"),
+                " are not",
+            ],
         };
-        let doubt = || format!("{name} is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): {hint}");
+        let doubt = || {
+            let found = format!(" is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): ");
+            words![key(option), found, hint]
+        };
         (p_star > HIGHEST).then(doubt)
     }
 
-    /// Checks that a contact can be solved under each of the drives, given by `flag`.
+    /// Checks that a contact can be solved under each of the drives, given by the `option`.
     ///
     /// # Errors
     /// Returns an error for the first drive without a solution.
-    pub fn check_drives(&self, contact: &Posed, drives: &[Drive], flag: &str, tolerance: f64) -> Result<(), Failure> {
+    pub fn check_drives(&self, contact: &Posed, drives: &[Drive], option: &str, tolerance: f64) -> Result<(), Failure> {
         let part = Parts::of(&self.facts).name;
         for (index, drive) in drives.iter().enumerate() {
-            check_drive(contact, *drive, &format!("{flag}, {part} {index}"), tolerance)?;
+            check_drive(contact, *drive, words![key(option), format!(", {part} {index}")], tolerance)?;
         }
         Ok(())
     }
@@ -391,7 +399,7 @@ const STRAINED: f64 = 0.1;
 ///
 /// # Errors
 /// Returns an error if it cannot be solved under the drive.
-pub fn check_drive(contact: &Posed, drive: Drive, name: &str, tolerance: f64) -> Result<(), Failure> {
+pub fn check_drive(contact: &Posed, drive: Drive, name: impl Into<Words>, tolerance: f64) -> Result<(), Failure> {
     let checked = contact.check(drive).and_then(|()| contact.check_resolution(drive, tolerance));
     checked.map_err(|refusal| Failure::input(name, refusal))
 }

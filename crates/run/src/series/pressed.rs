@@ -7,7 +7,7 @@ use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, 
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
-use gfmd_problem::{Accuracy, Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
+use gfmd_problem::{Accuracy, Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
@@ -157,13 +157,13 @@ impl ContactArgs {
     /// Returns an error if an option does not fit the law, the method or the components.
     pub fn check(&self) -> Result<(), Failure> {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
-            let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
             let with_range = gfmd_law::Kind::names(|kind| kind.has("range") || kind == gfmd_law::Kind::Table);
-            return Err(Failure::Input(format!("{found}; it must be one of {with_range}")));
+            let why = format!("the law {} has no range; it must be one of {with_range}", self.law.law.name());
+            return Err(Failure::input(key("range_continuation"), why));
         }
         if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tol) {
             let allowed = format!("{SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}");
-            return Err(Failure::value("--stiffness-tol", self.stiffness_tol, allowed));
+            return Err(Failure::value(key("stiffness_tol"), self.stiffness_tol, allowed));
         }
         self.dynamics.check(match self.solver.solver {
             Solver::VerletCritical => DampedBy::Numbers,
@@ -171,7 +171,8 @@ impl ContactArgs {
             _ => DampedBy::Other,
         })?;
         if let (Factors::Components(factors), true) = (self.dynamics.factors()?, self.components != Unknown::All) {
-            return Err(Failure::value("--damping", format!("{factors:?}"), "one number without --components all"));
+            let allowed = words!["one number without ", setting("components", "all")];
+            return Err(Failure::value(key("damping"), format!("{factors:?}"), allowed));
         }
         Ok(())
     }

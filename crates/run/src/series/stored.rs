@@ -14,12 +14,12 @@ use crate::failure::Failure;
 /// # Errors
 /// Returns an error if the file is not a result of a problem with these facts.
 pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure> {
-    let refuse = |error: gfmd_files::FileError| Failure::Input(error.to_string());
+    let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
     let Parts { group, plural, .. } = Parts::of(facts);
     let shape = reader.shape(&format!("{group}/mean_pressure")).map_err(refuse)?;
     let &[count] = &shape[..] else {
         let path = reader.path().display();
-        return Err(Failure::Input(format!(
+        return Err(Failure::refused(format!(
             "{path}: {group}/mean_pressure has the shape {shape:?}; it must be [{plural}]"
         )));
     };
@@ -29,7 +29,7 @@ pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure
         let values = if reader.contains(&path) { reader.values::<f64>(&path).map_err(refuse)? } else { Vec::new() };
         if !values.is_empty() && values.len() != count {
             let file = reader.path().display();
-            return Err(Failure::Input(format!(
+            return Err(Failure::refused(format!(
                 "{file}: {path} has the shape [{}]; it must be [{count}]",
                 values.len()
             )));

@@ -7,6 +7,7 @@ use std::fmt;
 use gfmd_field::Grid;
 use gfmd_files::legible::line;
 use gfmd_files::{Archive, Topography};
+use gfmd_problem::{key, setting, words};
 use gfmd_surface::{Fill, Periodisation, Trend, fill, periodise, remove_from_defined};
 use gfmd_unit::{Conversion, Units};
 use ndarray::Array2;
@@ -94,23 +95,27 @@ impl SourceArgs {
         let topography = match given {
             ArrayOption::File(name) => Topography::read(name, self.channel.as_deref()),
             ArrayOption::Array(array) => Topography::of_array("surface", &array.view()),
-            ArrayOption::Load(_) => return Err(Failure::Input("surface is a contact; it must be an array".into())),
+            ArrayOption::Load(_) => return Err(Failure::refused("surface is a contact; it must be an array")),
         };
-        let topography = topography.map_err(|error| Failure::Input(error.to_string()))?;
+        let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
         let name = given.to_string();
         let file = name.as_str();
         if topography.undefined > 0 && self.fill.is_none() {
             let refused = topography.check_complete().map_or_else(|error| error.to_string(), |()| file.into());
-            return Err(Failure::Input(format!(
-                "{refused}: --fill harmonic or --fill nearest gives them heights, \
-                 and gfmd.read_heights of Python reads them as NaN, to cut the good part out"
-            )));
+            return Err(Failure::refused(words![
+                refused,
+                ": ",
+                setting("fill", "harmonic"),
+                " or ",
+                setting("fill", "nearest"),
+                " gives them heights, and gfmd.read_heights of Python reads them as NaN, to cut the good part out",
+            ]));
         }
         let mut heights = topography.heights;
         let [nx, ny] = heights.dim().into();
         if nx < 2 {
             let reason = format!("{file}: the grid is {nx} x {ny} points; it must have at least 2 along x");
-            return Err(Failure::Input(reason));
+            return Err(Failure::refused(reason));
         }
         memory::fits(memory::SURFACE, file, [nx, ny])?;
         let mut notes = topography.notes;
@@ -119,7 +124,7 @@ impl SourceArgs {
             (Some(from), Some(to)) => Conversion::between(from, to),
             _ => Ok(None),
         };
-        if let Some(conversion) = conversion.map_err(|error| Failure::input("--unit", format!("{file}: {error}")))? {
+        if let Some(conversion) = conversion.map_err(|error| Failure::input(key("unit"), format!("{file}: {error}")))? {
             heights.mapv_inplace(|height| conversion.apply(height));
             size = size.map(|lengths| lengths.map(|length| conversion.apply(length)));
             notes.push(format!("heights and size converted {conversion}"));
@@ -128,7 +133,7 @@ impl SourceArgs {
         let lengths = match (&self.length[..], size.or(cell)) {
             ([], Some(lengths)) => lengths,
             ([], None) => {
-                notes.push("the file has no size; the cell is taken to be 1 long (--length gives it)".into());
+                notes.push("the file has no size; the cell is taken to be 1 long (it may be given)".into());
                 [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]
             }
             // A single length is the length along x; both spacings are equal.
@@ -136,12 +141,12 @@ impl SourceArgs {
             ([x, y, ..], _) => [*x, *y],
         };
         if let (false, Some([x, y])) = (self.length.is_empty(), size) {
-            notes.push(format!("--length replaces the size in the file, {x:?} by {y:?}"));
+            notes.push(format!("the given size replaces the one in the file, {x:?} by {y:?}"));
         }
         if unit.is_none() {
             notes.push("the file has no unit".into());
         }
-        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--length", error))?;
+        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input(key("length"), error))?;
         let mut description = topography.source;
         if self.flip {
             heights.mapv_inplace(|h| -h);

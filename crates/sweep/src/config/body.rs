@@ -1,24 +1,11 @@
 //! Elastic body of a configuration, built like the body of a contact.
 
 use gfmd_green::{Body, Height};
-use gfmd_problem::Unusable;
 use gfmd_problem::options::{BodyArgs, Layer, OtherArgs};
+use gfmd_problem::{Unusable, argument};
 
 use super::BodyConfig;
 use crate::SweepError;
-
-/// Options for the body of a contact, and the corresponding fields of a configuration. A name that is a prefix of
-/// another one follows it.
-const FIELDS: [(&str, &str); 8] = [
-    ("--base-young", "body.base_young"),
-    ("--base-poisson", "body.base_poisson"),
-    ("--base", "body.base"),
-    ("--young", "body.young"),
-    ("--poisson", "body.poisson"),
-    ("--height", "body.height"),
-    ("--layer", "body.layers"),
-    ("--second-body", "body.second_body"),
-];
 
 impl BodyConfig {
     /// Builds the elastic body under a cell of length 1.
@@ -51,5 +38,8 @@ impl BodyConfig {
 
 /// Returns the error message of the options with the names of the fields.
 fn in_fields(unusable: &Unusable) -> String {
-    FIELDS.iter().fold(unusable.to_string(), |text, (option, field)| text.replace(option, field))
+    unusable.words().spelled_by(|key, value| {
+        let value = value.map_or_else(String::new, |value| format!(" {value}"));
+        format!("body.{}{value}", argument(key))
+    })
 }

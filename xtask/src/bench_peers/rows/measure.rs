@@ -57,7 +57,7 @@ pub(super) struct Trial<'a> {
 }
 
 fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::Computation(error.to_string())
+    Failure::computation(error.to_string())
 }
 
 /// Surface to measure.
@@ -86,7 +86,7 @@ impl<'a> Trial<'a> {
     /// Refuses to go on after an interruption.
     fn go_on(&self) -> Result<(), Failure> {
         if self.session.is_interrupted() {
-            return Err(Failure::Interrupted("interrupted: bench-rows".into()));
+            return Err(Failure::interrupted("interrupted: bench-rows"));
         }
         Ok(())
     }
