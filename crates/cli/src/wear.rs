@@ -84,7 +84,7 @@ impl Args {
         Facts {
             wears: true,
             line,
-            approach: self.loads.flag() == "--displacement",
+            approach: self.loads.flag() == "--approach",
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }

@@ -90,9 +90,9 @@ parts! {
     /// Displacement known up to a constant.
     NoLevel: |_| ("--boundary", "free", "a profile on a half-space (--boundary free, --dim 2)"), |f| !f.has_level();
     /// Prescribed approach.
-    Approach: |_| ("--displacement", "given", "--displacement"), |f| f.approach;
+    Approach: |_| ("--approach", "given", "--approach"), |f| f.approach;
     /// Prescribed approach of a load, not of a path.
-    FixedApproach: |_| ("--displacement", "given", "--displacement"), |f| f.approach && f.task == Task::Loads;
+    FixedApproach: |_| ("--approach", "given", "--approach"), |f| f.approach && f.task == Task::Loads;
     /// Lateral motion without friction.
     Lateral: |_| ("--lateral", "given", "--lateral, unless there is --friction or --shear-strength"),
         |f| f.lateral && f.friction.is_none();

@@ -114,7 +114,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize("case", CASES)
 def test_the_file_is_that_of_the_program(case, folder, run_program):
     made, words = CASES[case]
-    length = () if words[0] == "punch" else ("--length", "1")
+    length = () if words[0] == "punch" else ("--size", "1")
     run_program(*words, *length, "--out", "theirs.h5")
     result = made(out="ours.h5")
     same(contents("ours.h5"), contents("theirs.h5"))

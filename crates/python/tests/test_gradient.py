@@ -74,7 +74,7 @@ def test_derivatives_are_difference_quotients(load, options):
 
 
 def test_it_is_that_of_a_file_and_of_the_other_load(tmp_path):
-    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1, tolerance=1e-12, stiffness_tol=1e-9)
+    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1, tolerance=1e-12, stiffness_tolerance=1e-9)
     plain = c.vjp(approach=1.0)
     assert plain.fixed == "mean_pressure" and plain.load == pytest.approx(1 / c.stiffness, rel=1e-8)
     assert c.vjp(mean_pressure=1.0, fixed="approach").load == pytest.approx(c.stiffness, rel=1e-8)

@@ -46,7 +46,7 @@ def test_the_stiffness_is_the_slope_of_the_load():
     low, high = (gfmd.contact(SMALL, BODY, approach=d, tolerance=1e-11) for d in (0.004, 0.004002))
     slope = (high.mean_pressure - low.mean_pressure) / (high.approach - low.approach)
     assert 0.5 * (low.stiffness + high.stiffness) == pytest.approx(slope, rel=1e-3)
-    exact = gfmd.contact(SMALL, BODY, approach=0.004, tolerance=1e-11, stiffness_tol=1e-9)
+    exact = gfmd.contact(SMALL, BODY, approach=0.004, tolerance=1e-11, stiffness_tolerance=1e-9)
     assert exact.stiffness_error <= 1e-9 and low.stiffness_error <= 5e-6
     assert low.stiffness == pytest.approx(exact.stiffness, rel=5e-6)
     assert np.isnan(gfmd.contact(SMALL, BODY, p_star=3.0).stiffness)

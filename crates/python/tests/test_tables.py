@@ -77,7 +77,7 @@ def test_a_body_from_a_table_or_a_function_is_the_body_that_it_samples(surface, 
         bodies[0] == bodies[1] == pickle.loads(pickle.dumps(bodies[0])) != half_space
         and len(bodies[0]["compliance"]) == 300
     )
-    found, wanted = (gfmd.contact(surface, body, p_star=0.05, stiffness_tol=1e-9) for body in (bodies[0], half_space))
+    found, wanted = (gfmd.contact(surface, body, p_star=0.05, stiffness_tolerance=1e-9) for body in (bodies[0], half_space))
     for name in ("displacement", "mean_gap", "elastic_energy", "stiffness", "kappa"):
         assert found[name] == pytest.approx(wanted[name], rel=1e-6)
     assert found.conductance() == pytest.approx(wanted.conductance(), rel=1e-6)

@@ -132,9 +132,9 @@ def test_units_that_are_mixed_up_are_told(scan):
         ("not with a law (--grid-error refine)", 'not with a law (grid_error="refine")'),
         ("--energy-solves 4 did not suffice", "energy_solves=4 did not suffice"),
         ("--unit gives them one, as in --unit um, or", 'unit gives them one, as in unit="um", or'),
-        ("--length 5e-324 is too small", "size=5e-324 is too small"),
-        ("--tol 1e-8.", "tolerance=1e-8."),
-        ("--displacement, load 0: 3", "approach, load 0: 3"),
+        ("--size 5e-324 is too small", "size=5e-324 is too small"),
+        ("--tolerance 1e-8.", "tolerance=1e-8."),
+        ("--approach, load 0: 3", "approach, load 0: 3"),
     ],
 )
 def test_messages_name_arguments_as_python_writes_them(said, spoken):
@@ -196,7 +196,7 @@ def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", pressed.surface.heights)
     words = (
-        f"contact --surface {tmp_path}/h.npy --unit um --length 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
+        f"contact --surface {tmp_path}/h.npy --unit um --size 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
         f" --statistics --flow --out {tmp_path}/c.h5"
     )
     gfmd._gfmd.report_of(words.split())
@@ -232,7 +232,7 @@ def test_a_reason_stands_where_a_number_is_none():
 def test_the_spectrum_is_that_of_the_program(scan, tmp_path):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", scan.heights)
-    gfmd._gfmd.report_of(f"surface --surface {tmp_path}/h.npy --length 50 --window hann --out {tmp_path}/s.h5".split())
+    gfmd._gfmd.report_of(f"surface --surface {tmp_path}/h.npy --size 50 --window hann --out {tmp_path}/s.h5".split())
     spectrum = scan.psd(window="hann")
     with h5py.File(tmp_path / "s.h5") as file:
         assert np.array_equal(file["spectrum/density"], spectrum.density)

@@ -32,7 +32,7 @@ def test_a_surface_runs_in_and_its_volume_is_known():
     ("words", "body", "given"),
     [
         (["--pressure=0.01,0.004"], {}, dict(mean_pressure=[0.01, 0.004])),
-        (["--displacement=0.005", "--height=0.3"], dict(height=0.3), dict(approach=0.005)),
+        (["--approach=0.005", "--height=0.3"], dict(height=0.3), dict(approach=0.005)),
         (["--p-star=0.05", "--boundary=free"], {}, dict(p_star=0.05, boundary="free")),
     ],
 )

@@ -218,20 +218,20 @@ fn advice(why: &Why, history: &History, tolerance: f64) -> String {
         Why::Iterations => match history.forecast(tolerance) {
             Some(needed) => format!(
                 "at its rate over the last half of the search it needs about {needed:.0} iterations; try \
-                 --max-iter {:.0}",
+                 --max-iterations {:.0}",
                 1.5 * needed
             ),
             None => format!(
-                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tol above \
+                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tolerance above \
                  {:.0e}",
                 history.residual.iter().copied().fold(tolerance, f64::min).max(tolerance)
             ),
         },
         Why::Rounding | Why::Certificate => {
-            format!("this precision does not hold the tolerance here; try --tol {:.0e}", 10.0 * tolerance)
+            format!("this precision does not hold the tolerance here; try --tolerance {:.0e}", 10.0 * tolerance)
         }
         Why::Direction | Why::NoDescent => {
-            format!("rounding may keep the residual up; try --tol {:.0e}, or another --solver", 10.0 * tolerance)
+            format!("rounding may keep the residual up; try --tolerance {:.0e}, or another --solver", 10.0 * tolerance)
         }
         Why::Circles | Why::Displaced => "try smaller steps of the load".into(),
         Why::Uphill { .. } | Why::Unsettled => "try another --solver, or smaller steps of the load".into(),
@@ -289,12 +289,12 @@ mod tests {
         assert!(history((0..200).map(|i| noise(i) * 1.01_f64.powi(i))).forecast(1e-12).is_none());
         assert!(history((0..200).map(|i| noise(i) * 0.9_f64.powi(i))).forecast(1e-30).is_some());
         let seen = NotConverged::of(0, vec![("load", 1.0)], 1e-2, &Why::Iterations, falling);
-        assert!(!seen.advice.contains("--max-iter"), "{}", seen.advice);
+        assert!(!seen.advice.contains("--max-iterations"), "{}", seen.advice);
         let short = history((0..20).map(|i| 0.9_f64.powi(i)));
         let reported = NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, short);
         assert_eq!(reported.criteria.len(), 1, "NaN passes no comparison");
         assert_eq!(reported.criteria[0].name, "gap");
-        assert!(reported.advice.contains("--max-iter"), "{}", reported.advice);
+        assert!(reported.advice.contains("--max-iterations"), "{}", reported.advice);
         assert_eq!(reported.history.to_string().chars().next(), Some('█'));
         assert_eq!(reported.history.to_string().chars().last(), Some('▁'));
     }

@@ -108,7 +108,7 @@ impl From<Refusal> for Failure {
     /// Puts the flag to which the refusal applies in front.
     fn from(refusal: Refusal) -> Self {
         let flag = match &refusal {
-            Refusal::Tolerance(_) => "--tol",
+            Refusal::Tolerance(_) => "--tolerance",
             Refusal::MeanPressure { .. }
             | Refusal::NotPressed { what: "mean pressure", .. }
             | Refusal::NotFinite { what: "mean pressure", .. }
@@ -127,7 +127,7 @@ impl From<Refusal> for Failure {
             | Refusal::Shallow { .. }
             | Refusal::Slight { .. }
             | Refusal::Unresolved { .. }
-            | Refusal::Rounding { .. } => "--displacement",
+            | Refusal::Rounding { .. } => "--approach",
             Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "--solver",
             Refusal::Law(_) => "--param",
             Refusal::Search(_) | Refusal::Overflow => return Self::Computation(refusal.to_string()),

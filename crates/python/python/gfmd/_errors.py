@@ -49,14 +49,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 # Arguments that have other names than the flags of the program.
-_NAMES = {
-    "tol": "tolerance",
-    "displacement": "approach",
-    "pressure": "mean_pressure",
-    "max_iter": "max_iterations",
-    "param": "law",
-    "length": "size",
-}
+_NAMES = {"param": "law"}
 
 
 # Values of flags in messages: numbers with their unit, and names of choices.

@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(plain(Kind::Contact, "/flow_threshold/x@units"), Some(Checksum));
         assert_eq!(plain(Kind::Contact, "/lower/height@units"), Some(Verified));
         assert_eq!(plain(Kind::Contact, "@created"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/surface@length_x"), Some(Verified));
+        assert_eq!(plain(Kind::Contact, "/surface@size_x"), Some(Verified));
         assert_eq!(plain(Kind::Contact, "/surface@format"), Some(Checksum));
         assert_eq!(plain(Kind::Contact, "/surface@a/b"), Some(Checksum));
         assert_eq!(plain(Kind::Contact, "/surface/x"), None);

@@ -28,7 +28,7 @@ pub struct Scan {
     pub channel: Option<String>,
     /// Points and size of the scan itself, before it is made periodic.
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     pub unit: Option<String>,
     /// Longest and shortest wavelengths that the scan resolves: its (shorter) side and two (larger) spacings.
     pub resolves: [f64; 2],
@@ -125,23 +125,23 @@ impl SourceArgs {
             notes.push(format!("heights and size converted {conversion}"));
         }
         let unit = self.unit.clone().or(topography.unit);
-        let lengths = match (&self.length[..], size.or(cell)) {
+        let lengths = match (&self.size[..], size.or(cell)) {
             ([], Some(lengths)) => lengths,
             ([], None) => {
-                notes.push("the file has no size; the cell is taken to be 1 long (--length gives it)".into());
+                notes.push("the file has no size; the cell is taken to be 1 long (--size gives it)".into());
                 [1.0, if ny == 1 { 1.0 } else { ny as f64 / nx as f64 }]
             }
             // A single length is the length along x; both spacings are equal.
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };
-        if let (false, Some([x, y])) = (self.length.is_empty(), size) {
-            notes.push(format!("--length replaces the size in the file, {x:?} by {y:?}"));
+        if let (false, Some([x, y])) = (self.size.is_empty(), size) {
+            notes.push(format!("--size replaces the size in the file, {x:?} by {y:?}"));
         }
         if unit.is_none() {
             notes.push("the file has no unit".into());
         }
-        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--length", error))?;
+        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input("--size", error))?;
         let mut description = topography.source;
         if self.flip {
             heights.mapv_inplace(|h| -h);
@@ -177,7 +177,7 @@ impl SourceArgs {
             format: topography.format,
             channel: topography.channel,
             n: [nx, ny],
-            length: grid.lengths(),
+            size: grid.lengths(),
             unit,
             resolves: resolved(&grid),
             undefined,
