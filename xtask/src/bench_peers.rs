@@ -77,8 +77,8 @@ pub struct Args {
     #[serde(with = "named")]
     pub boundary: Boundary,
     /// A table of all loads, from first touch to full contact, with periodic and free boundaries and with a hardness:
-    /// what every program reaches there, judged by one certificate, and what fails. Each is asked for --tolerance, and up to
-    /// twice for less
+    /// what every program reaches there, judged by one certificate, and what fails. Each is asked for --tolerance, and
+    /// up to twice for less
     #[arg(long, conflicts_with_all = ["quick", "solvers"])]
     pub any_load: bool,
     /// With --any-load: leave times out, as on a machine that is not idle

@@ -54,7 +54,8 @@ struct Runs {
 }
 
 impl Runs {
-    /// Runs `gfmd COMMAND --json` once and returns its output. A search stopped by `--max-iterations` has printed its state.
+    /// Runs `gfmd COMMAND --json` once and returns its output. A search stopped by `--max-iterations` has printed
+    /// its state.
     fn run(&mut self, command: &str) -> Result<&Value, Failure> {
         if !self.reports.contains_key(command) {
             let failed = |reason: String| Failure::Computation(format!("gfmd {command}: {reason}"));

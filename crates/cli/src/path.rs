@@ -240,8 +240,8 @@ fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Arg
         "increments",
         format!(
             "step {first}{others}: shear, lost energy and sticking points may change by more than --energy-tolerance \
-             {energy_tolerance} with more increments; --energy-solves {energy_solves} did not suffice: about {settling} \
-             should, or take more --steps"
+             {energy_tolerance} with more increments; --energy-solves {energy_solves} did not suffice: about \
+             {settling} should, or take more --steps"
         ),
     );
 }

@@ -14,7 +14,7 @@ MORSE = dict(gamma=2e-4, range=2e-3)
 TIMES = ("seconds", "peak_bytes")
 
 CASES = {
-    "pressures": (["--pressure=0.002,0.01"], SURFACE, {}, dict(mean_pressure=[0.002, 0.01])),
+    "pressures": (["--pressure=0.002,0.01"], SURFACE, {}, dict(pressure=[0.002, 0.01])),
     "reduced": (["--p-star=0.01,0.1"], SURFACE, {}, dict(p_star=[0.01, 0.1])),
     "approach": (["--approach=0.002"], SURFACE, {}, dict(approach=[0.002])),
     "slab": (
@@ -94,12 +94,7 @@ CASES = {
         dict(approach=[0.003], boundary="free"),
     ),
     "continued": (
-        [
-            "--approach=-0.001,0.001",
-            "--law=exponential",
-            "--param=gamma=0.0002,range=0.002",
-            "--range-continuation",
-        ],
+        ["--approach=-0.001,0.001", "--law=exponential", "--param=gamma=0.0002,range=0.002", "--range-continuation"],
         SURFACE,
         {},
         dict(approach=[-0.001, 0.001], law=("exponential", MORSE), range_continuation=True),
@@ -146,7 +141,7 @@ CASES = {
         dict(height=0.3),
         dict(p_star=[0.05], lower_surface=dict(SURFACE, dim=2, seed=4)),
     ),
-    "length": (["--p-star=0.05", "--size=1.3"], dict(SURFACE, size=1.3), {}, dict(p_star=[0.05])),
+    "size": (["--p-star=0.05", "--size=1.3"], dict(SURFACE, size=1.3), {}, dict(p_star=[0.05])),
     "oblong": (["--p-star=0.05", "--n=64,48"], dict(SURFACE, n=(64, 48)), {}, dict(p_star=[0.05])),
     "line": (["--p-star=0.05", "--dim=2"], dict(SURFACE, dim=2), {}, dict(p_star=[0.05])),
 }
@@ -241,7 +236,7 @@ def test_surfaces_are_those_of_the_program(name, run_program, tmp_path):
     wanted = run_program("surface", *words, f"--out={tmp_path / 'h.npy'}")
     found = gfmd.self_affine(**arguments)
     heights = np.load(tmp_path / "h.npy")
-    assert found.heights.tobytes() == heights.tobytes() and found.size == tuple(wanted["length"])
+    assert found.heights.tobytes() == heights.tobytes() and found.size == tuple(wanted["size"])
     statistics = found.statistics()
     fitted = ("source", "unit", "asked", "out", "hurst", "hurst_error", "hurst_range")
     same(statistics, {key: value for key, value in wanted.items() if key not in fitted and not isinstance(value, list)})
@@ -327,7 +322,7 @@ PATHS = {
             s(),
             gfmd.Body(poisson=0.5),
             shear_strength=0.01,
-            mean_pressure=0.005,
+            pressure=0.005,
             lateral=[0, 0.001, 0],
             direction=30,
             steps=3,
@@ -357,7 +352,7 @@ def test_paths_are_those_of_the_program(name, run_program, tmp_path):
         "law",
         "direction",
         "n",
-        "length",
+        "size",
         "e_star",
         "rms_gradient",
         "rms_height",
@@ -377,7 +372,7 @@ def test_punches_and_fields_below_are_those_of_the_program(run_program, tmp_path
         (["--n=32", "--nodes=inclusive"], dict(n=32, nodes="inclusive"), None),
         (
             ["--n=64", "--dim=2", "--contact=frictionless", "--size=2", "--height=0.7", "--young=3", "--poisson=0.2"],
-            dict(n=64, dim=2, contact="frictionless", length=2.0),
+            dict(n=64, dim=2, contact="frictionless", size=2.0),
             gfmd.Body(3.0, 0.2, height=0.7),
         ),
         (["--n=16", "--refine=2", "--height=inf", "--young=1", "--poisson=0"], dict(n=16, refine=2), gfmd.Body()),

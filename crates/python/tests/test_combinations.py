@@ -117,13 +117,13 @@ def draw(index, folder):
         is_free and is_line and body.get("base", "bonded" if "height" in body else None) in (None, "half-space")
     )
     control = dice.choice(
-        ["pressure", "p-star"] if kind == "all" or is_floating else ["pressure", "p-star", "displacement"]
+        ["pressure", "p-star"] if kind == "all" or is_floating else ["pressure", "p-star", "approach"]
     )
     count = dice.randint(2, 3) if is_path else dice.randint(1, 3)
-    scale = {"pressure": 0.02, "p-star": 0.3, "displacement": 0.003}[control]
+    scale = {"pressure": 0.02, "p-star": 0.3, "approach": 0.003}[control]
     loads = [round(scale * dice.uniform(0.1, 1), 6) for _ in range(count)]
     words.append(f"--{control}=" + ",".join(map(repr, loads)))
-    options[{"pressure": "mean_pressure", "p-star": "p_star", "displacement": "approach"}[control]] = loads
+    options[control.replace("-", "_")] = loads
     if is_path:
         words.append("--steps=2")
         options["steps"] = 2

@@ -24,7 +24,7 @@ CASES = {
         ("path", "--surface", "h.npy", "--p-star", "0.05", "--friction", "0.3", "--lateral", "0,0.001", "--steps", "1"),
     ),
     "creep": (
-        lambda **more: gfmd.path(ROUGH, RUBBER, mean_pressure=0.01, time=[0, 1], steps=1, **more),
+        lambda **more: gfmd.path(ROUGH, RUBBER, pressure=0.01, time=[0, 1], steps=1, **more),
         ("path", "--surface", "h.npy", *PRONY, "--pressure", "0.01", "--time", "0,1", "--steps", "1"),
     ),
     "imprint": (

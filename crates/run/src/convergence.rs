@@ -222,8 +222,8 @@ fn advice(why: &Why, history: &History, tolerance: f64) -> String {
                 1.5 * needed
             ),
             None => format!(
-                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tolerance above \
-                 {:.0e}",
+                "the residual has stopped falling; try another --solver, smaller steps of the load, or a --tolerance \
+                 above {:.0e}",
                 history.residual.iter().copied().fold(tolerance, f64::min).max(tolerance)
             ),
         },

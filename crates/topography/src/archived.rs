@@ -365,7 +365,7 @@ impl Places {
                 heights[place] = packing.value(*number);
             }
             if self.lengths.is_none() {
-                notes.push(format!("{values} has no unit of length; the size is not read (--length gives it)"));
+                notes.push(format!("{values} has no unit of length; the size is not read (--size gives it)"));
             }
         } else {
             for (row, number) in numbers.enumerate().take(nx * ny) {

@@ -610,8 +610,8 @@ fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() 
         for (tolerance, iterations) in [(1e-3, 100_000), (1e-8, 100_000), (1e-8, 1), (1e-8, 4), (1e-8, 12), (1e-10, 30)]
         {
             let line = format!(
-                "contact --n 16 --eps-f-inv 4 {flags} --tolerance {tolerance:e} --max-iterations {iterations} --json --quiet \
-                 --out c.h5"
+                "contact --n 16 --eps-f-inv 4 {flags} --tolerance {tolerance:e} --max-iterations {iterations} --json \
+                 --quiet --out c.h5"
             );
             let output = gfmd(folder, &line.split_whitespace().collect::<Vec<_>>());
             let message = String::from_utf8_lossy(&output.stderr);

@@ -83,8 +83,8 @@ struct Base {
 const BASES: &[Base] = &[
     Base {
         line: "contact --n 8 --eps-f-inv 2 --p-star 0.05",
-        numbers: "--size --young --poisson --e-star --height --tolerance --hurst --eps-t-inv --eps-f-inv --rms-gradient \
-                  --rms-height --roll-off --p-star --pressure --approach",
+        numbers: "--size --young --poisson --e-star --height --tolerance --hurst --eps-t-inv --eps-f-inv \
+                  --rms-gradient --rms-height --roll-off --p-star --pressure --approach",
         counts: "--n --max-iterations --threads --seed --dim",
         lists: "--p-star --pressure --approach --size --n",
     },
@@ -103,8 +103,8 @@ const BASES: &[Base] = &[
     Base {
         line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --approach=-0.005,0.005 \
                --steps 1 --max-iterations 3000",
-        numbers: "--size --young --height --tolerance --energy-tolerance --approach --pressure --lateral --direction @gamma \
-                  @range",
+        numbers: "--size --young --height --tolerance --energy-tolerance --approach --pressure --lateral --direction \
+                  @gamma @range",
         counts: "--steps --max-iterations --energy-solves --n",
         lists: "--approach --lateral",
     },

@@ -319,7 +319,8 @@ fn hard_wall() {
 fn laws() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let morse = "contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --law morse --param gamma=1e-4,range=0.01 --p-star 0.05 --tolerance 1e-6";
+    let morse = "contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --law morse --param gamma=1e-4,range=0.01 --p-star 0.05 \
+                 --tolerance 1e-6";
     check(
         folder,
         "contact-exponential",

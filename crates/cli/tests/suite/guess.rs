@@ -142,17 +142,20 @@ fn former_names_of_options_are_understood() {
     let folder = folder();
     for (former, present) in [
         (
-            "contact scan.npy --length=100 um --unit um --young 70GPa --displacement 1 nm,3 nm --tol 1e-9 --max-iter 999",
-            "contact scan.npy --size 100um --unit um --young 70GPa --approach 1nm,3nm --tolerance 1e-9 --max-iterations 999",
+            "contact scan.npy --length=100 um --unit um --young 70GPa --displacement 1 nm,3 nm --tol 1e-9 \
+             --max-iter 999",
+            "contact scan.npy --size 100um --unit um --young 70GPa --approach 1nm,3nm --tolerance 1e-9 \
+             --max-iterations 999",
         ),
         (
             "contact --n 16 --length 1mm --young 2GPa --pressure 1MPa --stiffness-tol 1e-9",
             "contact --n 16 --size 1mm --young 2GPa --pressure 1MPa --stiffness-tolerance 1e-9",
         ),
         (
-            "path --n 16 --eps-f-inv 4 --friction 0.3 --displacement -0.001,0.002 --lateral 0,0.001 --steps 1 --energy-tol 1e-2",
-            "path --n 16 --eps-f-inv 4 --friction 0.3 --approach=-0.001,0.002 --lateral 0,0.001 --steps 1 \
-          --energy-tolerance 1e-2",
+            "path --n 16 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=0.02 --coarse \
+             --displacement -0.001,0.002 --steps 1 --energy-tol 1e-2",
+            "path --n 16 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=0.02 --coarse \
+             --approach=-0.001,0.002 --steps 1 --energy-tolerance 1e-2",
         ),
     ] {
         same(folder.path(), former, present);

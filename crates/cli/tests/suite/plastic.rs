@@ -66,7 +66,8 @@ fn a_path_keeps_its_plastic_depth_and_is_checked() {
         ("elastic", "--boundary free"),
     ] {
         let run = format!(
-            "path --n 24 --eps-f-inv 6 {flags} --p-star 0.05,0.4,0.02,0.4 --steps 2 --tolerance 1e-10 --out {name}.h5 --json"
+            "path --n 24 --eps-f-inv 6 {flags} --p-star 0.05,0.4,0.02,0.4 --steps 2 --tolerance 1e-10 --out {name}.h5 \
+             --json"
         );
         let report = json(folder.path(), &words(&run));
         let steps = report["steps"].as_array().unwrap();

@@ -140,8 +140,8 @@ fn punches_of_any_shape_with_shift_and_traction_are_those_of_dense_solutions() {
         };
         let how = if case["sticking"] == true { "--shift 0.004,-0.007" } else { "--contact frictionless" };
         let flags = format!(
-            "punch --size 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tolerance 1e-12 --out m.h5 \
-             --json"
+            "punch --size 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tolerance 1e-12 --out \
+             m.h5 --json"
         );
         let report = json(folder.path(), &words(&flags));
         assert_eq!(

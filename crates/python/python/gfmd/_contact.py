@@ -686,9 +686,7 @@ class Contacts(Result, Sequence[Contact]):
     def _rows(self) -> list[list[str]]:
         """Returns the rows of the table, headings first."""
         head, digits = list(_HEAD), ".4e"
-        approach, gap = (
-            np.array([contact[name] for contact in self._contacts]) for name in ("approach", "mean_gap")
-        )
+        approach, gap = (np.array([contact[name] for contact in self._contacts]) for name in ("approach", "mean_gap"))
         if self._contacts and self._contacts[0].units[0] is not None:
             from . import _show
 

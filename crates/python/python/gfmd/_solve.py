@@ -123,7 +123,8 @@ class _Setup:
         """Solves the contact under one load, from a state, or from the start set by the options."""
         state, record, failure, raised = self.problem.solve(control, value, start, self.threads, progress.tick)
         parts = (self.surface, self.body, self.law)
-        contact = Contact(of_load(record), parts, dict(state.fields), self.settings._replace(load=(control, value)), state)
+        settings = self.settings._replace(load=(control, value))
+        contact = Contact(of_load(record), parts, dict(state.fields), settings, state)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:

@@ -73,7 +73,7 @@ const ALL: &[Row] = &[
 const SURFACE: &[Row] = &[
     row(&["/surface/height"], Verified, Verified, "height_sha256, the fields, the generator of generated heights"),
     row(
-        &["/surface@rms_gradient", "/surface@boundary", "/surface@height_sha256", "/surface@length_*"],
+        &["/surface@rms_gradient", "/surface@boundary", "/surface@height_sha256", "/surface@size_*"],
         Verified,
         Verified,
         "the heights and the configuration",
@@ -126,7 +126,7 @@ const CONTACT: &[Row] = &[
         Verified,
         "each other, the generator of generated heights",
     ),
-    row(&["/lower@rms_gradient", "/lower@boundary", "/lower@length_*"], Verified, Verified, "the heights"),
+    row(&["/lower@rms_gradient", "/lower@boundary", "/lower@size_*"], Verified, Verified, "the heights"),
     row(&["/lower/*"], Verified, Verified, "the layout that the configuration gives"),
     row(&["/lower@description"], InPart, InPart, "the generator of generated heights"),
     row(&["/lower@*"], Checksum, Checksum, ""),

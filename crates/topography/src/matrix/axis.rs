@@ -212,7 +212,7 @@ impl Axis {
         let (_, half) = self.rounded.as_ref()?;
         Some(format!(
             "the coordinates {name} are rounded; a spacing of {:.6e}, within {:.1e}, agrees with their digits \
-             (--length gives it exactly)",
+             (--size gives it exactly)",
             self.step, half
         ))
     }

@@ -226,7 +226,7 @@ impl Header {
         let listed: Vec<String> = unknown.map(|line| format!("{line:?}")).collect();
         (!listed.is_empty()).then(|| {
             format!(
-                "the head has lines that are not used: {}; --length and --unit give size and unit",
+                "the head has lines that are not used: {}; --size and --unit give size and unit",
                 listed.join(", ")
             )
         })
