@@ -205,8 +205,8 @@ class Numbers(Record):
 
     @property
     def stiffness(self) -> float:
-        """Stress/length: d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness
-        with their pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the
+        """Stress/length: d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with
+        their pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the
         attribute undefined says why.
         """
 
